@@ -1,0 +1,173 @@
+"""Finding, merging and reading rule files.
+
+built-in rules/  <-  the user's --rules DIR        (key by key; the user's value wins)
+                 =   the rules of this run, hashed into the timeline's `rules_digest`
+"""
+
+import hashlib
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files as package_files
+from pathlib import Path
+from typing import Any, TypeVar
+
+import msgspec
+
+from ..errors import RuleError
+from ..model import Quality
+from .tables import ActuatorProfile, AlignRules, QualityRules, SceneRules, Table, to_builtins
+
+_T = TypeVar("_T", bound=Table)
+
+
+@dataclass(frozen=True)
+class Rules:
+    """All rules of a run but the actuator's, with the digest of everything that was read."""
+
+    quality: Quality
+    tier: QualityRules
+    scenes: SceneRules
+    align: AlignRules
+    digest: str
+    overlay: Path | None = None
+
+
+@cache
+def builtin() -> Path:
+    """Return the folder of the rules that come with the package: in the wheel, or at the top of a checkout."""
+    packaged = Path(str(package_files("blastline"))) / "rules"
+    return packaged if packaged.is_dir() else Path(__file__).parents[3] / "rules"
+
+
+def rules_path(relative: str, overlay: Path | None = None) -> Path:
+    """Return the file that holds a rule: the user's where there is one, else the built-in one."""
+    own = overlay / relative if overlay else None
+    return own if own is not None and own.is_file() else builtin() / relative
+
+
+def load_rules(quality: Quality, overlay: Path | None = None) -> Rules:
+    """Read the rules of a quality tier, with the user's folder laid over the built-in one.
+
+    Raises RuleError for a folder that does not exist or a file that does not fit.
+    """
+    if overlay is not None and not overlay.is_dir():
+        raise RuleError(f"{overlay}: not a folder; --rules expects a folder laid out like the built-in rules")
+    tier = _merged(f"quality/{quality}.toml", QualityRules, overlay)
+    scenes = _merged("scenes.toml", SceneRules, overlay)
+    align = _merged("align.toml", AlignRules, overlay)
+    model = rules_path(f"verifier/{tier.verify.model}", overlay)
+    if not model.is_file():
+        raise RuleError(f"{model}: no such file; [verify] model = {tier.verify.model!r} expects it under verifier/")
+    digest = hashlib.sha256(msgspec.json.encode([to_builtins(t) for t in (tier, scenes, align)]))
+    digest.update(model.read_bytes())
+    return Rules(quality, tier, scenes, align, digest.hexdigest(), overlay)
+
+
+def actuator_names(overlay: Path | None = None) -> list[str]:
+    """Return the names of the actuator profiles that `load_actuator` knows."""
+    folders = [builtin()] + ([overlay] if overlay else [])
+    return sorted({file.stem for folder in folders for file in folder.glob("actuators/*.toml")})
+
+
+def load_actuator(name: str, overlay: Path | None = None) -> tuple[ActuatorProfile, str]:
+    """Return a profile, by name or by the path of its file, and its digest.
+
+    Raises RuleError where it does not exist, does not fit, or describes an unstable actuator.
+    """
+    path = Path(name) if name.endswith(".toml") else rules_path(f"actuators/{name}.toml", overlay)
+    if not path.is_file():
+        known = ", ".join(actuator_names(overlay))
+        raise RuleError(f"{name}: no such actuator profile; expected a .toml file or one of: {known}")
+    profile = convert(read_toml(path), ActuatorProfile, path)
+    check_stable(profile, path)
+    return profile, hashlib.sha256(msgspec.json.encode(profile)).hexdigest()
+
+
+def check_stable(profile: ActuatorProfile, path: Path) -> None:
+    """Raise RuleError where a pole does not decay or a zero cannot be inverted by a stable compensator."""
+    response = profile.response
+    for kind, roots in (("pole", response.poles_rad_s), ("zero", response.zeros_rad_s)):
+        for index, (real, imaginary) in enumerate(roots):
+            where = f"{path}: response.{kind}s_rad_s[{index}] = [{real}, {imaginary}]"
+            if real >= 0.0:
+                raise RuleError(f"{where}: expected a negative real part (stable, minimum phase)")
+            if (real, -imaginary) not in roots:
+                raise RuleError(f"{where}: expected its conjugate [{real}, {-imaginary}] in the list as well")
+    if len(response.zeros_rad_s) >= len(response.poles_rad_s):
+        raise RuleError(f"{path}: response: expected more poles than zeros (an actuator cannot follow any frequency)")
+    excess = len(response.poles_rad_s) - len(response.zeros_rad_s)
+    if profile.lowpass.order <= excess:
+        raise RuleError(
+            f"{path}: lowpass.order = {profile.lowpass.order}: expected more than {excess}, "
+            "the compensator's rise per octave, so that its gain falls above the band"
+        )
+
+
+def check_rules(overlay: Path) -> Iterator[str]:
+    """Read every rule of the user's folder and yield the name of each file that is sound.
+
+    Raises RuleError at the first that is not, or where a file is none that blastline reads.
+    """
+    known = {"scenes.toml", "align.toml", *(f"quality/{q}.toml" for q in ("draft", "standard", "reference"))}
+    load_rules("standard", overlay)
+    for file in sorted(p for p in overlay.rglob("*.toml") if p.is_file()):
+        relative = file.relative_to(overlay).as_posix()
+        if relative.startswith("actuators/"):
+            load_actuator(str(file))
+        elif relative.startswith("quality/") and relative in known:
+            _merged(relative, QualityRules, overlay)
+        elif relative not in known:
+            raise RuleError(
+                f"{file}: not a rule file that blastline reads; expected actuators/*.toml or {sorted(known)}"
+            )
+        yield relative
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Return the content of a TOML file; RuleError names the file and the line that does not parse."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise RuleError(f"{path}: cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise RuleError(f"{path}: not a TOML file: {error}") from error
+
+
+def convert(plain: dict[str, Any], table: type[_T], path: Path) -> _T:
+    """Return plain data as a table; RuleError names the file, the key, its value and what was expected."""
+    try:
+        return msgspec.convert(plain, table)
+    except msgspec.ValidationError as error:
+        complaint, _, place = str(error).partition(" - at `$.")
+        key = place.rstrip("`")
+        value = _value_at(plain, key) if key else {}
+        shown = "" if isinstance(value, dict | list) else f" = {value!r}"
+        raise RuleError(f"{path}: {key or 'top level'}{shown}: {complaint}") from error
+
+
+def _value_at(plain: Any, key: str) -> Any:
+    """Return the value at a msgspec path such as `response.zeros[0]`."""
+    for step in key.replace("[", ".").replace("]", "").split("."):
+        plain = plain[int(step)] if isinstance(plain, list) else plain[step]
+    return plain
+
+
+def _merged(relative: str, table: type[_T], overlay: Path | None) -> _T:
+    """Return a rule file with the user's keys laid over it; messages name the file that holds the user's key."""
+    path = builtin() / relative
+    plain = read_toml(path)
+    own = overlay / relative if overlay else None
+    if own is not None and own.is_file():
+        path, plain = own, _overlay(plain, read_toml(own))
+    return convert(plain, table, path)
+
+
+def _overlay(under: dict[str, Any], over: dict[str, Any]) -> dict[str, Any]:
+    """Return `under` with the keys of `over` in place of its own, table by table."""
+    merged = dict(under)
+    for key, value in over.items():
+        below = under.get(key)
+        merged[key] = _overlay(below, value) if isinstance(value, dict) and isinstance(below, dict) else value
+    return merged

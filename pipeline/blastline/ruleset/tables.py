@@ -1,0 +1,173 @@
+"""One struct for each table of a rule file: its keys, their units (as suffix) and their allowed ranges.
+
+Every table carries `source`, which says where its numbers come from: a paper, a measurement or a study run.
+"""
+
+from typing import Annotated, Any, Literal
+
+import msgspec
+from msgspec import Meta
+
+Positive = Annotated[float, Meta(gt=0.0)]
+NonNegative = Annotated[float, Meta(ge=0.0)]
+Ratio = Annotated[float, Meta(ge=0.0, le=1.0)]
+Level = Annotated[float, Meta(ge=-200.0, le=200.0)]
+Count = Annotated[int, Meta(ge=1)]
+Source = Annotated[str, Meta(min_length=3)]
+
+
+class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A table of a rule file: unknown and missing keys are errors."""
+
+    source: Source
+
+
+class ScanRules(Table, frozen=True):
+    """The cheap pass over the whole film that names the candidates.
+
+    A candidate is a step of `window_ms` whose peak rises by `jump_db` over everything in the past `history_ms`, in
+    the waveform or (`difference_jump_db`, where given) in its first difference, and stays the loudest within
+    `separation_ms`. Below `floor_dbfs` nothing counts.
+    """
+
+    window_ms: Annotated[float, Meta(ge=0.25, le=5.0)]
+    history_ms: Annotated[float, Meta(ge=5.0, le=200.0)]
+    jump_db: Annotated[float, Meta(ge=1.0, le=40.0)]
+    difference_jump_db: Annotated[float, Meta(ge=1.0, le=40.0)]
+    separation_ms: Annotated[float, Meta(ge=2.0, le=100.0)]
+    floor_dbfs: Annotated[float, Meta(ge=-140.0, le=-20.0)]
+
+
+class OnsetRules(Table, frozen=True):
+    """Where in the waveform a candidate starts: the first sample of its rise."""
+
+    search_ms: Positive
+    noise_ms: Positive
+    quiet_ms: Positive
+    noise_ratio: Annotated[float, Meta(ge=1.0, le=4.0)]
+    peak_ratio: Annotated[float, Meta(gt=0.0, lt=0.5)]
+
+
+class VerifyRules(Table, frozen=True):
+    """Which model tells shots from everything else, and from which probability on it is believed."""
+
+    model: str
+    threshold: Ratio
+
+
+class SegmentRules(Table, frozen=True):
+    """Where the blast ends, what counts as a reflection, and when the decay is over."""
+
+    longest_blast_ms: Positive
+    blast_decay_db: Annotated[float, Meta(gt=0.0, le=60.0)]
+    earliest_reflection_ms: Positive
+    latest_reflection_ms: Positive
+    reflection_level_db: Annotated[float, Meta(ge=-60.0, le=0.0)]
+    decay_db: Annotated[float, Meta(gt=0.0, le=80.0)]
+    shortest_ms: Positive
+    longest_ms: Positive
+
+
+class BurstRules(Table, frozen=True):
+    """Which shots belong together as automatic fire."""
+
+    longest_gap_ms: Positive
+    fewest_shots: Annotated[int, Meta(ge=2)]
+
+
+class WindowRules(Table, frozen=True):
+    """How a shot's window lies around it; the fade-in is over `guard_ms` before the onset."""
+
+    fade_in_ms: NonNegative
+    guard_ms: NonNegative
+    fade_out_ms: NonNegative
+
+
+class RenderRules(Table, frozen=True):
+    """How the drive is computed inside a window."""
+
+    preroll_ms: NonNegative
+    lead_ms: NonNegative
+    level_db: Annotated[float, Meta(ge=-40.0, le=40.0)]
+    solver_rate_hz: Annotated[int, Meta(ge=4000)]
+    iterations: Count
+    tolerance: Annotated[float, Meta(ge=0.0, lt=1.0)]
+
+
+class QualityRules(Table, frozen=True):
+    """`quality/*.toml`: the detection and rendering settings of a tier."""
+
+    schema: Literal[1]
+    scan: ScanRules
+    onset: OnsetRules
+    verify: VerifyRules
+    segment: SegmentRules
+    bursts: BurstRules
+    windows: WindowRules
+    render: RenderRules
+
+
+class SceneRules(Table, frozen=True):
+    """`scenes.toml`: what a scene requires, hence which drive model `--drive auto` takes.
+
+    Direct conversion is enough where its predicted perceived level is within `direct_level_db` of the target and its
+    waveform correlates by `direct_fidelity`; the filter is enough where its peak stays within the limit.
+    """
+
+    schema: Literal[1]
+    direct_level_db: NonNegative
+    direct_fidelity: Ratio
+
+
+class AlignRules(Table, frozen=True):
+    """`align.toml`: what an alignment check's figure has to stay within."""
+
+    schema: Literal[1]
+    onset_error_ms: Positive
+    lag_causal_ms: Positive
+    lag_zero_samples: Positive
+    correlation: Ratio
+    preecho_db: Level
+    preecho_guard_ms: NonNegative
+    drift_samples: NonNegative
+
+
+class LowPass(Table, frozen=True):
+    """The Butterworth low-pass that follows the compensator."""
+
+    corner_hz: Positive
+    order: Annotated[int, Meta(ge=1, le=12)]
+
+
+class HighPass(Table, frozen=True):
+    """The Butterworth high-pass that keeps DC and rumble out of the drive."""
+
+    corner_hz: Positive
+    order: Annotated[int, Meta(ge=1, le=4)]
+
+
+class Response(Table, frozen=True):
+    """The felt response of actuator and skin together, H(s) = gain * prod(s - zero) / prod(s - pole).
+
+    Zeros and poles are in rad/s as [real, imaginary] pairs; complex ones are listed with their conjugate.
+    """
+
+    gain: Annotated[float, Meta(gt=0.0)]
+    zeros_rad_s: tuple[tuple[float, float], ...]
+    poles_rad_s: Annotated[tuple[tuple[float, float], ...], Meta(min_length=1)]
+
+
+class ActuatorProfile(Table, frozen=True):
+    """`actuators/*.toml`: a seat actuator with the skin behind it, and the filters its drive needs."""
+
+    schema: Literal[1]
+    name: Annotated[str, Meta(min_length=1)]
+    response: Response
+    lowpass: LowPass
+    highpass: HighPass
+
+
+def to_builtins(table: Table) -> dict[str, Any]:
+    """Return a table as plain dictionaries, lists, strings and numbers."""
+    plain: dict[str, Any] = msgspec.to_builtins(table)
+    return plain

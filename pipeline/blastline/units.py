@@ -1,0 +1,63 @@
+"""Conversions between the units of people (seconds, decibels) and of the code (samples, gains).
+
+Every conversion from time to samples goes through `samples_from_s`, so that rounding happens in one place.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+SILENCE_DB = -240.0
+"""What a level of exactly zero is called: below the quietest step of 32-bit audio, and finite, so JSON holds it."""
+
+
+def samples_from_s(duration_s: float, rate_hz: int) -> int:
+    """Return the nearest whole number of samples, halves upwards (Python's `round` goes to even).
+
+    >>> samples_from_s(0.5, 3), samples_from_s(-0.5, 3)
+    (2, -1)
+    """
+    return math.floor(duration_s * rate_hz + 0.5)
+
+
+def samples_from_ms(duration_ms: float, rate_hz: int) -> int:
+    """Return the nearest whole number of samples.
+
+    >>> samples_from_ms(1.0, 44_100)
+    44
+    """
+    return samples_from_s(duration_ms / 1000.0, rate_hz)
+
+
+def ms_from_samples(samples: float, rate_hz: int) -> float:
+    """Return the duration in milliseconds.
+
+    >>> ms_from_samples(48, 48_000)
+    1.0
+    """
+    return samples * 1000.0 / rate_hz
+
+
+def gain_from_db(level_db: float) -> float:
+    """Return the amplitude ratio of a level.
+
+    >>> gain_from_db(20.0)
+    10.0
+    """
+    return float(10.0 ** (level_db / 20.0))
+
+
+def db_from_gain(gain: float) -> float:
+    """Return the level of an amplitude ratio; zero gives `SILENCE_DB`.
+
+    >>> db_from_gain(10.0), db_from_gain(0.0)
+    (20.0, -240.0)
+    """
+    return max(SILENCE_DB, 20.0 * math.log10(gain)) if gain > 0.0 else SILENCE_DB
+
+
+def levels_db(gains: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Return the level of each amplitude ratio, as `db_from_gain` does for one."""
+    floor = 10.0 ** (SILENCE_DB / 20.0)
+    return np.asarray(20.0 * np.log10(np.maximum(gains, floor)), dtype=np.float64)
