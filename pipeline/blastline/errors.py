@@ -10,6 +10,8 @@ The message holds the file, the key or time, the value, and what was expected. T
 exits with 2. A *finding* (a rejected candidate, a failed alignment check) is data, never an exception.
 """
 
+from typing import Any
+
 
 class BlastlineError(Exception):
     """Base of every error that a user can cause and mend."""
@@ -29,3 +31,24 @@ class OutputError(BlastlineError, OSError):
 
 class TimelineError(BlastlineError, ValueError):
     """A timeline file cannot be used."""
+
+
+def misfit(plain: Any, error: Exception) -> str:
+    """Return which key of plain data does not fit, its value and what was expected, from msgspec's complaint.
+
+    >>> misfit({"scan": {"window_ms": 0}}, ValueError("Expected `float` > 0.0 - at `$.scan.window_ms`"))
+    'scan.window_ms = 0: expected `float` > 0.0'
+    """
+    complaint, _, place = str(error).partition(" - at `$")
+    key = place.strip(".`")
+    value = _value_at(plain, key)
+    shown = "" if isinstance(value, dict | list) else f" = {value!r}"
+    return f"{key or 'top level'}{shown}: {complaint[:1].lower()}{complaint[1:]}"
+
+
+def _value_at(plain: Any, key: str) -> Any:
+    """Return the value at a msgspec path such as `response.zeros[0]`; `[...]` stands for any key of a mapping."""
+    for step in key.replace("[", ".").replace("]", "").replace("...", "").split("."):
+        if step:
+            plain = plain[int(step)] if isinstance(plain, list) else plain[step]
+    return plain

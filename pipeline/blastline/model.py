@@ -7,13 +7,13 @@ Conventions
 """
 
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 import msgspec
 from msgspec import Meta
 from numpy.typing import NDArray
 
-SCHEMA = "blastline.timeline/1"
+SCHEMA: Final = "blastline.timeline/1"
 
 DriveModel = Literal["direct", "filter", "constrained"]
 DriveChoice = Literal["auto", "direct", "filter", "constrained"]
@@ -224,8 +224,24 @@ class Check(msgspec.Struct, frozen=True):
     unit: str
 
 
+@dataclass(frozen=True)
+class SceneEvidence:
+    """What the cheap drive models would do in a window, measured before one is chosen.
+
+    `direct_level_db` is the level of the perceived vibration under direct conversion against the target, the sound in
+    the band; `direct_fidelity` their correlation; `filter_peak` the compensator's peak against the actuator's limit.
+    """
+
+    direct_level_db: float
+    direct_fidelity: float
+    filter_peak: float
+
+
 class Timeline(msgspec.Struct, frozen=True):
-    """The whole result: source, actuator, events in order, rejections and checks."""
+    """The whole result: source, actuator, events in order, rejections and checks.
+
+    `phase` and `background` say how the drive was made, so that its file can be checked again later.
+    """
 
     schema: Literal["blastline.timeline/1"]
     version: str
@@ -236,13 +252,20 @@ class Timeline(msgspec.Struct, frozen=True):
     events: tuple[Event, ...]
     rejections: tuple[Rejection, ...]
     checks: tuple[Check, ...]
+    phase: Phase = "causal"
+    background: Background = "mute"
 
 
 def schema() -> dict[str, Any]:
     """Return the JSON Schema of `timeline.json`, generated from the types above."""
-    return msgspec.json.schema(Timeline)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **msgspec.json.schema(Timeline)}
 
 
 def encode(timeline: Timeline) -> bytes:
-    """Return the timeline as indented JSON, ending in a newline."""
-    return msgspec.json.format(msgspec.json.encode(timeline), indent=1) + b"\n"
+    """Return the timeline as indented JSON, ending in a newline.
+
+    Raises msgspec.ValidationError for a timeline that could not be read back, such as one that holds a NaN.
+    """
+    compact = msgspec.json.encode(timeline)
+    msgspec.json.decode(compact, type=Timeline)
+    return msgspec.json.format(compact, indent=1) + b"\n"

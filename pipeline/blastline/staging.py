@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from .errors import OutputError
+from .errors import BlastlineError, OutputError
 
 
 @contextmanager
@@ -23,33 +23,53 @@ def staged(folder: Path, *, names: Collection[str], overwrite: bool) -> Iterator
     _refuse_existing(folder, names, overwrite)
     made = _missing_parents(folder)
     try:
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            hidden = Path(tempfile.mkdtemp(prefix=".blastline-", dir=folder))
-        except OSError as error:
-            raise OutputError(f"{folder}: cannot write here: {error.strerror}") from error
+        hidden = _hidden_folder(folder)
         try:
             yield hidden
             _move_all(hidden, folder)
+            made = []
+        except OSError as error:
+            told = _output_error(error, hidden, folder)
+            if told is None:
+                raise
+            raise told from error
         finally:
             shutil.rmtree(hidden, ignore_errors=True)
-        made = []
-    except OSError as error:
-        if isinstance(error, OutputError) or error.errno is None:
-            raise
-        raise OutputError(f"{error.filename or folder}: cannot write: {error.strerror}") from error
     finally:
         for parent in made:
             if parent.is_dir() and not any(parent.iterdir()):
                 parent.rmdir()
 
 
+def _hidden_folder(folder: Path) -> Path:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        return Path(tempfile.mkdtemp(prefix=".blastline-", dir=folder))
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot write here: {error.strerror}") from error
+
+
+def _output_error(error: OSError, hidden: Path, folder: Path) -> OutputError | None:
+    """Return a failure to write in the user's words, with the file's final name; None for any other error."""
+    place = Path(str(error.filename)) if error.filename else hidden
+    if isinstance(error, BlastlineError) or error.errno is None or not place.is_relative_to(hidden):
+        return None
+    return OutputError(f"{folder / place.relative_to(hidden)}: cannot write: {error.strerror}")
+
+
 def _refuse_existing(folder: Path, names: Collection[str], overwrite: bool) -> None:
     if folder.exists() and not folder.is_dir():
         raise OutputError(f"{folder}: is a file; expected a folder for the results")
+    for name in names:
+        _refuse_folder(folder / name)
     there = [name for name in names if (folder / name).exists()]
     if there and not overwrite:
         raise OutputError(f"{folder / there[0]}: exists already; give --overwrite to replace it, or another folder")
+
+
+def _refuse_folder(target: Path) -> None:
+    if target.is_dir():
+        raise OutputError(f"{target}: is a folder; expected the name of a file to write")
 
 
 def _missing_parents(folder: Path) -> list[Path]:
@@ -58,7 +78,28 @@ def _missing_parents(folder: Path) -> list[Path]:
 
 
 def _move_all(hidden: Path, folder: Path) -> None:
-    for file in sorted(path for path in hidden.rglob("*") if path.is_file()):
-        target = folder / file.relative_to(hidden)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        file.replace(target)
+    """Move every file into place; where that fails half-way, put back what was there before."""
+    files = sorted(path.relative_to(hidden) for path in hidden.rglob("*") if path.is_file())
+    earlier = Path(tempfile.mkdtemp(prefix="earlier-", dir=hidden))
+    done: list[Path] = []
+    try:
+        for file in files:
+            target = folder / file
+            target.parent.mkdir(parents=True, exist_ok=True)
+            done.append(file)
+            _refuse_folder(target)
+            if target.exists():
+                (earlier / file).parent.mkdir(parents=True, exist_ok=True)
+                target.replace(earlier / file)
+            (hidden / file).replace(target)
+    except BaseException:
+        for file in done:
+            _put_back(earlier / file, folder / file, moved=not (hidden / file).exists())
+        raise
+
+
+def _put_back(before: Path, target: Path, *, moved: bool) -> None:
+    if before.exists():
+        before.replace(target)
+    elif moved:
+        target.unlink(missing_ok=True)

@@ -3,7 +3,7 @@
 `tables` holds one struct for each table of a rule file, `files` finds, merges and reads them.
 """
 
-from .files import Rules, actuator_names, load_actuator, load_rules, rules_path
+from .files import Rules, actuator_names, check_rules, load_actuator, load_rules, rules_path
 from .tables import (
     ActuatorProfile,
     AlignRules,
@@ -16,6 +16,7 @@ from .tables import (
     SegmentRules,
     VerifyRules,
     WindowRules,
+    to_builtins,
 )
 
 __all__ = [
@@ -32,7 +33,9 @@ __all__ = [
     "VerifyRules",
     "WindowRules",
     "actuator_names",
+    "check_rules",
     "load_actuator",
     "load_rules",
     "rules_path",
+    "to_builtins",
 ]

@@ -5,6 +5,7 @@ built-in rules/  <-  the user's --rules DIR        (key by key; the user's value
 """
 
 import hashlib
+import math
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from typing import Any, TypeVar
 
 import msgspec
 
-from ..errors import RuleError
+from ..errors import RuleError, misfit
 from ..model import Quality
 from .tables import ActuatorProfile, AlignRules, QualityRules, SceneRules, Table, to_builtins
 
@@ -52,8 +53,7 @@ def load_rules(quality: Quality, overlay: Path | None = None) -> Rules:
 
     Raises RuleError for a folder that does not exist or a file that does not fit.
     """
-    if overlay is not None and not overlay.is_dir():
-        raise RuleError(f"{overlay}: not a folder; --rules expects a folder laid out like the built-in rules")
+    _require_folder(overlay)
     tier = _merged(f"quality/{quality}.toml", QualityRules, overlay)
     scenes = _merged("scenes.toml", SceneRules, overlay)
     align = _merged("align.toml", AlignRules, overlay)
@@ -67,6 +67,7 @@ def load_rules(quality: Quality, overlay: Path | None = None) -> Rules:
 
 def actuator_names(overlay: Path | None = None) -> list[str]:
     """Return the names of the actuator profiles that `load_actuator` knows."""
+    _require_folder(overlay)
     folders = [builtin()] + ([overlay] if overlay else [])
     return sorted({file.stem for folder in folders for file in folder.glob("actuators/*.toml")})
 
@@ -76,6 +77,7 @@ def load_actuator(name: str, overlay: Path | None = None) -> tuple[ActuatorProfi
 
     Raises RuleError where it does not exist, does not fit, or describes an unstable actuator.
     """
+    _require_folder(overlay)
     path = Path(name) if name.endswith(".toml") else rules_path(f"actuators/{name}.toml", overlay)
     if not path.is_file():
         known = ", ".join(actuator_names(overlay))
@@ -93,7 +95,7 @@ def check_stable(profile: ActuatorProfile, path: Path) -> None:
             where = f"{path}: response.{kind}s_rad_s[{index}] = [{real}, {imaginary}]"
             if real >= 0.0:
                 raise RuleError(f"{where}: expected a negative real part (stable, minimum phase)")
-            if (real, -imaginary) not in roots:
+            if roots.count((real, -imaginary)) != roots.count((real, imaginary)):
                 raise RuleError(f"{where}: expected its conjugate [{real}, {-imaginary}] in the list as well")
     if len(response.zeros_rad_s) >= len(response.poles_rad_s):
         raise RuleError(f"{path}: response: expected more poles than zeros (an actuator cannot follow any frequency)")
@@ -137,21 +139,33 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 def convert(plain: dict[str, Any], table: type[_T], path: Path) -> _T:
     """Return plain data as a table; RuleError names the file, the key, its value and what was expected."""
+    if plain.get("schema", 1) != 1:
+        raise RuleError(f"{path}: schema = {plain['schema']!r}: expected 1, the only layout that this version reads")
     try:
-        return msgspec.convert(plain, table)
+        table_read = msgspec.convert(plain, table)
     except msgspec.ValidationError as error:
-        complaint, _, place = str(error).partition(" - at `$.")
-        key = place.rstrip("`")
-        value = _value_at(plain, key) if key else {}
-        shown = "" if isinstance(value, dict | list) else f" = {value!r}"
-        raise RuleError(f"{path}: {key or 'top level'}{shown}: {complaint}") from error
+        raise RuleError(f"{path}: {misfit(plain, error)}") from error
+    for key, value in _numbers(plain):
+        if not math.isfinite(value):
+            raise RuleError(f"{path}: {key} = {value}: expected a finite number")
+    return table_read
 
 
-def _value_at(plain: Any, key: str) -> Any:
-    """Return the value at a msgspec path such as `response.zeros[0]`."""
-    for step in key.replace("[", ".").replace("]", "").split("."):
-        plain = plain[int(step)] if isinstance(plain, list) else plain[step]
-    return plain
+def _numbers(plain: Any, key: str = "") -> Iterator[tuple[str, float]]:
+    """Yield every floating-point number in plain data with the path of its key."""
+    if isinstance(plain, dict):
+        for name, value in plain.items():
+            yield from _numbers(value, f"{key}.{name}" if key else name)
+    elif isinstance(plain, list):
+        for index, value in enumerate(plain):
+            yield from _numbers(value, f"{key}[{index}]")
+    elif isinstance(plain, float):
+        yield key, plain
+
+
+def _require_folder(overlay: Path | None) -> None:
+    if overlay is not None and not overlay.is_dir():
+        raise RuleError(f"{overlay}: not a folder; --rules expects a folder laid out like the built-in rules")
 
 
 def _merged(relative: str, table: type[_T], overlay: Path | None) -> _T:

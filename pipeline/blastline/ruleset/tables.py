@@ -25,17 +25,18 @@ class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class ScanRules(Table, frozen=True):
     """The cheap pass over the whole film that names the candidates.
 
-    A candidate is a step of `window_ms` whose peak rises by `jump_db` over everything in the past `history_ms`, in
-    the waveform or (`difference_jump_db`, where given) in its first difference, and stays the loudest within
-    `separation_ms`. Below `floor_dbfs` nothing counts.
+    A candidate is a step of a millisecond that rises over everything in the past `history_ms`: by `jump_db` in the
+    waveform's peak, by `difference_jump_db` in that of its first difference, or by `band_jump_db` in the mean of the
+    two bands that rise most; a track without a jump is not looked at. Of candidates within `separation_ms` the
+    steepest stays. Below `floor_dbfs` nothing counts.
     """
 
-    window_ms: Annotated[float, Meta(ge=0.25, le=5.0)]
     history_ms: Annotated[float, Meta(ge=5.0, le=200.0)]
     jump_db: Annotated[float, Meta(ge=1.0, le=40.0)]
-    difference_jump_db: Annotated[float, Meta(ge=1.0, le=40.0)]
     separation_ms: Annotated[float, Meta(ge=2.0, le=100.0)]
     floor_dbfs: Annotated[float, Meta(ge=-140.0, le=-20.0)]
+    difference_jump_db: Annotated[float, Meta(ge=1.0, le=40.0)] | None = None
+    band_jump_db: Annotated[float, Meta(ge=1.0, le=40.0)] | None = None
 
 
 class OnsetRules(Table, frozen=True):
@@ -49,10 +50,14 @@ class OnsetRules(Table, frozen=True):
 
 
 class VerifyRules(Table, frozen=True):
-    """Which model tells shots from everything else, and from which probability on it is believed."""
+    """Which model tells shots from everything else, and from which probability on it is believed.
+
+    A candidate from `report_from` up to the threshold is listed among the timeline's rejections.
+    """
 
     model: str
     threshold: Ratio
+    report_from: Ratio
 
 
 class SegmentRules(Table, frozen=True):
@@ -69,8 +74,9 @@ class SegmentRules(Table, frozen=True):
 
 
 class BurstRules(Table, frozen=True):
-    """Which shots belong together as automatic fire."""
+    """Which shots belong together as automatic fire, and how near each other two shots can be at all."""
 
+    shortest_gap_ms: Positive
     longest_gap_ms: Positive
     fewest_shots: Annotated[int, Meta(ge=2)]
 
@@ -84,13 +90,20 @@ class WindowRules(Table, frozen=True):
 
 
 class RenderRules(Table, frozen=True):
-    """How the drive is computed inside a window."""
+    """How the drive is computed inside a window.
+
+    The filters start `preroll_ms` before it. The target is the sound in the band, raised by `level_db`. The
+    constrained drive of a shot may begin `lead_ms` before its onset. It is solved at about `solver_rate_hz` with at
+    most `iterations`, then at the full rate with at most `polish_iterations`, until five iterations gain less than
+    `tolerance` of the explained energy.
+    """
 
     preroll_ms: NonNegative
     lead_ms: NonNegative
     level_db: Annotated[float, Meta(ge=-40.0, le=40.0)]
     solver_rate_hz: Annotated[int, Meta(ge=4000)]
     iterations: Count
+    polish_iterations: Annotated[int, Meta(ge=0)]
     tolerance: Annotated[float, Meta(ge=0.0, lt=1.0)]
 
 
@@ -120,15 +133,30 @@ class SceneRules(Table, frozen=True):
 
 
 class AlignRules(Table, frozen=True):
-    """`align.toml`: what an alignment check's figure has to stay within."""
+    """`align.toml`: what an alignment check's figure has to stay within.
+
+    Lags, onsets and the pre-echo are measured over at most `longest_ms` from a shot's onset. `free_ms` is how far from a
+    sample at the actuator's limit the drive must follow the sound again, and `search_ms` how far a displaced drive is
+    looked for around its shot.
+    """
 
     schema: Literal[1]
+    longest_ms: Annotated[float, Meta(ge=20.0, le=2000.0)]
+    free_ms: NonNegative
+    search_ms: Annotated[float, Meta(ge=2.0, le=100.0)]
+    lead_ms: NonNegative
     onset_error_ms: Positive
     lag_causal_ms: Positive
     lag_zero_samples: Positive
     correlation: Ratio
+    level_error_db: Positive
+    shared_level_error_db: Positive
     preecho_db: Level
+    preecho_margin_db: NonNegative
     preecho_guard_ms: NonNegative
+    peak: Positive
+    rise_db: NonNegative
+    shift_samples: NonNegative
     drift_samples: NonNegative
 
 

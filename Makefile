@@ -1,0 +1,39 @@
+# Needs only make and Python 3.11 or later; everything else goes into .venv.
+
+PYTHON ?= python3
+VENV := .venv
+RUN := $(VENV)/bin
+INSTALLED := $(VENV)/installed
+
+.PHONY: help demo test schema clean
+
+help:
+	@echo "make demo     synthesise a film-like scene, find its shots, render their vibration drive"
+	@echo "make test     style, types and tests"
+	@echo "make schema   write docs/timeline.schema.json anew after a change of the timeline's types"
+	@echo "make clean    remove .venv and build"
+	@echo "PYTHON=...    another interpreter than python3, 3.11 or later"
+
+demo: $(INSTALLED)
+	$(RUN)/blastline synth fixtures/demo.toml -o build/demo --overwrite
+	$(RUN)/blastline render build/demo/demo.wav -o build/demo/out --overwrite
+	@echo
+	@echo "Open build/demo/out/report.html; the drive is build/demo/out/drive.wav, the truth build/demo/demo.truth.json."
+
+test: $(INSTALLED)
+	$(RUN)/ruff check
+	$(RUN)/ruff format --check
+	$(RUN)/mypy
+	$(RUN)/pytest
+
+schema: $(INSTALLED)
+	$(RUN)/python -c "import json; from blastline.model import schema; print(json.dumps(schema(), indent=1))" > docs/timeline.schema.json
+
+clean:
+	rm -rf $(VENV) build
+
+$(INSTALLED): pyproject.toml constraints.txt
+	@$(PYTHON) -c "import sys; v = sys.version_info; v >= (3, 11) or sys.exit('blastline needs Python 3.11 or later, but $(PYTHON) is %d.%d; try: make PYTHON=python3.11 ...' % v[:2])"
+	$(PYTHON) -m venv --clear $(VENV)
+	$(RUN)/python -m pip install -q --disable-pip-version-check -e ".[dev]" -c constraints.txt
+	@touch $@

@@ -1,0 +1,14 @@
+"""Checks between soundtrack, drive and timeline, on the files as they were written.
+
+    the film    same rate and length, within the limit, still outside windows, neither displaced nor at another speed
+    each shot   window whole, attack on time, lag, likeness, level and pre-echo of what is felt
+
+What is felt is predicted: the drive through H, the response of actuator and skin. It is compared with the sound in the
+band of vibration. Where the actuator is at its limit no drive can follow the sound; `free_ms` away from there a right
+one follows it almost exactly, which makes displacement by a single sample visible even in saturated shots.
+"""
+
+from .checks import check_files, check_timeline
+from .sounds import Cutter, DriveFile
+
+__all__ = ["Cutter", "DriveFile", "check_files", "check_timeline"]

@@ -1,0 +1,169 @@
+"""The checks themselves: each figure beside its limit."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+from ..model import Background, Check, Event, Phase, Span, Timeline
+from ..ruleset import ActuatorProfile, AlignRules
+from ..units import ms_from_samples, samples_from_ms
+from .film import FilmFigures, gaps, scan
+from .sanity import audio_rise_db, fade_margin, order_faults
+from .shots import Comparison, ShotFigures, compare
+from .sounds import Cutter, DriveFile, Sound, stretch_of
+from .timing import Timing, time_film
+
+
+def check_files(
+    timeline: Timeline,
+    *,
+    audio: Cutter,
+    drive: DriveFile,
+    profile: ActuatorProfile,
+    rules: AlignRules,
+    phase: Phase,
+    background: Background,
+) -> tuple[Check, ...]:
+    """Return the checks of a drive as it was written, first of the film, then of each shot in order.
+
+    `audio` has been decoded and has the timeline's number of frames; `drive` is decoded here, once. Figures are None
+    where there is nothing to measure: a drive in which no shot is found has failed, a film without shots has not.
+    """
+    heard = Sound(audio, timeline.source.frames)
+    film = _scan(timeline, heard, drive, background)
+    shared = compare(heard, Sound(drive, film.frames), profile=profile, rules=rules, phase=phase)
+    timing = time_film(shared, timeline.events, background) if timeline.events else None
+    checks = [*_file_checks(timeline, shared, film, background), *_order_check(timeline)]
+    checks += _timing_checks(shared, timeline.events, timing)
+    for event, figures, lag in zip(
+        timeline.events, *((timing.figures, timing.lags) if timing else ((), ())), strict=True
+    ):
+        checks += _window_checks(event, shared.rate_hz)
+        checks += _shot_checks(shared, event, figures, lag, alone=_alone(event, timeline.events))
+    return tuple(checks)
+
+
+def check_timeline(timeline: Timeline, *, audio: Cutter, rules: AlignRules) -> tuple[Check, ...]:
+    """Return the checks of a timeline without a drive: of its order, its windows, and its onsets in the sound."""
+    heard = Sound(audio, timeline.source.frames)
+    checks = list(_order_check(timeline))
+    for event in timeline.events:
+        checks += _window_checks(event, heard.rate_hz)
+        rise_db = audio_rise_db(event, heard)
+        checks.append(Check("audio_rise", event.id, rise_db >= rules.rise_db, rise_db, rules.rise_db, "dB"))
+    return tuple(checks)
+
+
+def _scan(timeline: Timeline, audio: Sound, drive: DriveFile, background: Background) -> FilmFigures:
+    """Read the whole drive; at another rate than the timeline's, what lies outside windows is only roughly known."""
+    ratio = drive.rate_hz / timeline.source.sample_rate_hz
+    spare = 0 if ratio == 1.0 else samples_from_ms(5.0, drive.rate_hz)
+    windows = [_scaled(event, ratio, spare) for event in timeline.events]
+    still = gaps(windows, round(timeline.source.frames * ratio))
+    if background == "direct" and ratio == 1.0:
+        return scan(drive.blocks(), still, expected=lambda span: stretch_of(audio, span))
+    return scan(drive.blocks(), still if background == "mute" else [], expected=None)
+
+
+def _scaled(event: Event, ratio: float, spare: int) -> Span:
+    window = event.window
+    return Span(max(0, math.floor(window.start * ratio) - spare), math.ceil(window.stop * ratio) + spare)
+
+
+def _alone(event: Event, events: Sequence[Event]) -> bool:
+    return sum(other.window.span == event.window.span for other in events) == 1
+
+
+def _file_checks(timeline: Timeline, shared: Comparison, film: FilmFigures, background: Background) -> Iterator[Check]:
+    rate_hz, drive_rate_hz = timeline.source.sample_rate_hz, shared.drive.rate_hz
+    same_rate = drive_rate_hz == rate_hz
+    yield Check("sample_rate", None, same_rate, drive_rate_hz, rate_hz, "Hz")
+    excess = film.frames - round(timeline.source.frames * drive_rate_hz / rate_hz)
+    yield Check("frames", None, excess == 0, excess, 0.0, "frames")
+    yield Check("drive_peak", None, film.peak <= shared.rules.peak, film.peak, shared.rules.peak, "of the limit")
+    if background == "mute":
+        yield Check("silence_outside_windows", None, film.stray == 0, film.stray, 0.0, "samples")
+    else:
+        stray = film.stray if same_rate else None
+        yield Check("sound_outside_windows", None, stray == 0, stray, 0.0, "samples")
+
+
+def _order_check(timeline: Timeline) -> Iterator[Check]:
+    faults = order_faults(timeline.events, timeline.source.frames)
+    yield Check("timeline_order", None, faults == 0, faults, 0.0, "faults")
+
+
+def _timing_checks(shared: Comparison, events: Sequence[Event], timing: Timing | None) -> Iterator[Check]:
+    """Yield displacement, drift and speed of the drive as a whole; drift and speed need two shots."""
+    rules = shared.rules
+    place = timing.place if timing else None
+    extent = events[-1].onset_sample - events[0].onset_sample if events else 0
+    if timing is None:
+        shift: float | None = None
+        yield Check("drive_shift", None, True, None, rules.shift_samples, "samples")
+        return
+    drift = place.lag(events[-1].onset_sample) - place.lag(events[0].onset_sample) if place else None
+    steady = drift is not None and abs(drift) <= rules.drift_samples
+    shift = None
+    if place:
+        shift = (
+            place.lag((events[0].onset_sample + events[-1].onset_sample) / 2)
+            if steady
+            else place.lag(events[0].onset_sample)
+        )
+    yield Check("drive_shift", None, _within(shift, rules.shift_samples), shift, rules.shift_samples, "samples")
+    if extent > 0:
+        yield Check("drive_drift", None, steady, drift, rules.drift_samples, "samples")
+        speed = 1.0 / place.stretch if place else None
+        yield Check("drive_speed", None, steady, speed, 1.0 + rules.drift_samples / extent, "ratio")
+
+
+def _window_checks(event: Event, rate_hz: int) -> Iterator[Check]:
+    margin_ms = ms_from_samples(fade_margin(event), rate_hz)
+    inside = event.onset_sample in event.window.span
+    yield Check("fade_in_before_onset", event.id, inside and margin_ms >= 0.0, margin_ms, 0.0, "ms")
+
+
+def _shot_checks(
+    shared: Comparison, event: Event, figures: ShotFigures, lag: float | None, *, alone: bool
+) -> Iterator[Check]:
+    """Yield the checks of a shot's drive; a `direct` one is compared as it is, any other as it is felt."""
+    rules, rate_hz = shared.rules, shared.rate_hz
+    subject = "drive" if event.drive is not None and event.drive.model == "direct" else "felt"
+    displaced = None if lag is None else lag - figures.match.lag
+    late = None if displaced is None or figures.undelayed_lag is None else displaced + figures.undelayed_lag
+    late_ms = None if late is None else ms_from_samples(late, rate_hz)
+    allowed_ms = rules.lag_causal_ms if shared.phase == "causal" else ms_from_samples(rules.lag_zero_samples, rate_hz)
+    yield Check(f"{subject}_lag", event.id, _within(late_ms, allowed_ms), late_ms, allowed_ms, "ms")
+    likeness = figures.match.correlation
+    yield Check(f"{subject}_correlation", event.id, likeness >= rules.correlation, likeness, rules.correlation, "ratio")
+    yield from _attack_check(shared, event, figures, displaced, subject)
+    yield from _level_check(shared, event, figures, alone=alone)
+    if figures.preecho_db is not None and figures.heard_preecho_db is not None:
+        allowed_db = max(rules.preecho_db, figures.heard_preecho_db + rules.preecho_margin_db)
+        yield Check(
+            "pre_echo", event.id, figures.preecho_db <= allowed_db, figures.preecho_db, allowed_db, "dB of its peak"
+        )
+    yield Check("peak", event.id, figures.peak <= rules.peak, figures.peak, rules.peak, "of the limit")
+
+
+def _attack_check(
+    shared: Comparison, event: Event, figures: ShotFigures, displaced: float | None, subject: str
+) -> Iterator[Check]:
+    if figures.onset_error is None:
+        return
+    error_ms = ms_from_samples(figures.onset_error + (displaced or 0.0), shared.rate_hz)
+    limit_ms = shared.rules.onset_error_ms
+    earliest_ms = -shared.rules.lead_ms - limit_ms
+    yield Check(f"{subject}_onset", event.id, earliest_ms <= error_ms <= limit_ms, error_ms, limit_ms, "ms")
+
+
+def _level_check(shared: Comparison, event: Event, figures: ShotFigures, *, alone: bool) -> Iterator[Check]:
+    if event.drive is None or figures.level_db is None:
+        return
+    limit_db = shared.rules.level_error_db if alone else shared.rules.shared_level_error_db
+    error_db = figures.level_db - event.drive.perceived_gain_db
+    yield Check("level_as_rendered", event.id, abs(error_db) <= limit_db, error_db, limit_db, "dB")
+
+
+def _within(figure: float | None, limit: float) -> bool:
+    return figure is not None and abs(figure) <= limit

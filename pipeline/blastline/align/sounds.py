@@ -1,0 +1,92 @@
+"""What the checks read: stretches of soundtrack and drive, at any place and rate."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model import Clip, Span
+
+
+class Cutter(Protocol):
+    """A sound file of which any stretch can be read again exactly, once it has been decoded."""
+
+    @property
+    def rate_hz(self) -> int:
+        """Return the sample rate."""
+
+    def cut(self, span: Span, /) -> Clip:
+        """Return the stretch inside `span`, which lies inside the file."""
+
+
+class DriveFile(Cutter, Protocol):
+    """A drive's file, not yet decoded: read once from end to end, then in stretches."""
+
+    def blocks(self) -> Iterable[Clip]:
+        """Return the whole file as clips that follow each other without gaps."""
+
+
+@dataclass(frozen=True)
+class Sound:
+    """A file that has been read to its end, with the number of frames that it proved to have."""
+
+    file: Cutter
+    frames: int
+
+    @property
+    def rate_hz(self) -> int:
+        """Return the sample rate."""
+        return self.file.rate_hz
+
+    def pieces(self, frames: int = 1 << 20) -> Iterator[Clip]:
+        """Yield the whole file, a piece at a time."""
+        for start in range(0, self.frames, frames):
+            yield self.file.cut(Span(start, min(start + frames, self.frames)))
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the drive's file holds what belongs to a sample of the film: at `stretch * sample + shift`.
+
+    In samples at the soundtrack's rate; a right file has stretch 1 and shift 0.
+    """
+
+    stretch: float = 1.0
+    shift: float = 0.0
+
+    def lag(self, sample: float) -> float:
+        """Return how many samples late the drive is at a sample of the film."""
+        return (self.stretch - 1.0) * sample + self.shift
+
+
+def stretch_of(sound: Sound, span: Span) -> NDArray[np.float64]:
+    """Return the column of a file that becomes, or is, the drive inside `span`; zeros beyond its ends."""
+    samples = np.zeros(len(span))
+    inside = span & Span(0, sound.frames)
+    if inside:
+        samples[inside.start - span.start : inside.stop - span.start] = sound.file.cut(inside).driving
+    return samples
+
+
+def drive_at(
+    drive: Sound, span: Span, *, rate_hz: int, place: Place
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the drive that belongs to `span` of the film, and the samples of its file that this was read from.
+
+    The first is at the film's rate and has the span's length. Whole samples are read as they are; other places and
+    rates are interpolated by a cubic spline, which is exact enough in the band of vibration but may overshoot.
+    """
+    ratio = drive.rate_hz / rate_hz
+    if ratio == 1.0 and place.stretch == 1.0 and place.shift == round(place.shift):
+        shift = round(place.shift)
+        samples = stretch_of(drive, Span(span.start + shift, span.stop + shift))
+        return samples, samples
+    from scipy.interpolate import CubicSpline
+
+    positions = (np.arange(span.start, span.stop) * place.stretch + place.shift) * ratio
+    around = Span(int(np.floor(positions[0])) - 2, int(np.ceil(positions[-1])) + 3)
+    written = stretch_of(drive, around)
+    spline = CubicSpline(np.arange(len(around)), written)
+    return np.asarray(spline(positions - around.start), dtype=np.float64), written

@@ -1,0 +1,118 @@
+"""Whether the drive as a whole is displaced or runs at another speed, from where it holds each shot."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ..model import Background, Event, Span
+from .film import moving_spans
+from .shots import Comparison, ShotFigures, locate, measure, part_of
+from .sounds import Place
+
+_PROBES = 24
+"""Shots, spread over the film, that are looked for one by one in a drive that seems displaced."""
+
+_WIDE_MS = 4000.0
+"""How far from its expected place a probe is looked for."""
+
+_STILL_MS = 10.0
+"""A drive at rest for this long has left its window."""
+
+
+@dataclass(frozen=True)
+class Timing:
+    """Where the drive holds the film: its line, which shots it was fitted to, and each shot's figures.
+
+    `place` is the fitted line; the figures were taken with the drive read from `read`, and `lags` are in samples of
+    the film, None where a shot was not found.
+    """
+
+    place: Place | None
+    read: Place
+    figures: tuple[ShotFigures, ...]
+    lags: tuple[float | None, ...]
+
+
+def time_film(shared: Comparison, events: Sequence[Event], background: Background) -> Timing:
+    """Return where the drive holds every shot.
+
+    First each shot is searched for around its own place. Where fewer than half are found there, the drive is taken
+    to be displaced, and is read again from where it seems to be.
+    """
+    parts = [part_of(event, after) for event, after in zip(events, [*events[1:], None], strict=True)]
+    timing = _measure_all(shared, events, parts, Place())
+    if 2 * _found(timing) >= len(events):
+        return timing
+    for guess in _guesses(shared, events, parts, background):
+        elsewhere = _measure_all(shared, events, parts, _whole(guess, events))
+        if _found(elsewhere) > max(_found(timing), len(events) // 2):
+            return elsewhere
+    return timing
+
+
+def _whole(guess: Place, events: Sequence[Event]) -> Place:
+    """Return a displacement by whole samples where the speed is right: it is read without interpolation."""
+    drift = guess.lag(events[-1].onset_sample) - guess.lag(events[0].onset_sample)
+    return Place(1.0, round(guess.lag(events[0].onset_sample))) if abs(drift) < 1.0 else guess
+
+
+def _found(timing: Timing) -> int:
+    return sum(lag is not None for lag in timing.lags)
+
+
+def _measure_all(shared: Comparison, events: Sequence[Event], parts: Sequence[Span], read: Place) -> Timing:
+    figures = tuple(measure(shared, event, part, place=read) for event, part in zip(events, parts, strict=True))
+    lags: list[float | None] = []
+    for event, figure in zip(events, figures, strict=True):
+        known = abs(figure.match.correlation) >= shared.rules.correlation
+        lags.append(read.lag(event.onset_sample) + figure.match.lag * read.stretch if known else None)
+    found = [(event.onset_sample, lag) for event, lag in zip(events, lags, strict=True) if lag is not None]
+    return Timing(_line(found) if found else None, read, figures, tuple(lags))
+
+
+def _line(found: Sequence[tuple[float, float]]) -> Place:
+    """Return the line through the lags by Theil and Sen: the median slope of all pairs, which strays ignore."""
+    spread = found[:: max(1, len(found) // 400)]
+    samples, lags = (np.array(column, dtype=np.float64) for column in zip(*spread, strict=True))
+    first, second = np.triu_indices(len(samples), k=1)
+    apart = samples[second] - samples[first]
+    slopes = (lags[second] - lags[first])[apart > 0] / apart[apart > 0]
+    slope = float(np.median(slopes)) if len(slopes) else 0.0
+    return Place(1.0 + slope, float(np.median(lags - slope * samples)))
+
+
+def _guesses(shared: Comparison, events: Sequence[Event], parts: Sequence[Span], background: Background) -> list[Place]:
+    """Return where a displaced drive may lie: by the pattern of its windows, and by its shots one after the other."""
+    guesses = []
+    if background == "mute":
+        pattern = _by_windows(shared, events)
+        guesses += [pattern] if pattern else []
+    probes = _by_probes(shared, events, parts)
+    return guesses + ([probes] if probes else [])
+
+
+def _by_windows(shared: Comparison, events: Sequence[Event]) -> Place | None:
+    """Return the line through the starts of the drive's movements, where there are as many as windows."""
+    ratio = shared.rate_hz / shared.drive.rate_hz
+    still = shared.samples(_STILL_MS)
+    moving = moving_spans(shared.drive.pieces(), still=round(still / ratio))
+    windows = sorted({event.window.span for event in events})
+    merged = [windows[0].start] + [b.start for a, b in pairwise(windows) if b.start - a.stop >= still]
+    if len(moving) != len(merged):
+        return None
+    return _line([(start, span.start * ratio - start) for start, span in zip(merged, moving, strict=True)])
+
+
+def _by_probes(shared: Comparison, events: Sequence[Event], parts: Sequence[Span]) -> Place | None:
+    """Return the line through shots found one after the other, each expected where the earlier ones point."""
+    chosen = np.unique(np.linspace(0, len(events) - 1, min(_PROBES, len(events))).round().astype(int))
+    found: list[tuple[float, float]] = []
+    for index in chosen:
+        onset = events[index].onset_sample
+        expected = round(_line(found).lag(onset)) if found else 0
+        match = locate(shared, events[index], parts[index], place=Place(1.0, expected), search=shared.samples(_WIDE_MS))
+        if abs(match.correlation) >= shared.rules.correlation:
+            found.append((onset, expected + match.lag))
+    return _line(found) if len(found) > len(chosen) // 2 else None

@@ -1,0 +1,106 @@
+"""The commands put together, and what becomes of an error.
+
+Exit codes
+    0 done, all checks passed    1 done, a check failed    2 unusable input, rules or arguments
+    70 a bug of blastline        130 interrupted           141 whoever read the output closed it
+"""
+
+import os
+import signal
+import sys
+import traceback
+from collections.abc import Sequence
+from types import FrameType
+from typing import Annotated
+
+import typer
+
+from .. import __version__
+from ..errors import BlastlineError
+from . import actuators, film, rulefiles, synthesis
+
+USAGE, BUG, INTERRUPTED, CLOSED_PIPE = 2, 70, 130, 141
+
+app = typer.Typer(
+    name="blastline",
+    add_completion=False,
+    rich_markup_mode="markdown",
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+app.command()(film.render)
+app.command()(film.detect)
+app.command()(film.check)
+app.command()(film.export)
+app.add_typer(actuators.group, name="actuator")
+app.add_typer(rulefiles.group, name="rules")
+app.command()(synthesis.synth)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"blastline {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def describe(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version and stop.")
+    ] = False,
+) -> None:
+    """Find the gunshots of a film's soundtrack and render an aligned vibration drive for 4D cinema.
+
+    Start with `blastline render film.mkv -o result`.
+    """
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code; what a user can mend is one line on stderr."""
+    _let_signals_interrupt()
+    try:
+        words = (sys.argv[1:] if arguments is None else arguments) or ["--help"]
+        code = app(words, prog_name="blastline", standalone_mode=False)
+    except typer.TyperException as error:
+        context = getattr(error, "ctx", None)
+        command = context.command_path if context else "blastline"
+        return _say(f"{error.format_message().rstrip('.')} (see `{command} --help`)", USAGE)
+    except BlastlineError as error:
+        return _say(str(error), USAGE)
+    except (BrokenPipeError, SystemExit):  # typer turns the first into the second
+        _abandon_broken_streams()
+        return CLOSED_PIPE
+    except OSError as error:
+        _abandon_broken_streams()
+        return _say(f"{error.filename or 'input or output'}: {error.strerror or error}", USAGE)
+    except KeyboardInterrupt:
+        code = INTERRUPTED
+    except Exception:
+        traceback.print_exc()
+        return _say("this is a bug of blastline; please report it with the lines above", BUG)
+    return _say("interrupted; nothing was written", code) if code == INTERRUPTED else code or 0
+
+
+def _say(message: str, code: int) -> int:
+    typer.echo("blastline: " + " ".join(message.splitlines()), err=True)
+    return code
+
+
+def _let_signals_interrupt() -> None:
+    """Make a request to end, or a closed terminal, clean up as Ctrl-C does."""
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    for name in ("SIGTERM", "SIGHUP"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), interrupt)
+
+
+def _abandon_broken_streams() -> None:
+    """Point a standard stream that cannot be written at nothing, or Python complains once more when it ends."""
+    for stream in filter(None, (sys.__stdout__, sys.__stderr__)):
+        try:
+            stream.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

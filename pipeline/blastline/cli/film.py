@@ -1,0 +1,182 @@
+"""`render`, `detect`, `check` and `export`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..model import Background, DriveChoice, Phase, Timeline, encode
+from .options import DRIVING, WRITING, Film, Formats, Mix, Overwrite, QualityOption, Quiet, RulesOption, Stream, listed
+from .progress import shown_progress
+from .summary import say_checks, say_summary
+
+FAILED_CHECK = 1
+
+
+def render(
+    film: Film,
+    folder: Annotated[
+        Path,
+        typer.Option("-o", "--output", metavar="DIR", help="Folder for the results.", rich_help_panel=WRITING),
+    ],
+    quality: QualityOption = "standard",
+    rules: RulesOption = None,
+    mix: Mix = "mains",
+    stream: Stream = None,
+    actuator: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME|FILE",
+            help="The seat's actuator: a name of `blastline actuator list`, or a profile (.toml) of your own.",
+            rich_help_panel=DRIVING,
+        ),
+    ] = "crowson-t108sm",
+    drive: Annotated[
+        DriveChoice,
+        typer.Option(
+            help="How the sound becomes vibration. auto takes for each shot the cheapest that is good enough.",
+            rich_help_panel=DRIVING,
+        ),
+    ] = "auto",
+    phase: Annotated[
+        Phase,
+        typer.Option(
+            help="causal never moves before the bang; zero keeps the waveform's shape, but may start before it.",
+            rich_help_panel=DRIVING,
+        ),
+    ] = "causal",
+    background: Annotated[
+        Background,
+        typer.Option(help="Between the shots: no motion, or the film's sound as it is.", rich_help_panel=DRIVING),
+    ] = "mute",
+    formats: Formats = "json,csv",
+    report: Annotated[
+        bool, typer.Option("--report/--no-report", help="Write report.html with pictures.", rich_help_panel=WRITING)
+    ] = True,
+    overwrite: Overwrite = False,
+    quiet: Quiet = False,
+) -> int:
+    """Find a film's gunshots and write a vibration drive for them, with a timeline and a report.
+
+    Example: `blastline render film.mkv -o result`
+    """
+    from .. import run
+
+    options = run.RenderOptions(
+        quality=quality,
+        actuator=actuator,
+        rules=rules,
+        drive=drive,
+        phase=phase,
+        background=background,
+        mix=mix,
+        stream=stream,
+        formats=listed(formats),
+        report=report,
+        overwrite=overwrite,
+    )
+    with shown_progress(quiet=quiet) as progress:
+        timeline = run.render(film, folder, options, progress)
+    if not quiet:
+        say_summary(timeline, folder / "report.html" if report else folder)
+    say_checks(timeline, quiet=quiet, err=True)
+    return _code(timeline)
+
+
+def detect(
+    film: Film,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="FILE",
+            help="The timeline to write.",
+            show_default="standard output",
+            rich_help_panel=WRITING,
+        ),
+    ] = None,
+    quality: QualityOption = "standard",
+    rules: RulesOption = None,
+    mix: Mix = "mains",
+    stream: Stream = None,
+    overwrite: Overwrite = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find a film's gunshots and write only the timeline, as JSON.
+
+    Example: `blastline detect film.mkv -o timeline.json`
+    """
+    from .. import run
+    from ..staging import staged
+
+    def found() -> bytes:
+        with shown_progress(quiet=quiet) as progress:
+            return encode(run.detect(film, quality=quality, rules=rules, mix=mix, stream=stream, progress=progress))
+
+    if output is None:
+        typer.echo(found(), nl=False)
+        return
+    with staged(output.parent, names=[output.name], overwrite=overwrite) as hidden:
+        (hidden / output.name).write_bytes(found())
+
+
+def check(
+    target: Annotated[
+        Path, typer.Argument(metavar="DIR|TIMELINE", help="A result's folder or its timeline.json.", show_default=False)
+    ],
+    audio: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="The film, where it has moved.", show_default="looked for beside the timeline"
+        ),
+    ] = None,
+    drive: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="The drive to check.", show_default="drive.wav beside the timeline"),
+    ] = None,
+    actuator: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME|FILE",
+            help="The actuator that the drive was made for.",
+            show_default="as the timeline says",
+            rich_help_panel=DRIVING,
+        ),
+    ] = None,
+    rules: RulesOption = None,
+    quiet: Quiet = False,
+) -> int:
+    """Check on the files themselves that drive and film are aligned: exit code 0 where they are, 1 where not.
+
+    Example: `blastline check result --audio film.mkv`
+    """
+    from .. import run
+
+    with shown_progress(quiet=quiet) as progress:
+        timeline = run.check(target, audio=audio, drive=drive, actuator=actuator, rules=rules, progress=progress)
+    say_checks(timeline, quiet=quiet, err=False)
+    return _code(timeline)
+
+
+def export(
+    timeline: Annotated[Path, typer.Argument(metavar="TIMELINE", help="A timeline.json.", show_default=False)],
+    formats: Formats,
+    folder: Annotated[
+        Path,
+        typer.Option("-o", "--output", metavar="DIR", help="Folder for the files.", rich_help_panel=WRITING),
+    ],
+    overwrite: Overwrite = False,
+) -> None:
+    """Write a timeline in the formats of other tools; prints each file's name.
+
+    Example: `blastline export result/timeline.json --format csv,audacity -o cues`
+    """
+    from .. import run
+
+    for file in run.export(timeline, folder, formats=listed(formats), overwrite=overwrite):
+        typer.echo(file)
+
+
+def _code(timeline: Timeline) -> int:
+    return 0 if all(check.passed for check in timeline.checks) else FAILED_CHECK

@@ -1,0 +1,66 @@
+"""Arguments and options that several commands share, with their help."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..model import Quality
+
+FINDING, DRIVING, WRITING, MESSAGES = "Finding shots", "Making the drive", "Results", "Messages"
+
+Film = Annotated[Path, typer.Argument(metavar="INPUT", help="A film or a sound file.", show_default=False)]
+QualityOption = Annotated[
+    Quality,
+    typer.Option("--quality", help="How much time to spend on accuracy.", rich_help_panel=FINDING),
+]
+RulesOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--rules",
+        metavar="DIR",
+        help="A folder with rule files of your own; what they do not name stays as built in.",
+        show_default="built-in rules",
+        rich_help_panel=FINDING,
+    ),
+]
+Mix = Annotated[
+    str,
+    typer.Option(
+        metavar="MIX",
+        help="Which channels to listen to: mains (all but the LFE), lfe, center, all, or their numbers from 0: 0,1.",
+        rich_help_panel=FINDING,
+    ),
+]
+Stream = Annotated[
+    int | None,
+    typer.Option(
+        min=0,
+        metavar="N",
+        help="Which sound track of the film, from 0.",
+        show_default="the film's default track",
+        rich_help_panel=FINDING,
+    ),
+]
+Formats = Annotated[
+    str,
+    typer.Option(
+        "--format",
+        metavar="F[,F...]",
+        help="Timeline files to write: json, csv, audacity.",
+        rich_help_panel=WRITING,
+    ),
+]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace earlier results.", rich_help_panel=WRITING)]
+Quiet = Annotated[
+    bool, typer.Option("--quiet", "-q", help="No progress and no summary; errors still show.", rich_help_panel=MESSAGES)
+]
+
+
+def listed(text: str) -> tuple[str, ...]:
+    """Return the items of a comma-separated option.
+
+    >>> listed("json, csv")
+    ('json', 'csv')
+    """
+    return tuple(item.strip() for item in text.split(","))

@@ -1,0 +1,42 @@
+"""What a run found, in a few lines for people."""
+
+from pathlib import Path
+
+import typer
+
+from ..model import Check, Timeline
+
+
+def say_summary(timeline: Timeline, results: Path) -> None:
+    """Say on stderr how many shots there are, how they are driven, what was mended, and where the results are."""
+    events = timeline.events
+    bursts = {event.burst for event in events if event.burst is not None}
+    models = [event.drive.model for event in events if event.drive is not None]
+    typer.echo(f"{_count(len(events), 'shot')}, {_count(len(bursts), 'burst')}", err=True)
+    if models:
+        driven = ", ".join(f"{models.count(model)} {model}" for model in sorted(set(models)))
+        typer.echo(f"drive: {driven}", err=True)
+    for warning in timeline.source.warnings:
+        typer.echo(f"warning: {warning}", err=True)
+    typer.echo(f"results: {results}", err=True)
+
+
+def say_checks(timeline: Timeline, *, quiet: bool, err: bool) -> None:
+    """List the checks that failed and, unless quiet, how many passed; on stderr or on standard output."""
+    checks = timeline.checks
+    failed = [check for check in checks if not check.passed]
+    for check in failed:
+        typer.echo(f"failed: {_described(check)}", err=err)
+    if not quiet:
+        typer.echo(f"checks: {len(checks) - len(failed)} of {len(checks)} passed", err=err)
+
+
+def _described(check: Check) -> str:
+    """Return a check's name, its event, what was measured and what it had to stay within."""
+    measured = "not measured" if check.measured is None else f"{check.measured:.6g} {check.unit}".rstrip()
+    limit = "" if check.limit is None else f" (limit {check.limit:.6g} {check.unit}".rstrip() + ")"
+    return f"{check.name}, {check.event or 'the film'}: {measured}{limit}"
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

@@ -1,0 +1,51 @@
+"""Which shots are one, and which belong together as automatic fire."""
+
+from collections.abc import Iterable, Sequence
+
+import msgspec
+
+from ..model import Rejection, Shot
+from ..ruleset import BurstRules
+from ..units import samples_from_ms
+
+
+def keep_apart(
+    shots: Iterable[Shot], *, rate_hz: int, rules: BurstRules
+) -> tuple[tuple[Shot, ...], tuple[Rejection, ...]]:
+    """Return the shots no two of which lie nearer than `shortest_gap_ms`, and the ones given up for a surer one."""
+    gap = samples_from_ms(rules.shortest_gap_ms, rate_hz)
+    kept: list[Shot] = []
+    dropped: list[Rejection] = []
+    for shot in sorted(shots, key=lambda s: s.onset):
+        if not kept or shot.onset - kept[-1].onset >= gap:
+            kept.append(shot)
+            continue
+        loser, winner = sorted((kept[-1], shot), key=lambda s: s.confidence)
+        kept[-1] = winner
+        dropped.append(
+            Rejection(loser.onset, "nearer to a surer shot than any gun fires", {"probability": loser.confidence})
+        )
+    return tuple(kept), tuple(dropped)
+
+
+def group_bursts(shots: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> tuple[Shot, ...]:
+    """Number the runs of at least `fewest_shots` shots that follow each other within `longest_gap_ms`.
+
+    Bursts are numbered from 1 in the film, shots from 1 in their burst; a single shot has neither.
+    """
+    gap = samples_from_ms(rules.longest_gap_ms, rate_hz)
+    runs: list[list[Shot]] = []
+    for shot in shots:
+        if runs and shot.onset - runs[-1][-1].onset <= gap:
+            runs[-1].append(shot)
+        else:
+            runs.append([shot])
+    numbered: list[Shot] = []
+    burst = 0
+    for run in runs:
+        if len(run) < rules.fewest_shots:
+            numbered += run
+            continue
+        burst += 1
+        numbered += [msgspec.structs.replace(s, burst=burst, shot_in_burst=n) for n, s in enumerate(run, start=1)]
+    return tuple(numbered)

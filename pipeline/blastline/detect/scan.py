@@ -1,0 +1,64 @@
+"""Which steps of the tracks are candidates: sudden rises over everything that was there just before."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..ruleset import ScanRules
+from ..units import gain_from_db
+from .tracks import BANDS, STEPS_PER_HOP, Grid
+
+
+def rises(track: NDArray[np.float32], history: int, floor: float) -> NDArray[np.float32]:
+    """Return each step's value over the largest one in the `history` steps before it, the last one left out.
+
+    `track` is (steps,) or (steps, bands), each band on its own. A rise that straddles two steps would hide itself if
+    the step right before it counted.
+    """
+    from scipy.ndimage import maximum_filter1d
+
+    # the filter is centred: its value half a window further on covers the steps that end two before the current one
+    padded = np.concatenate([np.zeros((history + 1, *track.shape[1:]), np.float32), track])
+    past = maximum_filter1d(padded, history, axis=0, mode="constant", cval=0.0)
+    past = past[history // 2 : history // 2 + track.shape[0]]
+    return np.asarray(track / np.maximum(past, floor), np.float32)
+
+
+def band_rises(bands: NDArray[np.float32], history: int, floor: float) -> NDArray[np.float32]:
+    """Return each frame's rise as an amplitude ratio: the mean, in dB, of the two bands that rise most.
+
+    A shot under a loud dialogue still towers in the bands that the voice leaves free; two bands, since a single one
+    rises with any tone. A frame overlaps its neighbours, so the history ends two frames before it, as in `rises`.
+    """
+    energy = rises(bands, history, floor * floor)
+    top = np.partition(energy, BANDS - 2, axis=1)[:, BANDS - 2 :]
+    return np.asarray(np.prod(top, axis=1) ** 0.25, np.float32)
+
+
+def candidate_steps(
+    peak: NDArray[np.float32],
+    slope: NDArray[np.float32],
+    bands: NDArray[np.float32],
+    *,
+    grid: Grid,
+    rules: ScanRules,
+) -> NDArray[np.intp]:
+    """Return the steps that are candidates, ascending.
+
+    A step is one where its rise, over the required jump, is at least 1 in any track and nothing within
+    `separation_ms` rises more.
+    """
+    from scipy.ndimage import maximum_filter1d
+
+    history = grid.steps(rules.history_ms)
+    floor = gain_from_db(rules.floor_dbfs)
+    score = rises(peak, history, floor) / gain_from_db(rules.jump_db)
+    if rules.difference_jump_db is not None:
+        # a slope of the floor's height is as near to silence as a peak of it
+        np.maximum(score, rises(slope, history, floor) / gain_from_db(rules.difference_jump_db), out=score)
+    if rules.band_jump_db is not None:
+        frames = band_rises(bands, history // STEPS_PER_HOP, floor) / gain_from_db(rules.band_jump_db)
+        # a frame ends with its hop: what it heard lies in the hop's first step as likely as in its second
+        np.maximum(score, np.repeat(frames, STEPS_PER_HOP), out=score)
+    apart = 2 * grid.steps(rules.separation_ms) + 1
+    best = maximum_filter1d(score, apart, mode="constant", cval=0.0)
+    return np.flatnonzero((score >= 1.0) & (score >= best) & (peak > floor))

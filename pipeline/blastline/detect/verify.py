@@ -1,0 +1,106 @@
+"""The verifier: gradient-boosted trees, trained offline (`study.train`) and shipped as a readable JSON file."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import RuleError
+from .features import feature_names
+
+
+class Tree(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """One tree, node by node; a leaf has feature -1. Values at most the threshold go left."""
+
+    feature: list[int]
+    threshold: list[float]
+    left: list[int]
+    right: list[int]
+    value: list[float]
+
+
+class ModelFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """`verifier/*.json`: the trees, what their features are called, and how they were trained."""
+
+    schema: int
+    features: tuple[str, ...]
+    baseline: float
+    trees: list[Tree]
+    training: dict[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Verifier:
+    """The trees as arrays (trees, nodes), ready to be walked by many candidates at once."""
+
+    feature: NDArray[np.intp]
+    threshold: NDArray[np.float64]
+    left: NDArray[np.intp]
+    right: NDArray[np.intp]
+    value: NDArray[np.float64]
+    baseline: float
+    depth: int
+
+
+def load_verifier(path: Path) -> Verifier:
+    """Read a model file; RuleError where it does not fit this version's features."""
+    try:
+        model = msgspec.json.decode(path.read_bytes(), type=ModelFile)
+    except (OSError, msgspec.DecodeError) as error:
+        raise RuleError(f"{path}: not a verifier model: {error}") from error
+    if model.schema != 1:
+        raise RuleError(f"{path}: schema = {model.schema}: expected 1")
+    if model.features != feature_names():
+        raise RuleError(
+            f"{path}: features: expected the {len(feature_names())} of this version, got {len(model.features)}"
+        )
+    return compile_trees(model.trees, model.baseline)
+
+
+def compile_trees(trees: list[Tree], baseline: float) -> Verifier:
+    """Return the trees padded to one size; a leaf leads to itself, so that walking on changes nothing."""
+    nodes = max((len(tree.value) for tree in trees), default=1)
+    shape = (len(trees), nodes)
+    feature, left, right = np.zeros(shape, np.intp), np.zeros(shape, np.intp), np.zeros(shape, np.intp)
+    threshold, value = np.full(shape, np.inf), np.zeros(shape)
+    for row, tree in enumerate(trees):
+        count = len(tree.value)
+        place = np.arange(count)
+        leaf = np.array(tree.feature) < 0
+        feature[row, :count] = np.where(leaf, 0, tree.feature)
+        threshold[row, :count] = np.where(leaf, np.inf, tree.threshold)
+        left[row, :count] = np.where(leaf, place, tree.left)
+        right[row, :count] = np.where(leaf, place, tree.right)
+        value[row, :count] = tree.value
+    return Verifier(feature, threshold, left, right, value, baseline, _depth(left, right))
+
+
+def probabilities(rows: NDArray[np.float64], verifier: Verifier) -> NDArray[np.float64]:
+    """Return the probability that each row of features is a shot: the logistic function of the summed leaves."""
+    trees = np.arange(verifier.value.shape[0])
+    node = np.zeros((rows.shape[0], trees.size), np.intp)
+    across = np.arange(rows.shape[0])[:, None]
+    for _ in range(verifier.depth):
+        goes_left = rows[across, verifier.feature[trees, node]] <= verifier.threshold[trees, node]
+        node = np.where(goes_left, verifier.left[trees, node], verifier.right[trees, node])
+    score = verifier.baseline + verifier.value[trees, node].sum(axis=1)
+    return np.asarray(1.0 / (1.0 + np.exp(-score)), np.float64)
+
+
+def _depth(left: NDArray[np.intp], right: NDArray[np.intp]) -> int:
+    """Return the number of steps after which every walk has ended in a leaf."""
+    trees = np.arange(left.shape[0])[:, None]
+    reached = np.zeros_like(left, dtype=bool)
+    reached[:, :1] = True
+    depth = 0
+    while True:
+        onward = np.zeros_like(reached)
+        inner = reached & (left != np.arange(left.shape[1]))
+        if not inner.any():
+            return depth
+        np.logical_or.at(onward, (np.broadcast_to(trees, left.shape)[inner], left[inner]), True)
+        np.logical_or.at(onward, (np.broadcast_to(trees, left.shape)[inner], right[inner]), True)
+        reached, depth = onward, depth + 1

@@ -1,0 +1,56 @@
+"""Which formats there are, and writing a timeline in some of them."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+
+from ..errors import RuleError
+from ..model import Timeline
+from .audacity import write_labels
+from .table import write_csv
+from .timeline import write_json
+
+
+@dataclass(frozen=True)
+class Format:
+    """A file format: its name on the command line, the end of its file's name, the tool that opens it, its writer."""
+
+    name: str
+    suffix: str
+    tool: str
+    write: Callable[[Timeline, Path], None]
+
+    @property
+    def file_name(self) -> str:
+        """Return the name of the file that the format is written to."""
+        return f"timeline{self.suffix}"
+
+
+_ALL = (
+    Format("json", ".json", "blastline itself and scripts: everything that is known", write_json),
+    Format("csv", ".csv", "spreadsheets and pandas: one row per event", write_csv),
+    Format("audacity", ".audacity.txt", "Audacity: File > Import > Labels", write_labels),
+)
+
+FORMATS: Mapping[str, Format] = MappingProxyType({known.name: known for known in _ALL})
+
+
+def formats_named(names: Iterable[str]) -> tuple[Format, ...]:
+    """Return the formats of the given names, each once and in order; RuleError for a name that is none."""
+    unique = tuple(dict.fromkeys(names))
+    for name in unique:
+        if name not in FORMATS:
+            raise RuleError(f"--format {name!r}: no such format; expected some of: {', '.join(FORMATS)}")
+    return tuple(FORMATS[name] for name in unique)
+
+
+def export_timeline(timeline: Timeline, folder: Path, *, formats: Iterable[str]) -> list[Path]:
+    """Write the timeline into an existing folder, one file per format, and return the files.
+
+    A file of the same name is replaced. Raises RuleError for an unknown format before anything is written.
+    """
+    chosen = formats_named(formats)
+    for each in chosen:
+        each.write(timeline, folder / each.file_name)
+    return [folder / each.file_name for each in chosen]

@@ -1,0 +1,77 @@
+"""`timeline.csv`: one flat row per event, the unit in each column's name."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+
+from ..model import Event, Timeline
+
+COLUMNS: Mapping[str, str] = MappingProxyType(
+    {
+        "id": "str",
+        "onset_sample": "Int64",
+        "onset_s": "float64",
+        "timecode": "str",
+        "confidence": "float64",
+        "burst": "Int64",
+        "shot_in_burst": "Int64",
+        "peak_dbfs": "float64",
+        "snr_db": "float64",
+        "blast_start_sample": "Int64",
+        "blast_stop_sample": "Int64",
+        "reflections": "Int64",
+        "first_reflection_delay_ms": "float64",
+        "window_start_sample": "Int64",
+        "window_stop_sample": "Int64",
+        "window_start_s": "float64",
+        "window_stop_s": "float64",
+        "drive_model": "str",
+        "drive_reason": "str",
+        "drive_peak": "float64",
+        "perceived_gain_db": "float64",
+        "fidelity": "float64",
+    }
+)
+"""The columns in order, each with its pandas type; a cell is empty where an event has no such value.
+
+`pandas.read_csv(path, dtype=dict(COLUMNS))` gives back every number to the last bit.
+"""
+
+
+def write_csv(timeline: Timeline, path: Path) -> None:
+    """Write the events as a table with the columns of `COLUMNS`."""
+    import pandas
+
+    rows = [_row(event, timeline.source.sample_rate_hz) for event in timeline.events]
+    table = pandas.DataFrame(rows, columns=list(COLUMNS)).astype(dict(COLUMNS))
+    table.to_csv(path, index=False, lineterminator="\n", encoding="utf-8")
+
+
+def _row(event: Event, rate_hz: int) -> dict[str, str | float | None]:
+    """Return one event's cells."""
+    drive = event.drive
+    first = min(event.reflections, key=lambda reflection: reflection.start, default=None)
+    return {
+        "id": event.id,
+        "onset_sample": event.onset_sample,
+        "onset_s": event.onset_s,
+        "timecode": event.timecode,
+        "confidence": event.confidence,
+        "burst": event.burst,
+        "shot_in_burst": event.shot_in_burst,
+        "peak_dbfs": event.peak_dbfs,
+        "snr_db": event.snr_db,
+        "blast_start_sample": event.blast.start,
+        "blast_stop_sample": event.blast.stop,
+        "reflections": len(event.reflections),
+        "first_reflection_delay_ms": first.delay_ms if first else None,
+        "window_start_sample": event.window.start,
+        "window_stop_sample": event.window.stop,
+        "window_start_s": event.window.start / rate_hz,
+        "window_stop_s": event.window.stop / rate_hz,
+        "drive_model": drive.model if drive else None,
+        "drive_reason": drive.reason if drive else None,
+        "drive_peak": drive.peak if drive else None,
+        "perceived_gain_db": drive.perceived_gain_db if drive else None,
+        "fidelity": drive.fidelity if drive else None,
+    }

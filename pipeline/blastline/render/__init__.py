@@ -1,0 +1,25 @@
+"""Making the drive: windows around the shots, and in each the signal whose vibration is felt like the sound.
+
+windows = plan_windows(shots, ...)                  where
+filters = drive_filters(profile, ...)               with what
+measure -> (scene.choose) -> render_window          for each window
+compose                                             the film's drive
+"""
+
+from .drive import RenderedWindow, measure, render_window
+from .filters import DriveFilters, drive_filters, needed_audio, preroll
+from .mix import compose
+from .windows import PlannedWindow, plan_windows
+
+__all__ = [
+    "DriveFilters",
+    "PlannedWindow",
+    "RenderedWindow",
+    "compose",
+    "drive_filters",
+    "measure",
+    "needed_audio",
+    "plan_windows",
+    "preroll",
+    "render_window",
+]

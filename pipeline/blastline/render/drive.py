@@ -1,0 +1,174 @@
+"""The drive of one window: by direct conversion, by the compensator, or within the limit; and what it does."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import dsp
+from ..model import Background, Clip, DriveInfo, DriveModel, SceneEvidence, Shot, Span
+from ..ruleset import RenderRules
+from ..units import SILENCE_DB, db_from_gain, gain_from_db, samples_from_ms
+from .constrained import constrained_drive
+from .filters import DriveFilters, Samples, compensated, felt, in_band, needed_audio
+from .windows import PlannedWindow
+
+
+@dataclass(frozen=True, eq=False)
+class RenderedWindow:
+    """The drive of a window: one column over exactly its span, within the limit; one `DriveInfo` for each shot."""
+
+    planned: PlannedWindow
+    clip: Clip
+    drives: tuple[DriveInfo, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _Heard:
+    """What a window listens to: the sound with its pre-roll, and where in it the window lies."""
+
+    sound: Samples
+    inside: slice
+
+
+def measure(audio: Clip, planned: PlannedWindow, *, filters: DriveFilters, rules: RenderRules) -> SceneEvidence:
+    """Return what direct conversion and the compensator would do in a window, for the choice between the models.
+
+    `audio` covers `needed_audio`; more of it changes nothing.
+    """
+    heard = _heard(audio, planned, filters, rules)
+    level = gain_from_db(rules.level_db)
+    core = _within(planned.core, planned)
+    target = level * in_band(heard.sound, filters)[heard.inside][core]
+    direct = felt(_limited(heard.sound[heard.inside]), filters)[core]
+    drive = level * compensated(heard.sound, filters)[heard.inside]
+    return SceneEvidence(
+        direct_level_db=_level_db(direct, target),
+        direct_fidelity=_correlation(direct, target),
+        filter_peak=float(np.max(np.abs(drive))),
+    )
+
+
+def render_window(
+    audio: Clip,
+    planned: PlannedWindow,
+    shots: Sequence[Shot],
+    *,
+    model: DriveModel,
+    reason: str,
+    filters: DriveFilters,
+    rules: RenderRules,
+    background: Background,
+) -> RenderedWindow:
+    """Return the drive of a window, |drive| <= 1 everywhere.
+
+    `audio` covers `needed_audio`; more of it changes nothing. `shots` are all shots of the film. Inside a window the
+    background, too, keeps to the limit, as the file that will hold the drive does.
+    """
+    heard = _heard(audio, planned, filters, rules)
+    direct = _limited(heard.sound[heard.inside])
+    target = gain_from_db(rules.level_db) * in_band(heard.sound, filters)[heard.inside]
+    own = [shots[index] for index in planned.shots]
+    starts = _starts(planned, own, filters, rules)
+    wet = direct
+    if model != "direct":
+        wet = gain_from_db(rules.level_db) * compensated(heard.sound, filters)[heard.inside]
+    if model == "filter" and (peak := float(np.max(np.abs(wet)))) > 1.0:
+        wet = wet / peak
+        reason = f"{reason}; the compensator's peak is {peak:.3g} of the limit, so the window is scaled down by it"
+    if model == "constrained":
+        wet = constrained_drive(
+            target, starts=starts, impulse=filters.impulse, rate_hz=filters.rate_hz, warm=wet, rules=rules
+        )
+    dry = direct if background == "direct" else np.zeros_like(direct)
+    drive = _limited(dsp.cross_fade(dry, wet, _weights(planned)))
+    infos = _drive_infos(drive, direct, target, planned, own, starts, model=model, reason=reason, filters=filters)
+    return RenderedWindow(planned, Clip(drive[:, None], audio.rate_hz, planned.window.start), infos)
+
+
+def _starts(planned: PlannedWindow, shots: Sequence[Shot], filters: DriveFilters, rules: RenderRules) -> list[int]:
+    """Return where in the window the drive of each shot may begin: the lead before its onset."""
+    lead = samples_from_ms(rules.lead_ms, filters.rate_hz)
+    return [max(0, shot.onset - lead - planned.window.start) for shot in shots]
+
+
+def _drive_infos(
+    drive: Samples,
+    direct: Samples,
+    target: Samples,
+    planned: PlannedWindow,
+    shots: Sequence[Shot],
+    starts: Sequence[int],
+    *,
+    model: DriveModel,
+    reason: str,
+    filters: DriveFilters,
+) -> tuple[DriveInfo, ...]:
+    """Return for each shot its peak, up to where the next may begin, and what is felt over its span.
+
+    Both predictions start from rest at the window. The fidelity is against the target, the sound in the band, so
+    that the delay of a causal band is not counted as a fault of the drive.
+    """
+    felt_drive, felt_direct = felt(drive, filters), felt(direct, filters)
+    infos = []
+    for shot, start, stop in zip(shots, [0, *starts[1:]], [*starts[1:], len(drive)], strict=True):
+        core = _within(Span(shot.onset, max(shot.span.stop, shot.onset + 1)), planned)
+        infos.append(
+            DriveInfo(
+                model,
+                reason,
+                peak=float(np.max(np.abs(drive[start : max(stop, start + 1)]))),
+                perceived_gain_db=_level_db(felt_drive[core], felt_direct[core]),
+                fidelity=_correlation(felt_drive[core], target[core]),
+            )
+        )
+    return tuple(infos)
+
+
+def _heard(audio: Clip, planned: PlannedWindow, filters: DriveFilters, rules: RenderRules) -> _Heard:
+    """Return just what the window needs of the audio, so that how much more there is cannot change a bit."""
+    if audio.rate_hz != filters.rate_hz:
+        raise ValueError(f"filters for {filters.rate_hz} Hz cannot render audio at {audio.rate_hz} Hz")
+    needed = needed_audio(planned, frames=audio.span.stop, filters=filters, rules=rules)
+    clip = audio.cut((needed & audio.span) | planned.window.span)
+    before = planned.window.start - clip.start
+    sound = np.asarray(clip.driving, dtype=np.float64)
+    return _Heard(sound, slice(before, before + len(planned.window.span)))
+
+
+def _within(span: Span, planned: PlannedWindow) -> slice:
+    """Return where a span of the film lies in the arrays of a window."""
+    inside = span & planned.window.span
+    return slice(inside.start - planned.window.start, inside.stop - planned.window.start)
+
+
+def _weights(planned: PlannedWindow) -> Samples:
+    window = planned.window
+    weights = np.ones(len(window.span))
+    weights[: window.fade_in_samples] = dsp.fade(window.fade_in_samples)
+    weights[len(weights) - window.fade_out_samples :] = dsp.fade(window.fade_out_samples)[::-1]
+    return weights
+
+
+def _limited(samples: Samples) -> Samples:
+    return np.clip(samples, -1.0, 1.0)
+
+
+def _level_db(samples: Samples, reference: Samples) -> float:
+    """Return the level of one signal against another; 0 where both are silent."""
+    level, against = _norm(samples), _norm(reference)
+    if against == 0.0:
+        return 0.0 if level == 0.0 else -SILENCE_DB
+    return min(db_from_gain(level / against), -SILENCE_DB)
+
+
+def _norm(samples: Samples) -> float:
+    return float(np.sqrt(np.sum(samples * samples)))
+
+
+def _correlation(samples: Samples, reference: Samples) -> float:
+    """Return the normalised product of two signals at lag 0; 1 where both are silent, 0 where one is."""
+    level, against = _norm(samples), _norm(reference)
+    if level == 0.0 or against == 0.0:
+        return float(level == against)
+    return float(np.clip(np.sum((samples / level) * (reference / against)), -1.0, 1.0))

@@ -1,0 +1,114 @@
+"""The filters of a film's drive, designed once: the band, the compensator, and what is felt of a drive."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import dsp
+from ..errors import RuleError
+from ..model import Phase, Span
+from ..ruleset import ActuatorProfile, RenderRules
+from ..units import samples_from_ms
+from .windows import PlannedWindow
+
+Samples = NDArray[np.float64]
+
+_FADED = 1e-10  # an impulse response is cut where this much of it is left: far below 24-bit audio
+
+
+@dataclass(frozen=True, eq=False)
+class DriveFilters:
+    """Second-order sections, float64, for one actuator at one sample rate.
+
+    `band` and `compensator` run forwards. With phase "zero" they hold half of the band's roll-off each, and `band`
+    runs backwards over their output as well. `felt` is H, `impulse` its impulse response until it has faded.
+    """
+
+    rate_hz: int
+    phase: Phase
+    band: Samples
+    compensator: Samples
+    felt: Samples
+    impulse: Samples
+
+
+def drive_filters(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> DriveFilters:
+    """Return the filters that make the drive for an actuator.
+
+    Raises RuleError where a corner of the profile does not lie below half the sample rate.
+    """
+    _check_corners(profile, rate_hz)
+    felt = dsp.felt_response(profile)
+    shape = dsp.band(profile) if phase == "causal" else dsp.half_band(profile)
+    sections = dsp.digital(felt, rate_hz)
+    slowest = float(np.min(-felt.poles.real))
+    length = math.ceil(-math.log(_FADED) * 2.0 / slowest * rate_hz)
+    response = dsp.run_filter(sections, np.concatenate([[1.0], np.zeros(length)]))
+    return DriveFilters(
+        rate_hz,
+        phase,
+        band=dsp.digital(shape, rate_hz),
+        compensator=dsp.digital(dsp.inverse(profile) * shape, rate_hz),
+        felt=sections,
+        impulse=_until_faded(response),
+    )
+
+
+def preroll(rate_hz: int, rules: RenderRules) -> int:
+    """Return the samples before a window from which the filters start, so that they have settled when it begins."""
+    return samples_from_ms(rules.preroll_ms, rate_hz)
+
+
+def needed_audio(planned: PlannedWindow, *, frames: int, filters: DriveFilters, rules: RenderRules) -> Span:
+    """Return the part of the film that rendering a window listens to: the window, the pre-roll before it and, where
+    the phase is zero, as much after it.
+    """
+    roll = preroll(filters.rate_hz, rules)
+    after = roll if filters.phase == "zero" else 0
+    return Span(max(0, planned.window.start - roll), min(frames, planned.window.stop + after))
+
+
+def in_band(samples: Samples, filters: DriveFilters) -> Samples:
+    """Return the sound in the band of vibration, which the felt vibration is to follow."""
+    return _backwards(dsp.run_filter(filters.band, samples), filters)
+
+
+def compensated(samples: Samples, filters: DriveFilters) -> Samples:
+    """Return the drive that would make the felt vibration the sound in the band, if the actuator had no limit."""
+    return _backwards(dsp.run_filter(filters.compensator, samples), filters)
+
+
+def felt(drive: Samples, filters: DriveFilters) -> Samples:
+    """Return what is felt of a drive that starts from rest, predicted by H."""
+    return dsp.run_filter(filters.felt, drive)
+
+
+def _backwards(samples: Samples, filters: DriveFilters) -> Samples:
+    """Return the samples through the other half of a zero-phase band, or as they are."""
+    if filters.phase == "causal":
+        return samples
+    return dsp.run_filter(filters.band, samples[::-1])[::-1]
+
+
+def _until_faded(response: Samples) -> Samples:
+    """Return an impulse response up to the last sample that is not negligible against its peak."""
+    heard = np.flatnonzero(np.abs(response) > _FADED * np.max(np.abs(response)))
+    return response[: int(heard[-1]) + 1]
+
+
+def _check_corners(profile: ActuatorProfile, rate_hz: int) -> None:
+    nyquist_hz = rate_hz / 2.0
+    corners = [("lowpass.corner_hz", profile.lowpass.corner_hz), ("highpass.corner_hz", profile.highpass.corner_hz)]
+    for kind, roots in (("poles", profile.response.poles_rad_s), ("zeros", profile.response.zeros_rad_s)):
+        corners += [
+            (f"response.{kind}_rad_s[{index}]", math.hypot(real, imaginary) / (2.0 * math.pi))
+            for index, (real, imaginary) in enumerate(roots)
+        ]
+    for key, corner_hz in corners:
+        if corner_hz >= nyquist_hz:
+            raise RuleError(
+                f"{profile.name}: {key}: {corner_hz:g} Hz: expected below {nyquist_hz:g} Hz, "
+                f"half the soundtrack's sample rate of {rate_hz} Hz"
+            )

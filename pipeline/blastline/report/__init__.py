@@ -1,0 +1,11 @@
+"""One page for people: did it work, where are the shots, what will be felt, and why should one believe it.
+
+The page is a single HTML file that needs no network and no script: pictures are inside it, and the few lines of script
+only sort and filter the table of shots.
+"""
+
+from .overview import Overview, OverviewMeter
+from .page import write_report
+from .sounds import Cutter
+
+__all__ = ["Cutter", "Overview", "OverviewMeter", "write_report"]

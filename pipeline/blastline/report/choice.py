@@ -1,0 +1,46 @@
+"""Which shots get a picture: where something failed, where detection was least sure, and the strongest."""
+
+from collections.abc import Sequence
+
+from ..model import Check, Event
+
+MOST_PICTURES = 24
+_FAILED_SHARE, _UNSURE_SHARE = 12, 6
+
+
+def pictured(events: Sequence[Event], checks: Sequence[Check]) -> dict[str, str]:
+    """Return why each chosen shot is shown, by its id, in the order of the film; all of them where they are few."""
+    if len(events) <= MOST_PICTURES:
+        return {event.id: "" for event in events}
+    failed = failures(checks)
+    worst = sorted((e for e in events if failed.get(e.id)), key=lambda e: (-failed[e.id], e.onset_sample))
+    unsure = sorted(events, key=lambda e: (e.confidence, e.onset_sample))
+    loud = sorted(events, key=lambda e: (-e.peak_dbfs, e.onset_sample))
+    why: dict[str, str] = {event.id: "a check failed" for event in worst[:_FAILED_SHARE]}
+    _add(why, unsure, "among the least sure", len(why) + _UNSURE_SHARE)
+    _add(why, loud, "among the strongest", MOST_PICTURES)
+    return {event.id: why[event.id] for event in events if event.id in why}
+
+
+def rule() -> str:
+    """Return the rule in words."""
+    return (
+        f"A film with many shots shows {MOST_PICTURES} of them: up to {_FAILED_SHARE} in which a check failed, "
+        f"the {_UNSURE_SHARE} of which detection was least sure, and the strongest."
+    )
+
+
+def failures(checks: Sequence[Check]) -> dict[str, int]:
+    """Return the number of failed checks of each shot that has any, by its id."""
+    failed: dict[str, int] = {}
+    for check in checks:
+        if check.event is not None and not check.passed:
+            failed[check.event] = failed.get(check.event, 0) + 1
+    return failed
+
+
+def _add(why: dict[str, str], ranked: Sequence[Event], reason: str, most: int) -> None:
+    for event in ranked:
+        if len(why) >= most:
+            return
+        why.setdefault(event.id, reason)

@@ -1,0 +1,184 @@
+"""The page, put together."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from ..model import Check, Event, Timeline
+from ..ruleset import ActuatorProfile
+from .choice import MOST_PICTURES, failures, pictured, rule
+from .figures import event_figure
+from .overview import Overview
+from .script import FILTER, SCRIPT
+from .sounds import Cutter, event_sound
+from .style import STYLE
+from .summary import heading, tiles, verdict, warnings
+from .tables import checks_tables, origin_list, rejections_table, shots_table
+from .track import film_track
+from .words import claim, figure, measured, safe, signed
+
+
+def write_report(
+    path: Path,
+    timeline: Timeline,
+    *,
+    overview: Overview,
+    audio: Cutter,
+    drive: Cutter,
+    profile: ActuatorProfile,
+    options: Mapping[str, str] | None = None,
+) -> None:
+    """Write the report of a finished run as one HTML page.
+
+    `audio` and `drive` both have the timeline's number of frames and are cut for the pictures. `options` are shown as
+    they are, under how the result was made.
+    """
+    why = pictured(timeline.events, timeline.checks)
+    pictures = [
+        _picture(event, why[event.id], timeline, audio=audio, drive=drive, profile=profile)
+        for event in timeline.events
+        if event.id in why
+    ]
+    path.write_text(_page(timeline, overview, why, pictures, options or {}), encoding="utf-8")
+
+
+def _page(
+    timeline: Timeline, overview: Overview, why: Mapping[str, str], pictures: Sequence[str], options: Mapping[str, str]
+) -> str:
+    failed = failures(timeline.checks)
+    rejected = rejections_table(timeline.rejections, timeline.source.sample_rate_hz)
+    title = f"{timeline.source.name} – blastline report"
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width,initial-scale=1">'
+        f"<title>{safe(title)}</title><style>{STYLE}</style></head><body>\n"
+        f"<header>{heading(timeline)}{verdict(timeline)}{warnings(timeline)}{tiles(timeline)}{_contents()}</header>\n<main>\n"
+        f"{_section('film', 'The film', _film(timeline, overview, failed, why))}"
+        f"{_section('pictures', 'Shots in pictures', _pictures(timeline, pictures))}"
+        f"{_section('shots-all', 'Every shot', _shots(timeline, failed, why))}"
+        f"{_section('checks', 'Checks', checks_tables(timeline.checks, linked=why))}"
+        f"{_section('rejected', 'Not taken for shots', rejected)}"
+        f"{_section('origin', 'How this was made', origin_list(timeline, options))}"
+        f"</main>\n<footer>Made by blastline {safe(timeline.version)}. What is felt is predicted from the "
+        f"actuator's profile, not measured on a seat.</footer>\n<script>{SCRIPT}</script></body></html>\n"
+    )
+
+
+def _contents() -> str:
+    links = [
+        ("film", "The film"),
+        ("pictures", "Pictures"),
+        ("shots-all", "Every shot"),
+        ("checks", "Checks"),
+        ("rejected", "Not taken for shots"),
+        ("origin", "How this was made"),
+    ]
+    return f'<nav aria-label="On this page">{"".join(f"<a href=#{target}>{name}</a>" for target, name in links)}</nav>'
+
+
+def _section(name: str, title: str, content: str) -> str:
+    return f'<section id="{name}"><h2>{title}</h2>{content}</section>\n'
+
+
+def _shots(timeline: Timeline, failed: Mapping[str, int], why: Mapping[str, str]) -> str:
+    if not timeline.events:
+        return "<p>No shots were found.</p>"
+    return f'{FILTER}<div class="card">{shots_table(timeline.events, failed=failed, linked=why)}</div>'
+
+
+def _film(timeline: Timeline, overview: Overview, failed: Mapping[str, int], why: Mapping[str, str]) -> str:
+    legend = _legend(
+        ("audio", "area", "level of the film"),
+        ("felt", "", "shot: its height is its level, full where detection is sure"),
+        ("limit", "", "a check failed (cross)"),
+        ("drive", "", "burst (bracket)"),
+    )
+    return f'<div class="card">{legend}{film_track(timeline, overview, failed=failed, linked=why)}</div>'
+
+
+def _legend(*entries: tuple[str, str, str]) -> str:
+    items = "".join(
+        f'<li><i class="{kind}" style="{"background" if kind else "border-color"}:var(--{colour})"></i>{text}</li>'
+        for colour, kind, text in entries
+    )
+    return f'<ul class="legend">{items}</ul>'
+
+
+def _pictures(timeline: Timeline, pictures: Sequence[str]) -> str:
+    if not timeline.events:
+        return "<p>There is nothing to show: no shots were found in this film.</p>"
+    legend = _legend(
+        ("audio", "", "sound"),
+        ("band", "", "sound in the band of vibration: what should be felt"),
+        ("direct", "", "felt by direct conversion"),
+        ("drive", "", "drive"),
+        ("felt", "", "felt with the drive"),
+        ("limit", "", "actuator's limit"),
+        ("blast", "area", "blast"),
+        ("reflection", "area", "reflection"),
+        ("window", "area", "window and its fades"),
+    )
+    note = rule() if len(timeline.events) > MOST_PICTURES else "Every shot is shown."
+    return f'<p class="note">{note}</p>{legend}{"".join(pictures)}'
+
+
+def _picture(
+    event: Event, why: str, timeline: Timeline, *, audio: Cutter, drive: Cutter, profile: ActuatorProfile
+) -> str:
+    sound = event_sound(
+        event, timeline.events, audio=audio, drive=drive, frames=timeline.source.frames, profile=profile
+    )
+    own = [check for check in timeline.checks if check.event == event.id]
+    reason = f'<p class="why">Drive: {safe(event.drive.model)}, {safe(event.drive.reason)}.</p>' if event.drive else ""
+    return (
+        f'<article class="card picture" id="shot-{safe(event.id)}">'
+        f"<h3>{safe(event.id)} <span>{safe(event.timecode)}{f' · {why}' if why else ''}</span>{_badge(own)}</h3>"
+        f"{_numbers(event, timeline.source.sample_rate_hz)}{_failures(own)}{reason}"
+        f'<div class="scroll">{event_figure(sound)}</div>'
+        f"{_own_checks(own)}</article>\n"
+    )
+
+
+def _badge(checks: Sequence[Check]) -> str:
+    failed = sum(not check.passed for check in checks)
+    if not checks:
+        return ""
+    kind, text = (
+        ("bad", f"{failed} of {len(checks)} checks failed") if failed else ("good", f"{len(checks)} checks passed")
+    )
+    return f'<span class="badge {kind}">{text}</span>'
+
+
+def _failures(checks: Sequence[Check]) -> str:
+    lines = "".join(f"<li>{safe(claim(c))}: <em>no</em>, {safe(measured(c))}</li>" for c in checks if not c.passed)
+    return f'<ul class="failed">{lines}</ul>' if lines else ""
+
+
+def _own_checks(checks: Sequence[Check]) -> str:
+    passed = "".join(f"<li>{safe(claim(c))}: {safe(measured(c))}</li>" for c in checks if c.passed)
+    return f"<details><summary>Checks that passed</summary><ul>{passed}</ul></details>" if passed else ""
+
+
+def _numbers(event: Event, rate_hz: int) -> str:
+    facts = {
+        "Onset": f"{event.onset_s:.4f} s",
+        "Sample": f"{event.onset_sample}",
+        "Confidence": figure(event.confidence),
+        "Peak": f"{figure(event.peak_dbfs, 1)} dBFS",
+        "Over background": f"{figure(event.snr_db, 1)} dB",
+        "Blast": f"{figure(1000.0 * len(event.blast) / rate_hz, 1)} ms",
+        "Reflections": _echoes(event),
+    }
+    if event.burst is not None:
+        facts["Burst"] = f"{event.burst}, shot {event.shot_in_burst}"
+    if event.drive is not None:
+        facts["Felt against direct"] = f"{signed(event.drive.perceived_gain_db)} dB"
+        facts["Fidelity"] = figure(event.drive.fidelity, 3)
+        facts["Peak of the drive"] = f"{figure(event.drive.peak, 3)} of the limit"
+    items = "".join(f"<div><dt>{name}</dt><dd>{safe(value)}</dd></div>" for name, value in facts.items())
+    return f'<dl class="numbers">{items}</dl>'
+
+
+def _echoes(event: Event) -> str:
+    shown = [f"{figure(echo.delay_ms, 1)} ms at {figure(echo.level_db, 0)} dB" for echo in event.reflections[:3]]
+    more = f" and {len(event.reflections) - 3} more" if len(event.reflections) > 3 else ""
+    return "; ".join(shown) + more if shown else "none"

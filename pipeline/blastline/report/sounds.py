@@ -1,0 +1,114 @@
+"""What the picture of a shot shows: the sound, the drive, and what is felt of either."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import dsp
+from ..model import Clip, Event, Span
+from ..ruleset import ActuatorProfile
+from ..units import samples_from_ms
+
+Samples = NDArray[np.float64]
+
+_SETTLE_MS = 250.0
+_BEFORE_MS = 12.0
+_LONGEST_MS = 400.0
+
+
+class Cutter(Protocol):
+    """A sound file of which any stretch can be read."""
+
+    @property
+    def rate_hz(self) -> int:
+        """Return the sample rate."""
+
+    def cut(self, span: Span, /) -> Clip:
+        """Return the stretch inside `span`, which lies inside the file."""
+
+
+@dataclass(frozen=True, eq=False)
+class EventSound:
+    """A shot over `span`, shape (frames,) each: its sound, the sound in the band of vibration, the drive, and what is
+    felt of direct conversion and of the drive.
+    """
+
+    event: Event
+    span: Span
+    rate_hz: int
+    audio: Samples
+    target: Samples
+    drive: Samples
+    felt_direct: Samples
+    felt_drive: Samples
+    other_onsets: tuple[int, ...]
+
+    @property
+    def times_ms(self) -> Samples:
+        """Return the time of each sample from the onset on."""
+        samples = np.arange(self.span.start, self.span.stop) - self.event.onset_sample
+        return np.asarray(samples * (1000.0 / self.rate_hz), dtype=np.float64)
+
+
+def event_sound(
+    event: Event, events: Sequence[Event], *, audio: Cutter, drive: Cutter, frames: int, profile: ActuatorProfile
+) -> EventSound:
+    """Return a shot's sound from just before its onset to its window's end, at most 0.4 s.
+
+    The filters run for a quarter of a second before. `frames` is how many both files have.
+    """
+    rate_hz = audio.rate_hz
+    start = max(0, event.onset_sample - samples_from_ms(_BEFORE_MS, rate_hz))
+    longest = event.onset_sample + samples_from_ms(_LONGEST_MS, rate_hz)
+    shown = Span(start, min(frames, longest, max(event.window.stop, event.onset_sample + 1)))
+    whole = Span(max(0, start - samples_from_ms(_SETTLE_MS, rate_hz)), shown.stop)
+    kept = slice(shown.start - whole.start, None)
+    sound = np.asarray(audio.cut(whole).driving, dtype=np.float64)
+    driving = np.asarray(drive.cut(whole).driving, dtype=np.float64)
+    felt = dsp.digital(dsp.felt_response(profile), rate_hz)
+    band = dsp.digital(dsp.band(profile), rate_hz)
+    return EventSound(
+        event,
+        shown,
+        rate_hz,
+        audio=sound[kept],
+        target=dsp.run_filter(band, sound)[kept],
+        drive=driving[kept],
+        felt_direct=dsp.run_filter(felt, np.clip(sound, -1.0, 1.0))[kept],
+        felt_drive=dsp.run_filter(felt, driving)[kept],
+        other_onsets=tuple(
+            other.onset_sample for other in events if other.onset_sample in shown and other.id != event.id
+        ),
+    )
+
+
+def envelope(values: Samples, columns: int) -> tuple[Samples, Samples]:
+    """Return a curve that looks the same in `columns` columns: index and value of each column's extremes, in order."""
+    width = math.ceil(len(values) / columns)
+    if width <= 2:
+        return np.arange(len(values), dtype=np.float64), values
+    whole = len(values) - len(values) % width
+    table = values[:whole].reshape(-1, width)
+    rows = np.arange(len(table)) * width
+    ends = np.sort(np.stack([rows + table.argmin(axis=1), rows + table.argmax(axis=1)], axis=1), axis=1).ravel()
+    index = np.unique(np.concatenate([[0], ends, [len(values) - 1]]))
+    return index.astype(np.float64), values[index]
+
+
+def spectrum_db(samples: Samples, rate_hz: int, bands_hz: Samples) -> Samples:
+    """Return the level of a stretch of sound between neighbouring frequencies of `bands_hz`, in decibels.
+
+    The magnitude of the Fourier transform in volt seconds, root mean square over each band; where a band lies between
+    two bins, interpolated.
+    """
+    size = 1 << max(14, (len(samples) - 1).bit_length())
+    power = np.abs(np.fft.rfft(samples, size)) ** 2 / rate_hz**2
+    total = np.concatenate([[0.0], np.cumsum(power)])
+    edges = bands_hz * size / rate_hz
+    at_edges = np.interp(edges, np.arange(len(total)) - 0.5, total)
+    mean = np.diff(at_edges) / np.diff(edges)
+    return np.asarray(10.0 * np.log10(np.maximum(mean, 1e-30)), dtype=np.float64)

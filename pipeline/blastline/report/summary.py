@@ -1,0 +1,113 @@
+"""What a designer wants to know in ten seconds."""
+
+from collections.abc import Sequence
+from statistics import median
+
+from ..model import Check, Event, Timeline
+from .words import allowed, claim, duration, figure, measured, safe, signed
+
+_SHOWN_FAILURES = 6
+
+
+def heading(timeline: Timeline) -> str:
+    """Return the film's name and what it is."""
+    source = timeline.source
+    facts = [
+        duration(source.frames / source.sample_rate_hz),
+        f"from {source.start_timecode}" if source.start_timecode else "no timecode",
+        f"{source.frame_rate} frames a second" if source.frame_rate else "",
+        f"{figure(source.sample_rate_hz / 1000, 3)} kHz",
+        f"{source.channels} channel{'s' if source.channels != 1 else ''}",
+    ]
+    return (
+        '<p class="product">blastline report</p>'
+        f'<h1>{safe(source.name)}</h1><p class="facts">{safe(" · ".join(fact for fact in facts if fact))}</p>'
+    )
+
+
+def verdict(timeline: Timeline) -> str:
+    """Return in one sentence whether film and drive are aligned, with what failed."""
+    checks = timeline.checks
+    failed = [check for check in checks if not check.passed]
+    if not checks:
+        return '<div class="verdict warn" role="status"><strong>Not checked.</strong></div>'
+    if not failed:
+        if not timeline.events:
+            text = f"All {len(checks)} checks passed: the drive is at rest from start to end."
+            return f'<div class="verdict good" role="status"><strong>No shots.</strong> <span>{text}</span></div>'
+        text = f"All {len(checks)} checks passed: every vibration starts with its bang, and nothing moves in between."
+        if any(check.name == "sound_outside_windows" for check in checks):
+            text = f"All {len(checks)} checks passed: every vibration starts with its bang."
+        return f'<div class="verdict good" role="status"><strong>Aligned.</strong> <span>{text}</span></div>'
+    text = f"{len(failed)} of {len(checks)} checks failed. Do not use this drive before you have looked at them."
+    return (
+        f'<div class="verdict bad" role="alert"><strong>Not aligned.</strong> <span>{text}</span>{_worst(failed)}</div>'
+    )
+
+
+def _worst(failed: Sequence[Check]) -> str:
+    """Return the failures of the film, then each kind of failure among the shots with their number."""
+    lines = [
+        f"{safe(claim(c))}: <em>no</em>, {safe(measured(c))} ({safe(allowed(c))})" for c in failed if c.event is None
+    ]
+    kinds: dict[str, list[Check]] = {}
+    for check in failed:
+        if check.event is not None:
+            kinds.setdefault(check.name, []).append(check)
+    for checks in kinds.values():
+        first = checks[0]
+        where = first.event if len(checks) == 1 else f"{len(checks)} shots, the first is {first.event}"
+        lines.append(
+            f"{safe(claim(first))}: <em>not in</em> {safe(where)}, {safe(measured(first))} ({safe(allowed(first))})"
+        )
+    more = f'<li><a href="#checks">{len(lines) - _SHOWN_FAILURES} more</a></li>' if len(lines) > _SHOWN_FAILURES else ""
+    return f"<ul>{''.join(f'<li>{line}</li>' for line in lines[:_SHOWN_FAILURES])}{more}</ul>"
+
+
+def warnings(timeline: Timeline) -> str:
+    """Return what the reader had to mend."""
+    items = "".join(f"<li>{safe(warning)}</li>" for warning in timeline.source.warnings)
+    if not items:
+        return ""
+    return (
+        '<div class="verdict warn" role="status"><strong>The film was not read without trouble.</strong>'
+        f"<ul>{items}</ul></div>"
+    )
+
+
+def tiles(timeline: Timeline) -> str:
+    """Return the key figures."""
+    events = timeline.events
+    bursts = {event.burst for event in events if event.burst is not None}
+    shots = [("Shots", str(len(events)), _of_bursts(events, len(bursts)))]
+    failed = sum(not check.passed for check in timeline.checks)
+    shots.append(("Checks passed", f"{len(timeline.checks) - failed} / {len(timeline.checks)}", ""))
+    if events:
+        loudest = max(events, key=lambda event: event.peak_dbfs)
+        shots.append(("Strongest shot", f"{figure(loudest.peak_dbfs, 1)} dBFS", f"{loudest.id} at {loudest.timecode}"))
+    drives = [event.drive for event in events if event.drive is not None]
+    if drives:
+        gain_db = median(drive.perceived_gain_db for drive in drives)
+        shots.append(("Felt stronger than direct", f"{signed(gain_db)} dB", "median of all shots"))
+        shots.append(("Fidelity", figure(median(drive.fidelity for drive in drives), 3), "felt against heard, median"))
+    lags = [c.measured for c in timeline.checks if c.name in ("felt_lag", "drive_lag") and c.measured is not None]
+    if lags:
+        worst = max(lags, key=abs)
+        shots.append(("Lag behind the bang", f"{figure(median(lags))} ms", f"median; largest {figure(worst)} ms"))
+    actuator = timeline.actuator.name if timeline.actuator else "none"
+    models = sorted({drive.model for drive in drives})
+    shots.append(
+        ("Actuator", safe(actuator), f"quality {timeline.quality}" + (f"; {', '.join(models)}" if models else ""))
+    )
+    items = "".join(
+        f'<div class="tile"><dt>{name}</dt><dd>{value}<small>{safe(note)}</small></dd></div>'
+        for name, value, note in shots
+    )
+    return f'<dl class="tiles">{items}</dl>'
+
+
+def _of_bursts(events: Sequence[Event], bursts: int) -> str:
+    if not bursts:
+        return "all single" if events else ""
+    singles = sum(event.burst is None for event in events)
+    return f"{singles} single, the others in {bursts} burst{'s' if bursts > 1 else ''}"

@@ -1,0 +1,135 @@
+"""The tables of the page: every shot, every check, what was rejected, and how the result was made."""
+
+from collections import Counter
+from collections.abc import Collection, Mapping, Sequence
+
+from ..model import Check, Event, Rejection, Timeline
+from .words import allowed, claim, duration, figure, measured, safe, signed
+
+_STRONGEST = 5
+
+
+def shots_table(events: Sequence[Event], *, failed: Mapping[str, int], linked: Collection[str]) -> str:
+    """Return every shot, one row each; a click on a column's head sorts."""
+    heads = [
+        ("Shot", ""),
+        ("Timecode", ""),
+        ("Onset, s", "n"),
+        ("Sure", "n"),
+        ("Peak, dBFS", "n"),
+        ("Over background, dB", "n"),
+        ("Reflections", "n"),
+        ("Burst", "n"),
+        ("Drive", ""),
+        ("Drive peak", "n"),
+        ("Felt gain, dB", "n"),
+        ("Fidelity", "n"),
+        ("Checks", ""),
+    ]
+    head = "".join(f'<th scope="col" class="{kind}">{name}</th>' for name, kind in heads)
+    rows = "".join(_shot_row(event, failed.get(event.id, 0), linked=event.id in linked) for event in events)
+    return f'<div class="scroll"><table id="shots"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
+
+
+def _shot_row(event: Event, failed: int, *, linked: bool) -> str:
+    drive, name = event.drive, safe(event.id)
+    burst = "" if event.burst is None else f"{event.burst}.{event.shot_in_burst}"
+    cells = [
+        (f'<a href="#shot-{name}">{name}</a>' if linked else name, name, ""),
+        (safe(event.timecode), safe(event.timecode), ""),
+        (f"{event.onset_s:.4f}", repr(event.onset_s), "n"),
+        (figure(event.confidence), repr(event.confidence), "n"),
+        (figure(event.peak_dbfs, 1), repr(event.peak_dbfs), "n"),
+        (figure(event.snr_db, 1), repr(event.snr_db), "n"),
+        (str(len(event.reflections)), str(len(event.reflections)), "n"),
+        (burst, str(-1 if event.burst is None else event.burst * 1000 + (event.shot_in_burst or 0)), "n"),
+        (drive.model if drive else "–", drive.model if drive else "", ""),
+        (figure(drive.peak) if drive else "–", repr(drive.peak) if drive else "-1", "n"),
+        (signed(drive.perceived_gain_db) if drive else "–", repr(drive.perceived_gain_db) if drive else "-999", "n"),
+        (figure(drive.fidelity, 3) if drive else "–", repr(drive.fidelity) if drive else "-1", "n"),
+        (
+            f'<span class="failed">{failed} failed</span>' if failed else '<span class="ok">passed</span>',
+            str(failed),
+            "",
+        ),
+    ]
+    body = "".join(f'<td class="{kind}" data-v="{value}">{shown}</td>' for shown, value, kind in cells)
+    return f'<tr id="row-{name}" data-failed="{failed}">{body}</tr>'
+
+
+def checks_tables(checks: Sequence[Check], *, linked: Collection[str]) -> str:
+    """Return failed checks as a table, and those that passed as a folded one."""
+    failed = [check for check in checks if not check.passed]
+    passed = [check for check in checks if check.passed]
+    parts = []
+    if failed:
+        parts.append(f"<h3>{len(failed)} failed</h3>{_checks_table(failed, linked)}")
+    if passed:
+        counts = f"{len(passed)} passed"
+        parts.append(f"<details><summary>{counts}</summary>{_checks_table(passed, linked)}</details>")
+    return "".join(parts) or "<p>No checks were made.</p>"
+
+
+def _checks_table(checks: Sequence[Check], linked: Collection[str]) -> str:
+    rows = []
+    for check in checks:
+        anchor = f"shot-{check.event}" if check.event in linked else f"row-{check.event}"
+        where = "the film" if check.event is None else f'<a href="#{safe(anchor)}">{safe(check.event)}</a>'
+        state = '<span class="ok">passed</span>' if check.passed else '<span class="failed">failed</span>'
+        rows.append(
+            f'<tr><td>{state}</td><td class="wide">{safe(claim(check))}</td><td>{where}</td>'
+            f'<td class="n">{safe(measured(check))}</td><td class="n">{safe(allowed(check))}</td>'
+            f"<td><code>{safe(check.name)}</code></td></tr>"
+        )
+    heads = '<th>Result</th><th>Claim</th><th>Of</th><th class="n">Measured</th><th class="n">Allowed</th><th>Name</th>'
+    return f'<div class="scroll"><table><thead><tr>{heads}</tr></thead><tbody>{"".join(rows)}</tbody></table></div>'
+
+
+def rejections_table(rejections: Sequence[Rejection], rate_hz: int) -> str:
+    """Return how many candidates were not taken for shots, by reason, with those that came nearest, folded."""
+    if not rejections:
+        return "<p>No candidate was turned down.</p>"
+    counts = Counter(rejection.reason for rejection in rejections)
+    rows = []
+    for reason, count in counts.most_common():
+        nearest = sorted((r for r in rejections if r.reason == reason), key=lambda r: (-_probability(r), r.at_sample))
+        shown = "; ".join(
+            f"{duration(r.at_sample / rate_hz)} ({_evidence(r)})" if r.evidence else duration(r.at_sample / rate_hz)
+            for r in nearest[:_STRONGEST]
+        )
+        rows.append(f'<tr><td>{safe(reason)}</td><td class="n">{count}</td><td class="wide">{safe(shown)}</td></tr>')
+    heads = '<th>Reason</th><th class="n">Candidates</th><th>The nearest to being shots, with the evidence</th>'
+    return (
+        f"<details><summary>{len(rejections)} candidates were not taken for shots</summary>"
+        f'<div class="scroll"><table><thead><tr>{heads}</tr></thead><tbody>{"".join(rows)}</tbody></table></div>'
+        "</details>"
+    )
+
+
+def _probability(rejection: Rejection) -> float:
+    return rejection.evidence.get("probability", max(rejection.evidence.values(), default=0.0))
+
+
+def _evidence(rejection: Rejection) -> str:
+    return ", ".join(
+        f"{name.replace('_', ' ')} {figure(value)}" for name, value in list(rejection.evidence.items())[:4]
+    )
+
+
+def origin_list(timeline: Timeline, options: Mapping[str, str]) -> str:
+    """Return where the result comes from: program, rules, source and options."""
+    source, actuator = timeline.source, timeline.actuator
+    facts = {
+        "blastline": timeline.version,
+        "Quality": timeline.quality,
+        "Rules": timeline.rules_digest,
+        "Film": source.name,
+        "Film's SHA-256": source.sha256,
+        "Sound": f"stream {source.stream}, mix {source.mix}, {source.channels} channels, "
+        f"{source.sample_rate_hz} Hz, {source.frames} frames",
+        "First sample after the picture's start": f"{figure(source.start_offset_s, 6)} s",
+        "Actuator": f"{actuator.name} ({actuator.digest})" if actuator else "none",
+        **options,
+    }
+    rows = "".join(f"<dt>{safe(name)}</dt><dd>{safe(value)}</dd>" for name, value in facts.items())
+    return f'<dl class="origin">{rows}</dl>'

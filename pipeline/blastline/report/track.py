@@ -1,0 +1,130 @@
+"""The whole film at a glance: its level over time, every shot on it, and the bursts below."""
+
+import math
+from collections.abc import Collection, Iterable
+
+import numpy as np
+
+from ..model import Event, Source, Timeline
+from ..units import levels_db
+from .overview import Overview
+from .words import duration, figure, safe
+
+_WIDTH, _LEFT, _RIGHT = 1120, 34, 12
+_TOP, _MIDDLE, _BOTTOM = 12, 150, 196
+_FLOOR_DB = -60.0
+_COLUMNS = 1000
+_TICKS_S = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400)
+
+
+def film_track(timeline: Timeline, overview: Overview, *, failed: Collection[str], linked: Collection[str]) -> str:
+    """Return the overview as an SVG element; each shot links to its picture (`linked`) or to its row in the table."""
+    source = timeline.source
+    parts = [
+        f'<svg class="track" viewBox="0 0 {_WIDTH} {_BOTTOM + 8}" role="group" '
+        f'aria-label="The film from start to end: its level, and {len(timeline.events)} shots">',
+        _axes(source),
+        _level(overview, source.frames),
+        *(_shot(event, source, failed=event.id in failed, linked=event.id in linked) for event in timeline.events),
+        *_bursts(timeline.events, source),
+        "</svg>",
+    ]
+    return "".join(parts)
+
+
+def _x(sample: float, frames: int) -> float:
+    return _LEFT + (_WIDTH - _LEFT - _RIGHT) * sample / max(1, frames)
+
+
+def _y(level_db: float) -> float:
+    return _TOP + (_MIDDLE - _TOP) * min(1.0, max(0.0, level_db / _FLOOR_DB))
+
+
+def _level(overview: Overview, frames: int) -> str:
+    columns = overview.columns(_COLUMNS)
+    if not len(columns):
+        return ""
+    width = (_x(frames, frames) - _x(0, frames)) / len(columns)
+    tops = [_y(float(level)) for level in levels_db(np.asarray(columns, np.float64))]
+    path = "".join(
+        f"L{_LEFT + index * width:.1f} {top:.1f}H{_LEFT + (index + 1) * width:.1f}" for index, top in enumerate(tops)
+    )
+    return f'<path d="M{_LEFT} {_MIDDLE}{path}V{_MIDDLE}Z" fill="var(--audio)" opacity=".75"/>'
+
+
+def _shot(event: Event, source: Source, *, failed: bool, linked: bool) -> str:
+    x, y = _x(event.onset_sample, source.frames), _y(event.peak_dbfs)
+    colour = "var(--limit)" if failed else "var(--felt)"
+    target = f"shot-{event.id}" if linked else f"row-{event.id}"
+    name = (
+        f"{event.id} at {event.timecode}: {figure(event.peak_dbfs, 1)} dBFS, confidence {figure(event.confidence)}"
+        + (", a check failed" if failed else "")
+    )
+    mark = (
+        f'<path d="M{x - 5:.1f} {y - 5:.1f}l10 10m0 -10l-10 10" stroke="{colour}" stroke-width="2.2"/>'
+        if failed
+        else f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.6" fill="{colour}" fill-opacity="{_weight(event):.2f}"'
+        f' stroke="{colour}"/>'
+    )
+    return (
+        f'<a href="#{safe(target)}" tabindex="-1"><title>{safe(name)}</title>'
+        f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{y + 4:.1f}" y2="{_MIDDLE}" stroke="{colour}"/>{mark}</a>'
+    )
+
+
+def _weight(event: Event) -> float:
+    """Return how full a marker is: hollow where detection was in two minds, full where it was certain."""
+    return min(1.0, max(0.0, 2.0 * event.confidence - 1.0))
+
+
+def _bursts(events: Iterable[Event], source: Source) -> Iterable[str]:
+    bursts: dict[int, list[Event]] = {}
+    for event in events:
+        if event.burst is not None:
+            bursts.setdefault(event.burst, []).append(event)
+    for number, shots in bursts.items():
+        left, right = (_x(event.onset_sample, source.frames) for event in (shots[0], shots[-1]))
+        left, right = left - 3, max(right, left + 6) + 3
+        yield (
+            f'<g><title>Burst {number}: {len(shots)} shots</title><path d="M{left:.1f} {_MIDDLE + 4}v5H{right:.1f}v-5" '
+            'fill="none" stroke="var(--drive)" stroke-width="1.6"/></g>'
+        )
+
+
+def _axes(source: Source) -> str:
+    lines = []
+    for level_db in (0, -20, -40, -60):
+        y = _y(level_db)
+        lines.append(f'<line x1="{_LEFT}" x2="{_WIDTH - _RIGHT}" y1="{y:.1f}" y2="{y:.1f}" stroke="var(--ink-grid)"/>')
+        lines.append(_label(_LEFT - 6, y + 4, "0 dB" if level_db == 0 else f"−{-level_db}", "end"))
+    length_s = source.frames / source.sample_rate_hz
+    step_s = next((tick for tick in _TICKS_S if length_s / tick <= 10), _TICKS_S[-1])
+    for index in range(math.floor(length_s / step_s) + 1):
+        x = _x(index * step_s * source.sample_rate_hz, source.frames)
+        lines.append(f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{_MIDDLE}" y2="{_BOTTOM - 16}" stroke="var(--ink-grid)"/>')
+        if x < _WIDTH - 50:
+            lines.append(
+                _label(x, _BOTTOM, _clock(source, index * step_s, step_s), "start" if index == 0 else "middle")
+            )
+    return "".join(lines)
+
+
+def _label(x: float, y: float, text: str, anchor: str) -> str:
+    place = f'x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"'
+    return f'<text {place} font-size="11.5" fill="var(--ink-soft)">{safe(text)}</text>'
+
+
+def _clock(source: Source, elapsed_s: float, step_s: float) -> str:
+    """Return the timecode's hours, minutes and seconds; the time from the start where the film has none.
+
+    Timecode counts whole frames: at 24000/1001 frames a second its seconds last 1.001 s, unless it drops frames.
+    """
+    fields = (source.start_timecode or "").replace(";", ":").split(":")
+    if step_s < 1.0 or len(fields) != 4 or not all(field.isdigit() for field in fields) or not source.frame_rate:
+        return duration(elapsed_s) if elapsed_s >= 60.0 else f"{figure(elapsed_s)} s"
+    over, _, under = source.frame_rate.partition("/")
+    rate = float(over) / float(under or 1)
+    stretch = 1.0 if ";" in str(source.start_timecode) else rate / math.ceil(rate - 1e-9)
+    hours, minutes, seconds, _ = (int(field) for field in fields)
+    total = math.floor(3600 * hours + 60 * minutes + seconds + elapsed_s * stretch + 1e-6)
+    return f"{total // 3600 % 24:02d}:{total // 60 % 60:02d}:{total % 60:02d}"

@@ -1,0 +1,104 @@
+"""How figures are said to people: checks by name, numbers with their units, text that is safe in a page."""
+
+import html
+import math
+
+from ..model import Check
+
+CHECKS = {
+    "sample_rate": "The drive has the film's sample rate",
+    "frames": "The drive has the film's number of frames",
+    "drive_peak": "The drive keeps to the actuator's limit",
+    "silence_outside_windows": "Nothing moves between the shots",
+    "sound_outside_windows": "Between the shots the drive is the film's sound",
+    "timeline_order": "Shots and windows are in order",
+    "drive_shift": "The drive as a whole is not displaced",
+    "drive_drift": "The drive does not drift from first shot to last",
+    "drive_speed": "The drive runs at the film's speed",
+    "fade_in_before_onset": "The window is open before the bang",
+    "felt_lag": "The vibration is felt with the bang",
+    "felt_correlation": "The vibration follows the sound",
+    "felt_onset": "The felt attack begins with the heard one",
+    "drive_lag": "The drive comes with the bang",
+    "drive_correlation": "The drive follows the sound",
+    "drive_onset": "The drive's attack begins with the heard one",
+    "level_as_rendered": "The level is the one that was rendered",
+    "pre_echo": "Nothing is felt before the bang",
+    "peak": "The shot's drive keeps to the limit",
+    "audio_rise": "The sound rises at the onset",
+}
+"""What each check claims; a check without an entry is called by its name."""
+
+_EXACT = {"sample_rate", "frames", "silence_outside_windows", "sound_outside_windows", "timeline_order"}
+_AT_LEAST = {"felt_correlation", "drive_correlation", "fade_in_before_onset", "audio_rise"}
+
+
+def claim(check: Check) -> str:
+    """Return what a check claims, in words."""
+    return CHECKS.get(check.name, check.name.replace("_", " "))
+
+
+def safe(text: object) -> str:
+    """Return text as it may stand in a page, in an element or in a quoted attribute."""
+    return html.escape(str(text), quote=True)
+
+
+def figure(value: float | None, digits: int = 2) -> str:
+    """Return a number for people, with a true minus sign; a dash where there is none.
+
+    >>> figure(-0.126), figure(3.0), figure(None)
+    ('−0.13', '3', '–')
+    """
+    if value is None or not math.isfinite(value):
+        return "–"
+    rounded = f"{value:.{digits}f}"
+    if "." in rounded:
+        rounded = rounded.rstrip("0").rstrip(".")
+    return rounded.replace("-0", "0").replace("-", "−") if float(rounded) == 0.0 else rounded.replace("-", "−")
+
+
+def signed(value: float | None, digits: int = 1) -> str:
+    """Return a number with its sign, as for levels.
+
+    >>> signed(6.02), signed(-3.0)
+    ('+6', '−3')
+    """
+    text = figure(value, digits)
+    return f"+{text}" if value is not None and math.isfinite(value) and value > 0.0 and text != "0" else text
+
+
+def measured(check: Check) -> str:
+    """Return what a check measured, with its unit."""
+    if check.measured is None:
+        return "could not be measured" if not check.passed else "nothing to measure"
+    return f"{figure(check.measured, _digits(check))}{_unit(check)}"
+
+
+def allowed(check: Check) -> str:
+    """Return what a check allows, with its unit."""
+    if check.limit is None:
+        return "–"
+    limit = f"{figure(check.limit, _digits(check))}{_unit(check)}"
+    if check.name in _EXACT:
+        return f"exactly {limit}"
+    return f"at least {limit}" if check.name in _AT_LEAST else f"up to {limit}"
+
+
+def _digits(check: Check) -> int:
+    return 7 if check.name == "drive_speed" else 3
+
+
+def _unit(check: Check) -> str:
+    return "" if check.unit == "ratio" else f" {check.unit}"
+
+
+def duration(seconds: float) -> str:
+    """Return a duration as h:mm:ss, or in seconds where it is short.
+
+    >>> duration(7384.2), duration(12.34)
+    ('2:03:04', '12.3 s')
+    """
+    if seconds < 60.0:
+        return f"{figure(seconds, 1)} s"
+    whole = int(seconds)
+    return f"{whole // 3600}:{whole // 60 % 60:02d}:{whole % 60:02d}"

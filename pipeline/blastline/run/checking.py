@@ -1,0 +1,77 @@
+"""Checking results again: files against their timeline, however they came to be what they are."""
+
+from pathlib import Path
+
+import msgspec
+
+from ..align import check_timeline
+from ..errors import TimelineError
+from ..export import read_timeline
+from ..model import ActuatorRef, Source, Timeline
+from ..ruleset import load_actuator, load_rules
+from ..soundtrack import open_soundtrack
+from .listening import BLOCK
+from .progress import Progress, no_progress, told
+from .rendering import DRIVE_NAME, RenderOptions, Setup, checked
+
+TIMELINE_NAME = "timeline.json"
+
+
+def check(
+    target: Path,
+    *,
+    audio: Path | None = None,
+    drive: Path | None = None,
+    actuator: str | None = None,
+    rules: Path | None = None,
+    progress: Progress = no_progress,
+) -> Timeline:
+    """Check files against a timeline, given as its file or its folder, and return it with the fresh checks.
+
+    Without `audio` the film is looked for beside the results, without `drive` the drive. A timeline without a drive is
+    checked against the sound alone. Raises BlastlineError where a file that is needed is missing or unusable.
+    """
+    path = target / TIMELINE_NAME if target.is_dir() else target
+    timeline = read_timeline(path)
+    read = load_rules(timeline.quality, rules)
+    with open_soundtrack(
+        audio or _find_film(timeline.source, path), stream=timeline.source.stream, mix=timeline.source.mix
+    ) as track:
+        for _ in told(track.blocks(BLOCK), progress, track.expected_frames):
+            pass
+        if audio is None:
+            _require_same_film(track.source(), timeline.source)
+        if timeline.actuator is None and drive is None:
+            return msgspec.structs.replace(timeline, checks=check_timeline(timeline, audio=track, rules=read.align))
+        profile, digest = load_actuator(actuator or _actuator_of(timeline, path), rules)
+        setup = Setup(
+            RenderOptions(phase=timeline.phase, background=timeline.background),
+            read,
+            profile,
+            ActuatorRef(profile.name, digest),
+            progress,
+        )
+        with open_soundtrack(drive or path.parent / DRIVE_NAME) as made:
+            return checked(timeline, track, made, setup)
+
+
+def _find_film(source: Source, timeline: Path) -> Path:
+    """Return the film that a timeline names: beside it, one folder up, or in the current folder."""
+    for folder in (timeline.parent, timeline.parent.parent, Path()):
+        if (folder / source.name).is_file():
+            return folder / source.name
+    raise TimelineError(f"{timeline}: source.name = {source.name!r}: not found beside it; give the film with --audio")
+
+
+def _require_same_film(found: Source, expected: Source) -> None:
+    if found.sha256 != expected.sha256:
+        raise TimelineError(
+            f"{found.name}: is not the file that the timeline was made from (sha256 {found.sha256[:12]}, "
+            f"expected {expected.sha256[:12]}); give --audio to check against it all the same"
+        )
+
+
+def _actuator_of(timeline: Timeline, path: Path) -> str:
+    if timeline.actuator is None:
+        raise TimelineError(f"{path}: names no actuator; give one with --actuator to check a drive against it")
+    return timeline.actuator.name

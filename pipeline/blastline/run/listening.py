@@ -1,0 +1,96 @@
+"""From a film to what was found in it: decode once, find the shots, plan their windows, name them in a timeline."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from .. import __version__
+from ..detect import Detection, find_shots, load_verifier
+from ..model import SCHEMA, ActuatorRef, DriveInfo, Event, Quality, Source, Timeline
+from ..render import PlannedWindow, plan_windows
+from ..report import OverviewMeter
+from ..ruleset import Rules, load_rules, rules_path
+from ..soundtrack import Soundtrack, open_soundtrack, timecode_at
+from .progress import Progress, no_progress, told
+
+BLOCK = 65_536
+"""Frames that are read at a time; nothing in a result depends on it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Listened:
+    """A film that has been heard: its track, ready to be cut, and what was found in it."""
+
+    track: Soundtrack
+    source: Source
+    found: Detection
+    windows: tuple[PlannedWindow, ...]
+
+
+def detect(
+    film: Path,
+    *,
+    quality: Quality = "standard",
+    rules: Path | None = None,
+    mix: str = "mains",
+    stream: int | None = None,
+    progress: Progress = no_progress,
+) -> Timeline:
+    """Find the shots of a film and return them as a timeline without a drive.
+
+    Raises BlastlineError for input or rules that cannot be used.
+    """
+    read = load_rules(quality, rules)
+    with open_soundtrack(film, stream=stream, mix=mix) as track:
+        return assemble(listen(track, read, progress), read, {}, None)
+
+
+def listen(track: Soundtrack, rules: Rules, progress: Progress, meter: OverviewMeter | None = None) -> Listened:
+    """Decode the film once and return its shots and their windows; `meter` watches as it goes by."""
+    verifier = load_verifier(rules_path(f"verifier/{rules.tier.verify.model}", rules.overlay))
+    blocks = told(track.blocks(BLOCK), progress, track.expected_frames)
+    heard = meter.watch(blocks) if meter else blocks
+    found = find_shots(heard, rate_hz=track.rate_hz, tier=rules.tier, verifier=verifier)
+    source = track.source()
+    windows = plan_windows(found.shots, frames=source.frames, rate_hz=source.sample_rate_hz, rules=rules.tier.windows)
+    return Listened(track, source, found, windows)
+
+
+def assemble(heard: Listened, rules: Rules, drives: Mapping[int, DriveInfo], actuator: ActuatorRef | None) -> Timeline:
+    """Return the timeline of what was found, without checks; `drives` and `actuator` where there is a drive."""
+    source = heard.source
+    window_of = {index: planned.window for planned in heard.windows for index in planned.shots}
+    events = tuple(
+        Event(
+            id=event_id(index),
+            onset_sample=shot.onset,
+            onset_s=shot.onset / source.sample_rate_hz,
+            timecode=timecode_at(source, shot.onset),
+            confidence=shot.confidence,
+            burst=shot.burst,
+            shot_in_burst=shot.shot_in_burst,
+            peak_dbfs=shot.peak_dbfs,
+            snr_db=shot.snr_db,
+            blast=shot.blast,
+            reflections=shot.reflections,
+            window=window_of[index],
+            drive=drives.get(index),
+        )
+        for index, shot in enumerate(heard.found.shots)
+    )
+    return Timeline(
+        schema=SCHEMA,
+        version=__version__,
+        quality=rules.quality,
+        rules_digest=rules.digest,
+        source=source,
+        actuator=actuator,
+        events=events,
+        rejections=heard.found.rejections,
+        checks=(),
+    )
+
+
+def event_id(index: int) -> str:
+    """Return the name of the film's shot number `index`, counted from 0."""
+    return f"shot-{index + 1:04d}"

@@ -1,0 +1,19 @@
+"""Telling the user how far a long piece of work has come."""
+
+from collections.abc import Callable, Iterable, Iterator
+
+from ..model import Clip
+
+Progress = Callable[[str, int, int | None], None]
+"""Told of work done: the stage's name, how much is done, and how much there is where that is known."""
+
+
+def no_progress(stage: str, done: int, total: int | None) -> None:
+    """Tell nobody."""
+
+
+def told(blocks: Iterable[Clip], progress: Progress, total: int | None) -> Iterator[Clip]:
+    """Yield the blocks and tell of each when it has been dealt with."""
+    for block in blocks:
+        yield block
+        progress("listening", block.span.stop, total)

@@ -1,0 +1,158 @@
+"""The main job: a film in, an aligned drive, its timeline and its report out.
+
+listen -> choose a model for each window -> render -> write -> check what was written -> report
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import msgspec
+
+from .. import scene
+from ..align import check_files
+from ..errors import OutputError
+from ..export import export_timeline, known_formats
+from ..model import ActuatorRef, Background, Clip, DriveChoice, DriveInfo, Phase, Quality, Span, Timeline
+from ..render import RenderedWindow, compose, drive_filters, measure, needed_audio, render_window
+from ..report import OverviewMeter, write_report
+from ..ruleset import ActuatorProfile, Rules, load_actuator, load_rules
+from ..soundtrack import Cue, Soundtrack, open_soundtrack, write_drive
+from ..staging import staged
+from .listening import BLOCK, Listened, assemble, event_id, listen
+from .progress import Progress, no_progress
+
+DRIVE_NAME, REPORT_NAME = "drive.wav", "report.html"
+
+
+@dataclass(frozen=True)
+class RenderOptions:
+    """What a user may ask of `render`, with what they get when they do not ask."""
+
+    quality: Quality = "standard"
+    actuator: str = "crowson-t108sm"
+    rules: Path | None = None
+    drive: DriveChoice = "auto"
+    phase: Phase = "causal"
+    background: Background = "mute"
+    mix: str = "mains"
+    stream: int | None = None
+    formats: tuple[str, ...] = ("json", "csv")
+    report: bool = True
+    overwrite: bool = False
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What a run was asked for, read and checked."""
+
+    options: RenderOptions
+    rules: Rules
+    profile: ActuatorProfile
+    actuator: ActuatorRef
+    progress: Progress = field(repr=False)
+
+
+def render(film: Path, folder: Path, options: RenderOptions, progress: Progress = no_progress) -> Timeline:
+    """Find the shots of a film and write drive, timeline and report to `folder`; return the timeline with its checks.
+
+    Raises BlastlineError for input, rules or an output folder that cannot be used; nothing is written then.
+    """
+    profile, digest = load_actuator(options.actuator, options.rules)
+    rules = load_rules(options.quality, options.rules)
+    setup = Setup(options, rules, profile, ActuatorRef(profile.name, digest), progress)
+    formats = known_formats(options.formats)
+    names = [DRIVE_NAME, *(known.file_name for known in formats), *([REPORT_NAME] if options.report else [])]
+    _refuse_to_replace(film, folder, names)
+    with staged(folder, names=names, overwrite=options.overwrite) as hidden:
+        with open_soundtrack(film, stream=options.stream, mix=options.mix, spool_folder=hidden) as track:
+            meter = OverviewMeter(track.rate_hz)
+            heard = listen(track, rules, progress, meter)
+            drives = _write_drive(hidden / DRIVE_NAME, heard, setup)
+            timeline = assemble(heard, rules, drives, setup.actuator)
+            with open_soundtrack(hidden / DRIVE_NAME) as drive:
+                timeline = checked(timeline, track, drive, setup)
+                if options.report:
+                    setup.progress("reporting", 0, None)
+                    write_report(
+                        hidden / REPORT_NAME,
+                        timeline,
+                        overview=meter.overview(),
+                        audio=track,
+                        drive=drive,
+                        profile=profile,
+                        options={"drive": options.drive, "phase": options.phase, "background": options.background},
+                    )
+        export_timeline(timeline, hidden, formats=options.formats)
+    return timeline
+
+
+def _write_drive(path: Path, heard: Listened, setup: Setup) -> dict[int, DriveInfo]:
+    """Render every window into the drive's file and return what was done for each shot, by its index."""
+    drives: dict[int, DriveInfo] = {}
+
+    def noted() -> Iterator[RenderedWindow]:
+        for number, done in enumerate(_rendered(heard, setup), start=1):
+            drives.update(zip(done.planned.shots, done.drives, strict=True))
+            yield done
+            setup.progress("rendering", number, len(heard.windows))
+
+    source = heard.source
+    film = _cuts(heard.track, source.frames) if setup.options.background == "direct" else ()
+    cues = [Cue(shot.onset, event_id(index), len(shot.span)) for index, shot in enumerate(heard.found.shots)]
+    write_drive(
+        path,
+        compose(film, noted(), setup.options.background),
+        rate_hz=source.sample_rate_hz,
+        frames=source.frames,
+        time_reference=heard.track.time_reference,
+        cues=cues,
+        description=f"vibration drive for {setup.profile.name}",
+    )
+    return drives
+
+
+def _rendered(heard: Listened, setup: Setup) -> Iterator[RenderedWindow]:
+    options, render_rules = setup.options, setup.rules.tier.render
+    filters = drive_filters(setup.profile, heard.source.sample_rate_hz, options.phase)
+    for planned in heard.windows:
+        audio = heard.track.cut(needed_audio(planned, frames=heard.source.frames, filters=filters, rules=render_rules))
+        evidence = measure(audio, planned, filters=filters, rules=render_rules)
+        model, reason = scene.choose(evidence, setup.rules.scenes, options.drive)
+        yield render_window(
+            audio,
+            planned,
+            heard.found.shots,
+            model=model,
+            reason=reason,
+            filters=filters,
+            rules=render_rules,
+            background=options.background,
+        )
+
+
+def _cuts(track: Soundtrack, frames: int) -> Iterator[Clip]:
+    """Read the film once more, exactly."""
+    for start in range(0, frames, BLOCK):
+        yield track.cut(Span(start, min(start + BLOCK, frames)))
+
+
+def checked(timeline: Timeline, track: Soundtrack, drive: Soundtrack, setup: Setup) -> Timeline:
+    """Return the timeline with the checks of the files: `track` has been decoded, `drive` has just been opened."""
+    setup.progress("checking", 0, None)
+    checks = check_files(
+        timeline,
+        audio=track,
+        drive=drive,
+        profile=setup.profile,
+        rules=setup.rules.align,
+        phase=setup.options.phase,
+        background=setup.options.background,
+    )
+    return msgspec.structs.replace(timeline, checks=checks)
+
+
+def _refuse_to_replace(film: Path, folder: Path, names: Iterable[str]) -> None:
+    for name in names:
+        if (folder / name).exists() and film.exists() and (folder / name).samefile(film):
+            raise OutputError(f"{folder / name}: is the film itself; choose another folder for the results")

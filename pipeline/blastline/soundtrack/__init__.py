@@ -1,0 +1,12 @@
+"""Sound in and out: the only stage that opens media.
+
+`open_soundtrack` decodes one track of an audio file or a film, once, and cuts exact samples from it afterwards;
+`write_drive` writes the finished drive; `timecode_at` names the picture that shows while a sample plays.
+"""
+
+from .bwf import Cue
+from .reader import Soundtrack, open_soundtrack
+from .timecode import timecode_at
+from .writer import write_drive
+
+__all__ = ["Cue", "Soundtrack", "open_soundtrack", "timecode_at", "write_drive"]

@@ -1,0 +1,74 @@
+"""The chunks of a broadcast WAV around its samples: head, time of day, markers.
+
+    RIFF | RF64 ds64    size of the file; RF64 from 4 GiB on (EBU Tech 3306)
+    bext                time reference (EBU Tech 3285, version 1; 602 bytes)
+    fmt, data           24-bit PCM, one channel
+    cue, LIST adtl      a marker for each event: its sample, its name (labl) and the length of its region (ltxt)
+
+Date and time of day of the making are left empty, so that the same film gives the same file to the bit.
+"""
+
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+RIFF_LIMIT = 0xFFFFFFFF
+ORIGINATOR = b"blastline"
+SAMPLE_BYTES = 3
+
+
+@dataclass(frozen=True)
+class Cue:
+    """A marker in the drive: its sample, its label, and the length of its region (0: a point)."""
+
+    sample: int
+    label: str
+    length: int = 0
+
+
+def chunk(name: bytes, body: bytes) -> bytes:
+    """Return one chunk, padded to an even length."""
+    return struct.pack("<4sI", name, len(body)) + body + bytes(len(body) % 2)
+
+
+def header(*, frames: int, rate_hz: int, time_reference: int, description: str, tail: int, riff_limit: int) -> bytes:
+    """Return everything before the samples; `tail` is the number of bytes that follow them and their padding."""
+    data = frames * SAMPLE_BYTES
+    block = SAMPLE_BYTES
+    middle = chunk(b"bext", _bext(time_reference, description))
+    middle += chunk(b"fmt ", struct.pack("<HHIIHH", 1, 1, rate_hz, rate_hz * block, block, 8 * SAMPLE_BYTES))
+    total = 4 + len(middle) + 8 + data + data % 2 + tail
+    if total <= riff_limit:
+        return struct.pack("<4sI4s", b"RIFF", total, b"WAVE") + middle + struct.pack("<4sI", b"data", data)
+    ds64_bytes = 28
+    ds64 = chunk(b"ds64", struct.pack("<QQQI", total + 8 + ds64_bytes, data, frames, 0))
+    head = struct.pack("<4sI4s", b"RF64", RIFF_LIMIT, b"WAVE")
+    return head + ds64 + middle + struct.pack("<4sI", b"data", RIFF_LIMIT)
+
+
+def cue_chunks(cues: Sequence[Cue]) -> bytes:
+    """Return the chunks after the samples: the places of the markers, then their names and lengths."""
+    if not cues:
+        return b""
+    places = struct.pack("<I", len(cues))
+    notes = b"adtl"
+    for number, cue in enumerate(cues, start=1):
+        places += struct.pack("<II4sIII", number, cue.sample, b"data", 0, 0, cue.sample)
+        notes += chunk(b"labl", struct.pack("<I", number) + cue.label.encode() + b"\0")
+        if cue.length:
+            notes += chunk(b"ltxt", struct.pack("<II4s4H", number, cue.length, b"rgn ", 0, 0, 0, 0))
+    return chunk(b"cue ", places) + chunk(b"LIST", notes)
+
+
+def _bext(time_reference: int, description: str) -> bytes:
+    return struct.pack(
+        "<256s32s32s10s8sQH64s190x",
+        description.encode("ascii", "replace"),
+        ORIGINATOR,
+        b"",
+        b"",
+        b"",
+        time_reference,
+        1,
+        b"",
+    )

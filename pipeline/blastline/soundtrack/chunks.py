@@ -1,0 +1,123 @@
+"""The chunk table of WAV, RF64, W64, AIFF and CAF: what the header promises, which sample readers do not tell.
+
+A recorder that lost power leaves a data size of 0, a broken copy leaves a size beyond the end of the file; both read
+silently as something else. The broadcast extension holds the time of day of the first sample, the format chunk says
+which loudspeaker each channel feeds.
+"""
+
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO
+
+_UNKNOWN_SIZE = 0xFFFFFFFF
+_EXTENSIBLE = 0xFFFE
+# by bit of the channel mask
+_SPEAKERS = (
+    "FL",
+    "FR",
+    "FC",
+    "LFE",
+    "BL",
+    "BR",
+    "FLC",
+    "FRC",
+    "BC",
+    "SL",
+    "SR",
+    "TC",
+    "TFL",
+    "TFC",
+    "TFR",
+    "TBL",
+    "TBC",
+    "TBR",
+)
+_MAX_KEPT = 1 << 16
+
+
+@dataclass(frozen=True)
+class ChunkTable:
+    """What a header declares.
+
+    `data_bytes` is the declared size of the samples, None where it is left open; `present_bytes` is how many follow
+    in the file. `time_reference` counts samples since midnight, None without a broadcast extension. `layout` names
+    the channels, None where the header does not.
+    """
+
+    data_bytes: int | None
+    present_bytes: int
+    time_reference: int | None
+    layout: tuple[str, ...] | None
+
+
+@dataclass(frozen=True)
+class _Form:
+    """How one family of files writes its chunks: where the first one is, and the head of each."""
+
+    first: int
+    head: struct.Struct
+    alignment: int = 1
+    size_includes_head: bool = False
+    data_name: bytes = b"data"
+    data_preamble: int = 0
+
+
+_FORMS = {
+    b"RIFF": _Form(12, struct.Struct("<4sI"), alignment=2),
+    b"RF64": _Form(12, struct.Struct("<4sI"), alignment=2),
+    b"RIFX": _Form(12, struct.Struct(">4sI"), alignment=2),
+    b"FORM": _Form(12, struct.Struct(">4sI"), alignment=2, data_name=b"SSND", data_preamble=8),
+    b"riff": _Form(40, struct.Struct("<4s12xq"), alignment=8, size_includes_head=True),
+    b"caff": _Form(8, struct.Struct(">4sq"), data_preamble=4),
+}
+
+
+def chunk_table(path: Path) -> ChunkTable | None:
+    """Return what the header declares, or None where the file is of another kind or its table is broken."""
+    with path.open("rb") as file:
+        form = _FORMS.get(file.read(4))
+        return None if form is None else _read_table(file, form, path.stat().st_size)
+
+
+def _read_table(file: BinaryIO, form: _Form, file_bytes: int) -> ChunkTable | None:
+    kept: dict[bytes, bytes] = {}
+    data: tuple[int | None, int] | None = None
+    place = form.first
+    while place + form.head.size <= file_bytes:
+        file.seek(place)
+        name, size = form.head.unpack(file.read(form.head.size))
+        body = place + form.head.size
+        if form.size_includes_head:
+            size -= form.head.size
+        if name == form.data_name:
+            size = _data_size(size, kept.get(b"ds64"))
+            start = body + form.data_preamble
+            data = (None if size is None else size - form.data_preamble, file_bytes - start)
+        elif name in (b"ds64", b"fmt ", b"bext"):
+            kept[name] = file.read(min(size, _MAX_KEPT))
+        if size is None or size < 0 or (data is not None and data[0] == 0):
+            break
+        place = body + size + -size % form.alignment
+    if data is None:
+        return None
+    return ChunkTable(data[0], data[1], _time_reference(kept.get(b"bext", b"")), _layout(kept.get(b"fmt ", b"")))
+
+
+def _data_size(size: int, ds64: bytes | None) -> int | None:
+    if size == _UNKNOWN_SIZE and ds64 is not None and len(ds64) >= 16:
+        return int(struct.unpack_from("<Q", ds64, 8)[0])
+    return None if size in (_UNKNOWN_SIZE, -1) else size
+
+
+def _time_reference(bext: bytes) -> int | None:
+    return int(struct.unpack_from("<Q", bext, 338)[0]) if len(bext) >= 346 else None
+
+
+def _layout(fmt: bytes) -> tuple[str, ...] | None:
+    if len(fmt) < 24:
+        return None
+    tag, channels = struct.unpack_from("<HH", fmt)
+    (mask,) = struct.unpack_from("<I", fmt, 20)
+    names = tuple(name for bit, name in enumerate(_SPEAKERS) if mask >> bit & 1)
+    return names if tag == _EXTENSIBLE and len(names) == channels else None

@@ -1,0 +1,131 @@
+"""Which channels become which column of the mixed soundtrack.
+
+    mains    the picture-wide sound, by the weights of ITU-R BS.775; the low-frequency channel is left out
+    lfe      the low-frequency channel drives, detection listens to the mains
+    center   the centre channel alone
+    all      mains plus the low-frequency channel drive, detection listens to the mains
+    0,2,5    the mean of these channels, counted from 0
+
+The first column is what detection hears, the last one is what drives. The weights are not normalised: a shot at full
+scale keeps its level in the channel where it was mixed, and the sum of several channels may exceed 1. The exception is
+a plain pair, which is averaged, so that a mono film and the same film as two equal channels give the same drive.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SoundtrackError
+
+Matrix = NDArray[np.float32]
+
+LFE_GAIN = 10.0**0.5
+"""The low-frequency channel is mixed 10 dB low on the medium and raised in the cinema."""
+
+_HALF_POWER = 0.5**0.5
+_WEIGHTS = {"FL": _HALF_POWER, "FR": _HALF_POWER, "FLC": _HALF_POWER, "FRC": _HALF_POWER, "FC": 1.0}
+_OTHER_WEIGHT = 0.5
+_LOW = frozenset({"LFE", "LFE2"})
+_NOT_MIXED = frozenset({"DL", "DR"})  # a ready-made stereo version of the channels beside it
+
+_USUAL_ORDER = {
+    1: ("FC",),
+    2: ("FL", "FR"),
+    3: ("FL", "FR", "FC"),
+    4: ("FL", "FR", "BL", "BR"),
+    5: ("FL", "FR", "FC", "BL", "BR"),
+    6: ("FL", "FR", "FC", "LFE", "BL", "BR"),
+    7: ("FL", "FR", "FC", "LFE", "BC", "SL", "SR"),
+    8: ("FL", "FR", "FC", "LFE", "BL", "BR", "SL", "SR"),
+}
+
+
+def mix_matrix(layout: Sequence[str] | None, channels: int, mix: str) -> Matrix:
+    """Return the weights, shape (channels, columns), with one column or two (heard, driving).
+
+    `layout` names the channels as FFmpeg does (FL, FR, FC, LFE, SL, ...); without it the usual order for that number
+    of channels is taken. Raises SoundtrackError where the mix asks for channels that are not there.
+    """
+    if mix not in ("mains", "lfe", "center", "all"):
+        return _mean_of(_indices(mix, channels), channels)
+    names = tuple(layout) if layout else _USUAL_ORDER.get(channels, ())
+    if len(names) != channels:
+        raise SoundtrackError(
+            f"mix {mix!r}: the file does not say what its {channels} channels are; "
+            f"choose channels by number, 0 to {channels - 1}"
+        )
+    if mix == "center":
+        return _mean_of([_place_of("FC", names, mix)], channels)
+    mains = _mains(names)
+    if mix == "mains" or (mix == "all" and not _LOW & set(names)):
+        return mains[:, None]
+    low = np.zeros(channels, dtype=np.float32)
+    low[_place_of("LFE", names, mix)] = LFE_GAIN
+    return np.stack([mains, low if mix == "lfe" else mains + low], axis=1)
+
+
+def is_identity(matrix: Matrix) -> bool:
+    """Return whether the mix would change nothing: one channel, taken as it is."""
+    return matrix.shape == (1, 1) and bool(matrix[0, 0] == 1.0)
+
+
+def mixed(samples: NDArray[np.float32], matrix: Matrix) -> NDArray[np.float32]:
+    """Return the columns, shape (frames, columns).
+
+    Each sample is summed in the same order whatever the block is, which a matrix product does not promise: so a block
+    and a cut agree to the bit.
+    """
+    if is_identity(matrix):
+        return samples
+    columns = np.empty((samples.shape[0], matrix.shape[1]), dtype=np.float32)
+    for total, weights in zip(columns.T, matrix.T, strict=True):
+        first, *others = np.flatnonzero(weights)
+        np.multiply(samples[:, first], weights[first], out=total)
+        for channel in others:
+            total += samples[:, channel] * weights[channel]
+    return columns
+
+
+def _indices(mix: str, channels: int) -> list[int]:
+    parts = [part.strip() for part in mix.split(",")]
+    if not all(part.isascii() and part.isdigit() for part in parts):
+        raise SoundtrackError(
+            f"mix {mix!r}: expected mains, lfe, center, all, or channel numbers counted from 0, such as 0,2"
+        )
+    indices = [int(part) for part in parts]
+    for index in indices:
+        if index >= channels:
+            plural = "s" if channels > 1 else ""
+            raise SoundtrackError(
+                f"mix {mix!r}: there is no channel {index}; the sound has {channels} channel{plural}, counted from 0"
+            )
+    return indices
+
+
+def _mean_of(indices: Sequence[int], channels: int) -> Matrix:
+    matrix = np.zeros((channels, 1), dtype=np.float32)
+    for index in indices:
+        matrix[index, 0] += 1.0 / len(indices)
+    return matrix
+
+
+def _place_of(name: str, names: Sequence[str], mix: str) -> int:
+    if name not in names:
+        raise SoundtrackError(
+            f"mix {mix!r}: there is no {name} channel among {', '.join(names)}; choose mains or channel numbers"
+        )
+    return names.index(name)
+
+
+def _mains(names: Sequence[str]) -> Matrix:
+    mains = [name for name in names if name not in _LOW | _NOT_MIXED]
+    if not mains:
+        raise SoundtrackError(f"the sound has no main channel among {', '.join(names)}; choose channels by number")
+    if len(mains) == 1:
+        weights = {mains[0]: 1.0}
+    elif len(mains) == 2:
+        weights = dict.fromkeys(mains, 0.5)
+    else:
+        weights = {name: _WEIGHTS.get(name, _OTHER_WEIGHT) for name in mains}
+    return np.array([weights.get(name, 0.0) for name in names], dtype=np.float32)

@@ -1,0 +1,237 @@
+"""One sound track of a file: decoded once, mixed to what detection hears and what drives, and cut again exactly.
+
+file ──► track (sample file or film) ──► mend ──► mix ──► blocks ──► detection
+                                                    └──► spool, where the file cannot be read twice ──► cuts
+"""
+
+import hashlib
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+from ..errors import SoundtrackError
+from ..model import Clip, Source, Span
+from .chunks import chunk_table
+from .mix import Matrix, mix_matrix, mixed
+from .pcm import PcmTrack, open_pcm
+from .repair import mended, repair_warning
+from .spool import Spool
+from .timecode import time_of_start
+from .track import PIECE, Samples, Track
+
+MIN_RATE_HZ, MAX_RATE_HZ = 8_000, 384_000
+
+_MIN_MISSING_S = 0.1
+"""What a lossy codec may round its length by, and more: less than this is not called missing."""
+
+
+class Soundtrack:
+    """A sound track that is open for reading; made by `open_soundtrack`, closed by `close` or a `with` block."""
+
+    def __init__(self, path: Path, track: Track, *, matrix: Matrix, mix: str, spool: Spool | None) -> None:
+        """Take over an open track; `spool` keeps its mixed sound where the track cannot be read a second time."""
+        self._path, self._track, self._matrix, self._mix, self._spool = path, track, matrix, mix, spool
+        self._frames: int | None = None
+        self._started = False
+        self._mended, self._first_mended = 0, 0
+        self.rate_hz = track.facts.rate_hz
+        self.channels = track.facts.channels
+        self.columns = int(matrix.shape[1])
+        self.expected_frames = track.facts.declared_frames
+
+    @property
+    def time_reference(self) -> int:
+        """Return the samples between midnight and the first sample, 0 where the file does not say."""
+        reference = self._track.facts.time_reference
+        return time_of_start(self._described()) if reference is None else reference
+
+    def blocks(self, frames: int = PIECE) -> Iterator[Clip]:
+        """Yield the mixed sound from its first sample to its last, float32; this is the one decoding pass.
+
+        Every block has `frames` frames but the last. Raises SoundtrackError where the file proves to be unreadable,
+        OutputError where the disk has no room for the decoded sound.
+        """
+        if frames < 1:
+            raise ValueError(f"a block must have at least 1 frame, not {frames}")
+        if self._started:
+            raise ValueError("the sound track has been decoded already; use cut()")
+        self._started = True
+        start = 0
+        for samples in _rechunked(self._mixed_pieces(), frames):
+            yield Clip(samples, self.rate_hz, start)
+            start += samples.shape[0]
+        if start == 0:
+            raise SoundtrackError(f"{self._path}: holds no sound")
+        self._frames = start
+
+    def cut(self, span: Span) -> Clip:
+        """Return the exact samples of a span inside the track, float64, once all blocks have been taken.
+
+        Raises ValueError where the span leaves the track.
+        """
+        if self._frames is None or span.start < 0 or span.stop > self._frames:
+            raise ValueError(f"{span} is not inside what was decoded: {self._frames} frames")
+        if isinstance(self._track, PcmTrack):
+            with _naming(self._path):
+                raw = self._track.read(span.start, len(span))
+            samples = mixed(raw if self._track.facts.is_integer else mended(raw)[0], self._matrix)
+        else:
+            assert self._spool is not None
+            samples = self._spool.read(span)
+        return Clip(samples.astype(np.float64), self.rate_hz, span.start)
+
+    def source(self) -> Source:
+        """Return what was read, with the digest of the whole file, once all blocks have been taken."""
+        if self._frames is None:
+            raise ValueError("the source is known once all blocks have been taken")
+        with self._path.open("rb") as file:
+            digest = hashlib.file_digest(file, "sha256").hexdigest()
+        return self._described(sha256=digest, frames=self._frames, warnings=tuple(self._warnings(self._frames)))
+
+    def close(self) -> None:
+        """Release the file and the spool."""
+        self._track.close()
+        if self._spool is not None:
+            self._spool.close()
+
+    def __enter__(self) -> Self:
+        """Return the sound track."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close it."""
+        self.close()
+
+    def _mixed_pieces(self) -> Iterator[Samples]:
+        start = 0
+        with _naming(self._path):
+            for raw in self._track.pieces():
+                columns = mixed(raw if self._track.facts.is_integer else self._mend(raw, start), self._matrix)
+                if self._spool is not None:
+                    self._spool.append(columns)
+                yield columns
+                start += raw.shape[0]
+        if self._spool is not None:
+            self._spool.finish()
+
+    def _mend(self, raw: Samples, start: int) -> Samples:
+        samples, count, first = mended(raw)
+        if count and not self._mended:
+            self._first_mended = start + first
+        self._mended += count
+        return samples
+
+    def _warnings(self, frames: int) -> Iterator[str]:
+        yield from self._track.warnings()
+        if self._mended:
+            yield repair_warning(self._mended, self._first_mended)
+        declared = self.expected_frames or 0
+        if declared - frames > min(max(0.01 * declared, _MIN_MISSING_S * self.rate_hz), 0.5 * self.rate_hz):
+            lasts, found = declared / self.rate_hz, frames / self.rate_hz
+            yield f"the file declares {lasts:.3f} s of sound but only {found:.3f} s could be read: the end is missing"
+
+    def _described(self, *, sha256: str = "", frames: int = 0, warnings: tuple[str, ...] = ()) -> Source:
+        facts = self._track.facts
+        return Source(
+            name=self._path.name,
+            sha256=sha256,
+            sample_rate_hz=facts.rate_hz,
+            frames=frames,
+            channels=facts.channels,
+            start_timecode=facts.start_timecode,
+            frame_rate=facts.frame_rate,
+            start_offset_s=facts.start_offset_s,
+            stream=facts.stream,
+            mix=self._mix,
+            warnings=warnings,
+        )
+
+
+def open_soundtrack(
+    path: Path, *, stream: int | None = None, mix: str = "mains", spool_folder: Path | None = None
+) -> Soundtrack:
+    """Open one sound track of an audio file or a film.
+
+    `stream` counts the sound tracks from 0; without it the one that the file marks as default is taken, else the
+    first. `mix` is explained in `mix.py`. Compressed sound is spooled to a temporary file in `spool_folder`. Raises
+    SoundtrackError where the file cannot be read or has no such track or channel.
+    """
+    with _naming(path):
+        _require_file(path)
+        track = _open_track(path, stream)
+        try:
+            facts = track.facts
+            if not MIN_RATE_HZ <= facts.rate_hz <= MAX_RATE_HZ:
+                limits = f"{MIN_RATE_HZ} to {MAX_RATE_HZ} Hz"
+                raise SoundtrackError(f"the sample rate is {facts.rate_hz} Hz; expected {limits}")
+            matrix = mix_matrix(facts.layout, facts.channels, mix)
+            spool = None if isinstance(track, PcmTrack) else Spool(spool_folder, columns=matrix.shape[1])
+        except BaseException:
+            track.close()
+            raise
+    return Soundtrack(path, track, matrix=matrix, mix=mix, spool=spool)
+
+
+@contextmanager
+def _naming(path: Path) -> Iterator[None]:
+    """Put the file's name before what is wrong with it."""
+    try:
+        yield
+    except SoundtrackError as error:
+        raise SoundtrackError(f"{path}: {error}") from error
+
+
+def _require_file(path: Path) -> None:
+    try:
+        if path.is_dir():
+            raise SoundtrackError("is a folder; expected an audio file or a film")
+        if not path.exists():
+            raise SoundtrackError("no such file")
+        if not path.is_file():
+            raise SoundtrackError("is not a regular file")
+        if path.stat().st_size == 0:
+            raise SoundtrackError("is empty (0 bytes)")
+        path.open("rb").close()
+    except OSError as error:
+        if isinstance(error, SoundtrackError):
+            raise
+        raise SoundtrackError(f"cannot be read: {error.strerror}") from error
+
+
+def _open_track(path: Path, stream: int | None) -> Track:
+    table = chunk_table(path)
+    pcm = open_pcm(path, table)
+    if pcm is None:
+        from .film import open_film
+
+        return open_film(path, stream=stream, table=table)
+    if stream not in (None, 0):
+        pcm.close()
+        kind = f"{pcm.facts.channels} channel{'s' if pcm.facts.channels > 1 else ''}"
+        raise SoundtrackError(f"has no sound stream {stream}; it has 0 ({kind})")
+    return pcm
+
+
+def _rechunked(pieces: Iterable[Samples], frames: int) -> Iterator[Samples]:
+    """Yield the same samples in blocks of `frames`, without a copy where a piece is one block or many."""
+    held: list[Samples] = []
+    count = 0
+    for piece in pieces:
+        held.append(piece)
+        count += piece.shape[0]
+        if count < frames:
+            continue
+        joined = held[0] if len(held) == 1 else np.concatenate(held)
+        whole = count - count % frames
+        for start in range(0, whole, frames):
+            yield joined[start : start + frames]
+        count -= whole
+        held = [joined[whole:]] if count else []
+    if count:
+        yield np.concatenate(held)

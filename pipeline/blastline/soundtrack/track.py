@@ -1,0 +1,48 @@
+"""What both readers, of sample files and of films, tell about a sound track."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Samples = NDArray[np.float32]
+
+PIECE = 65_536
+"""Frames that are read or decoded at once: large enough that Python costs nothing, small enough for the cache."""
+
+
+@dataclass(frozen=True)
+class TrackFacts:
+    """What is known of a track before it is decoded.
+
+    `layout` is None where the file does not name its channels; `declared_frames` is None where it does not say how
+    long the track is, and `is_integer` tells that no sample can be NaN. The rest is as in `model.Source`.
+    """
+
+    rate_hz: int
+    channels: int
+    layout: tuple[str, ...] | None
+    declared_frames: int | None
+    stream: int = 0
+    is_integer: bool = False
+    start_timecode: str | None = None
+    frame_rate: str | None = None
+    start_offset_s: float = 0.0
+    time_reference: int | None = None
+
+
+class Track(Protocol):
+    """One track of a file, decoded once from its first sample to its last."""
+
+    facts: TrackFacts
+
+    def pieces(self) -> Iterator[Samples]:
+        """Yield all samples in order, shape (frames, channels)."""
+
+    def warnings(self) -> list[str]:
+        """Return what had to be mended, one line each, once all pieces have been taken."""
+
+    def close(self) -> None:
+        """Release the file."""

@@ -1,0 +1,113 @@
+"""Film-like mixes for training and measuring: sounds with known onsets over beds, mastered as a film would be.
+
+    bed (speech, music, ambience, or none) + sounds at random times, levels and colours -> compressor, limiter,
+    bandwidth, gain -> 16 bit
+
+Level, bandwidth, colour and mastering are drawn alike for shots and for everything else, so that a model cannot learn
+the archive instead of the gun.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..units import gain_from_db
+
+Samples = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Sound:
+    """A sound to place: mono samples, and the indices of its shots' onsets (none for a negative).
+
+    At an index of `unsure` a detection is neither right nor wrong: the shock of a bullet before its blast.
+    """
+
+    samples: Samples
+    onsets: tuple[int, ...] = ()
+    unsure: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Mix:
+    """A mixed stretch: float32 samples at 16-bit resolution, the shots' onsets, ascending, and their levels.
+
+    `level_db` is a shot's peak over the rms of the bed around it.
+    """
+
+    samples: NDArray[np.float32]
+    onsets: NDArray[np.intp]
+    level_db: NDArray[np.float64]
+    unsure: NDArray[np.intp]
+
+
+def mix(
+    bed: Samples, sounds: list[Sound], *, rng: np.random.Generator, rate_hz: int, levels_db: tuple[float, float]
+) -> Mix:
+    """Place the sounds over the bed, none starting within 0.6 s of another's start, and master the sum."""
+    mixed = bed.copy()
+    onsets: list[int] = []
+    levels: list[float] = []
+    unsure: list[int] = []
+    for sound, at in zip(sounds, _places(len(sounds), bed.shape[0], rng, rate_hz), strict=False):
+        wave = _coloured(sound.samples, rng, rate_hz)[: bed.shape[0] - at]
+        peak = float(np.abs(wave).max(initial=0.0))
+        near = bed[max(0, at - rate_hz // 2) : at + rate_hz]
+        background = max(float(np.sqrt(np.mean(near**2))), 3e-4)
+        level_db = rng.uniform(*levels_db)
+        if peak <= 0.0:
+            continue
+        mixed[at : at + wave.shape[0]] += wave * (background * gain_from_db(level_db) / peak)
+        kept = [at + onset for onset in sound.onsets if onset < wave.shape[0]]
+        onsets += kept
+        levels += [level_db] * len(kept)
+        unsure += [at + place for place in sound.unsure]
+    order = np.argsort(onsets)
+    return Mix(
+        samples=_mastered(mixed, rng, rate_hz),
+        onsets=np.array(onsets, np.intp)[order],
+        level_db=np.array(levels, np.float64)[order],
+        unsure=np.array(unsure, np.intp),
+    )
+
+
+def _places(count: int, length: int, rng: np.random.Generator, rate_hz: int) -> list[int]:
+    """Return random starts, ascending, at least 0.6 s apart; fewer than asked for where they do not fit."""
+    apart = int(0.6 * rate_hz)
+    room = length - count * apart
+    if room <= 0:
+        return _places(length // (2 * apart), length, rng, rate_hz)
+    return [int(free) + n * apart for n, free in enumerate(np.sort(rng.uniform(0, room, count)))]
+
+
+def _coloured(samples: Samples, rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return a sound through a random tilt, low-pass and high-pass: another microphone, distance or taste.
+
+    Causal and of minimum phase, so that the onset stays where it is.
+    """
+    from scipy.signal import butter, sosfilt
+
+    if rng.random() < 0.3:
+        return samples
+    sections = [butter(1, rng.uniform(20.0, 150.0), "high", fs=rate_hz, output="sos")]
+    if rng.random() < 0.5:
+        corner_hz = min(float(np.exp(rng.uniform(np.log(1500.0), np.log(16000.0)))), 0.45 * rate_hz)
+        sections.append(butter(int(rng.integers(1, 3)), corner_hz, "low", fs=rate_hz, output="sos"))
+    coloured = sosfilt(np.concatenate(sections), samples)
+    tilt = rng.uniform(-0.5, 0.5)
+    return np.asarray(coloured + tilt * np.diff(coloured, prepend=0.0), np.float64)
+
+
+def _mastered(samples: Samples, rng: np.random.Generator, rate_hz: int) -> NDArray[np.float32]:
+    from scipy.signal import butter, sosfilt
+
+    peak = float(np.abs(samples).max(initial=0.0)) or 1.0
+    loud = samples / peak
+    if rng.random() < 0.5:  # the whole mix driven into a limiter
+        loud = np.tanh(loud * rng.uniform(1.0, 6.0))
+    if rng.random() < 0.3:  # a lossy codec or an optical track keeps less than the full band
+        corner_hz = min(rng.uniform(4000.0, 16000.0), 0.45 * rate_hz)
+        loud = sosfilt(butter(6, corner_hz, fs=rate_hz, output="sos"), loud)
+    loud = loud / (np.abs(loud).max() or 1.0) * gain_from_db(rng.uniform(-24.0, -0.3))
+    return np.asarray(np.round(loud * 32767.0) / 32768.0, np.float32)

@@ -1,0 +1,262 @@
+"""Train the verifier: `python -m blastline.study.train --corpus DIR [--corpus DIR ...] -o rules/verifier/shots.json`.
+
+Mixes of synthetic shots and negatives, and of recordings where a corpus is given, are scanned as a film is; each
+candidate that lies on a shot's onset is a positive, every other one a negative. Histogram gradient boosting learns
+the difference; the threshold comes from folds that hold out whole sources of recordings.
+"""
+
+import argparse
+import sys
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from ..detect.features import feature_names
+from ..detect.find import described, stretches
+from ..detect.tracks import Grid, pieces
+from ..detect.verify import ModelFile, Tree
+from ..model import Clip
+from ..ruleset import QualityRules, load_rules
+from ..synth import random_bed, random_negative, random_shot
+from .corpus import Recording, load_sound, read_corpus
+from .mixes import Mix, Sound, mix
+
+RATE_HZ = 48_000
+MIX_S = 60.0
+SOUNDS_PER_MIX = 20
+LEVELS_DB = (3.0, 40.0)
+ON_TARGET_MS, NEAR_TARGET_MS = 8.0, 20.0
+SETTINGS = {
+    "max_iter": 300,
+    "learning_rate": 0.06,
+    "max_leaf_nodes": 15,
+    "min_samples_leaf": 30,
+    "l2_regularization": 5.0,
+    "max_features": 0.3,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Features (n, features), labels (n,) and, of the same mixes, how many shots no candidate was near."""
+
+    features: NDArray[np.float64]
+    labels: NDArray[np.bool_]
+    missed: int
+
+
+def label_candidates(film: Mix, tier: QualityRules) -> Rows:
+    """Scan a mix and label its candidates; those next to an onset but not the nearest one are left out."""
+    grid = Grid(RATE_HZ)
+    parts: list[NDArray[np.float64]] = []
+    places: list[NDArray[np.intp]] = []
+    for stretch in stretches(pieces([Clip(film.samples[:, None], RATE_HZ)], RATE_HZ)):
+        onsets, rows = described(stretch, grid, tier)
+        parts.append(rows)
+        places.append(onsets + stretch.start)
+    at = np.concatenate(places)
+    rows = np.concatenate(parts)
+    if not film.onsets.size or not at.size:
+        return Rows(rows, np.zeros(at.size, bool), int(film.onsets.size))
+    gaps = np.abs(at[:, None] - film.onsets[None, :]) * (1000.0 / RATE_HZ)
+    labels = np.zeros(at.size, bool)
+    nearest = gaps.argmin(axis=0)
+    hit = gaps[nearest, np.arange(film.onsets.size)] <= ON_TARGET_MS
+    labels[nearest[hit]] = True
+    blurred = np.concatenate([film.onsets, film.unsure])
+    distance_ms = np.abs(at[:, None] - blurred[None, :]).min(axis=1) * (1000.0 / RATE_HZ)
+    clear = labels | (distance_ms > NEAR_TARGET_MS)
+    return Rows(rows[clear], labels[clear], int((~hit).sum()))
+
+
+def synthetic_mixes(count: int, seed: int) -> Iterable[Mix]:
+    """Yield mixes of synthetic sounds alone."""
+    for child in np.random.SeedSequence(seed).spawn(count):
+        rng = np.random.default_rng(child)
+        yield mix(
+            random_bed(rng, RATE_HZ, MIX_S),
+            [_synthetic_sound(rng, shot=bool(rng.random() < 0.5)) for _ in range(SOUNDS_PER_MIX)],
+            rng=rng,
+            rate_hz=RATE_HZ,
+            levels_db=LEVELS_DB,
+        )
+
+
+def recorded_mixes(recordings: Sequence[Recording], count: int, seed: int, synthetic: float = 0.3) -> Iterable[Mix]:
+    """Yield mixes of recordings, sources drawn evenly, with a share of synthetic sounds and beds among them."""
+    shots = _by_source(r for r in recordings if r.gunshot)
+    negatives = _by_source(r for r in recordings if not r.gunshot)
+    for child in np.random.SeedSequence(seed).spawn(count):
+        rng = np.random.default_rng(child)
+        sounds = []
+        for _ in range(SOUNDS_PER_MIX):
+            shot = bool(rng.random() < 0.5)
+            if rng.random() < synthetic:
+                sounds.append(_synthetic_sound(rng, shot=shot))
+            else:
+                sounds.append(_recorded_sound(_draw(shots if shot else negatives, rng), rng))
+        bed = random_bed(rng, RATE_HZ, MIX_S) if rng.random() < synthetic else _recorded_bed(recordings, rng)
+        yield mix(bed, sounds, rng=rng, rate_hz=RATE_HZ, levels_db=LEVELS_DB)
+
+
+def gather(mixes: Iterable[Mix], tier: QualityRules) -> Rows:
+    """Return the labelled candidates of many mixes as one."""
+    rows = [label_candidates(film, tier) for film in mixes]
+    return join(rows)
+
+
+def join(rows: Sequence[Rows]) -> Rows:
+    """Return several sets of rows as one."""
+    return Rows(
+        np.concatenate([r.features for r in rows]),
+        np.concatenate([r.labels for r in rows]),
+        sum(r.missed for r in rows),
+    )
+
+
+def fit(rows: Rows, seed: int) -> Any:
+    """Return a fitted scikit-learn classifier."""
+    from sklearn.ensemble import HistGradientBoostingClassifier
+
+    return HistGradientBoostingClassifier(random_state=seed, **SETTINGS).fit(rows.features, rows.labels)
+
+
+def exported(classifier: Any) -> tuple[float, list[Tree]]:
+    """Return a fitted classifier's baseline and trees, as `detect.verify` walks them."""
+    trees: list[Tree] = []
+    for (predictor,) in classifier._predictors:
+        nodes = predictor.nodes
+        leaf = nodes["is_leaf"].astype(bool)
+        trees.append(
+            Tree(
+                feature=np.where(leaf, -1, nodes["feature_idx"]).tolist(),
+                threshold=np.where(leaf, 0.0, nodes["num_threshold"]).tolist(),
+                left=np.where(leaf, 0, nodes["left"]).tolist(),
+                right=np.where(leaf, 0, nodes["right"]).tolist(),
+                value=np.where(leaf, nodes["value"], 0.0).tolist(),
+            )
+        )
+    return float(classifier._baseline_prediction.ravel()[0]), trees
+
+
+def f1_at(probability: NDArray[np.float64], rows: Rows, threshold: float) -> float:
+    """Return F1 over candidates, a shot without a candidate counted as missed."""
+    taken = probability >= threshold
+    hits = int((taken & rows.labels).sum())
+    return 2.0 * hits / max(1, int(taken.sum()) + int(rows.labels.sum()) + rows.missed)
+
+
+def held_out(
+    recordings: Sequence[Recording], synthetic: Rows, tier: QualityRules, *, folds: int, count: int, seed: int
+) -> dict[str, float]:
+    """Return F1 and the best threshold over folds that leave whole sources of recordings out of training."""
+    sources = sorted({r.source for r in recordings})
+    np.random.default_rng(seed).shuffle(sources)
+    probability: list[NDArray[np.float64]] = []
+    tested: list[Rows] = []
+    for fold in range(folds):
+        out = set(sources[fold::folds])
+        train = [r for r in recordings if r.source not in out]
+        test = [r for r in recordings if r.source in out]
+        rows = join([synthetic, gather(recorded_mixes(train, count, seed + 1 + fold), tier)])
+        tested.append(gather(recorded_mixes(test, max(1, count // folds), seed + 101 + fold, synthetic=0.0), tier))
+        probability.append(fit(rows, seed).predict_proba(tested[-1].features)[:, 1])
+        print(f"fold {fold}: F1 {f1_at(probability[-1], tested[-1], 0.5):.3f} at 0.5", file=sys.stderr)  # noqa: T201
+    every, scores = join(tested), np.concatenate(probability)
+    thresholds = np.linspace(0.05, 0.95, 91)
+    f1 = [f1_at(scores, every, float(t)) for t in thresholds]
+    best = int(np.argmax(f1))
+    return {
+        "folds": folds,
+        "f1": f1[best],
+        "threshold": float(thresholds[best]),
+        "f1_at_half": f1_at(scores, every, 0.5),
+    }
+
+
+def train(corpus: Sequence[Path], *, synthetic: int, recorded: int, folds: int, seed: int) -> ModelFile:
+    """Return a verifier trained on synthetic mixes and, where a corpus is given, on recordings."""
+    tier = load_rules("reference").tier
+    recordings = read_corpus(corpus)
+    made = gather(synthetic_mixes(synthetic, seed), tier)
+    training: dict[str, Any] = {"command": "python -m blastline.study.train", "seed": seed, "settings": SETTINGS}
+    training |= {"synthetic_mixes": synthetic, "recorded_mixes": recorded if recordings else 0, "mix_s": MIX_S}
+    rows = made
+    if recordings:
+        if folds:
+            training["held_out"] = held_out(recordings, made, tier, folds=folds, count=recorded, seed=seed + 1000)
+        rows = join([made, gather(recorded_mixes(recordings, recorded, seed + 1), tier)])
+    training |= {"candidates": int(rows.labels.size), "positives": int(rows.labels.sum()), "missed": rows.missed}
+    baseline, trees = exported(fit(rows, seed))
+    return ModelFile(schema=1, features=feature_names(), baseline=baseline, trees=trees, training=training)
+
+
+def main() -> None:
+    """Run from the command line."""
+    parser = argparse.ArgumentParser(prog="python -m blastline.study.train", description="Train the verifier.")
+    parser.add_argument("--corpus", type=Path, action="append", default=[], help="a folder with annotations.csv")
+    parser.add_argument("--synthetic", type=int, default=120, help="synthetic mixes of a minute (default: %(default)s)")
+    parser.add_argument("--recorded", type=int, default=120, help="mixes of recordings (default: %(default)s)")
+    parser.add_argument("--folds", type=int, default=4, help="folds that hold sources out (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("-o", "--output", type=Path, required=True)
+    options = parser.parse_args()
+    model = train(
+        options.corpus, synthetic=options.synthetic, recorded=options.recorded, folds=options.folds, seed=options.seed
+    )
+    options.output.write_bytes(msgspec.json.encode(model) + b"\n")
+
+
+def _by_source(recordings: Iterable[Recording]) -> list[list[Recording]]:
+    """Return recordings grouped by source and kind, so that a large source does not outweigh the others."""
+    groups: dict[tuple[str, str], list[Recording]] = {}
+    for recording in recordings:
+        kind = "" if recording.gunshot else recording.sub_label
+        groups.setdefault((recording.source, kind), []).append(recording)
+    return list(groups.values())
+
+
+def _draw(groups: list[list[Recording]], rng: np.random.Generator) -> Recording:
+    group = groups[int(rng.integers(len(groups)))]
+    return group[int(rng.integers(len(group)))]
+
+
+def _recorded_sound(recording: Recording, rng: np.random.Generator) -> Sound:
+    samples = load_sound(recording, RATE_HZ).astype(np.float64)
+    onsets = tuple(round(onset * RATE_HZ) for onset in recording.onsets_s)
+    longest = int(6.0 * RATE_HZ)
+    if not onsets and samples.shape[0] > longest:
+        start = int(rng.integers(samples.shape[0] - longest))
+        samples = samples[start : start + longest]
+    return Sound(samples, onsets)
+
+
+def _recorded_bed(recordings: Sequence[Recording], rng: np.random.Generator) -> NDArray[np.float64]:
+    """Return a bed of up to three layers, each a long recording without shots, repeated as often as needed."""
+    length = int(MIX_S * RATE_HZ)
+    bed = np.zeros(length)
+    negatives = [r for r in recordings if not r.gunshot]
+    for _ in range(int(rng.integers(1, 4))):
+        layer = load_sound(negatives[int(rng.integers(len(negatives)))], RATE_HZ).astype(np.float64)
+        if layer.shape[0] < 4 * RATE_HZ:
+            layer = random_bed(rng, RATE_HZ, 20.0)
+        rms = float(np.sqrt(np.mean(layer**2))) or 1.0
+        bed += np.resize(layer, length) / rms * rng.uniform(0.02, 0.2)
+    return bed
+
+
+def _synthetic_sound(rng: np.random.Generator, *, shot: bool) -> Sound:
+    if shot:
+        samples, onset, truth = random_shot(rng, RATE_HZ)
+        return Sound(samples, (onset,), truth.accept_samples)
+    samples, _ = random_negative(rng, RATE_HZ)
+    return Sound(samples)
+
+
+if __name__ == "__main__":
+    main()

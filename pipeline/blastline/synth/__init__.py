@@ -1,0 +1,33 @@
+"""Physical gunshots, film beds and scenes, with exact truth: for fixtures, demonstrations, training and studies."""
+
+from .beds import BED_KINDS, BedKind, random_bed
+from .files import render_scene, synthesise, truth_of, write_scene
+from .film import film_scene
+from .mix import SceneAudio
+from .negatives import NEGATIVE_KINDS, NegativeKind, random_negative
+from .scene import Scene, load_scene
+from .shots import random_shot
+from .truth import NegativeTruth, ShotTruth, Truth, decode_truth, encode_truth
+
+__all__ = [
+    "BED_KINDS",
+    "NEGATIVE_KINDS",
+    "BedKind",
+    "NegativeKind",
+    "NegativeTruth",
+    "Scene",
+    "SceneAudio",
+    "ShotTruth",
+    "Truth",
+    "decode_truth",
+    "encode_truth",
+    "film_scene",
+    "load_scene",
+    "random_bed",
+    "random_negative",
+    "random_shot",
+    "render_scene",
+    "synthesise",
+    "truth_of",
+    "write_scene",
+]

@@ -1,0 +1,63 @@
+"""What a scene's items become: one cue for each sound, named after what it is and when."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from ..units import samples_from_s
+from .chance import generator
+from .scene import NegativeItem, Scene, ShotItem
+from .voices import Voice, draw_voice
+
+
+@dataclass(frozen=True)
+class Cue:
+    """A sound of the scene: the item it belongs to, where its onset lies, and its place in a burst.
+
+    `family` is what the shots of a burst draw together under (weapon, place, polarity); `name` is the shot's own.
+    """
+
+    item: ShotItem | NegativeItem
+    onset: int
+    family: str
+    name: str
+    burst: int | None = None
+    shot_in_burst: int | None = None
+
+
+def cues(scene: Scene) -> Iterator[Cue]:
+    """Yield every sound of the scene, each shot of a burst on its own; what would start after the end is left out."""
+    for burst, item in enumerate(scene.shots):
+        yield from (cue for cue in _shots(scene, item, burst) if cue.onset < scene.frames)
+    for negative in scene.negatives:
+        family = f"negative/{negative.kind}/{negative.at_s:.6f}"
+        yield Cue(negative, samples_from_s(negative.at_s, scene.rate_hz), family, family)
+
+
+def voice_of(scene: Scene, item: ShotItem, family: str) -> Voice:
+    """Return the weapon that a shot's item describes; what it leaves out is drawn."""
+    voice = draw_voice(
+        generator(scene.seed, family),
+        item.weapon,
+        environment=item.environment,
+        distance_m=item.distance_m,
+        clean=item.recording == "clean",
+    )
+    return replace(
+        voice,
+        rise_ms=voice.rise_ms if item.rise_ms is None else item.rise_ms,
+        positive_ms=voice.positive_ms if item.positive_ms is None else item.positive_ms,
+    )
+
+
+def _shots(scene: Scene, item: ShotItem, burst: int) -> Iterator[Cue]:
+    family = f"shot/{item.weapon}/{item.environment}/{item.at_s:.6f}"
+    first = samples_from_s(item.at_s, scene.rate_hz)
+    if item.burst is None:
+        yield Cue(item, first, family, f"{family}/0")
+        return
+    rng = generator(scene.seed, "rhythm", family)
+    spacing_s = 60.0 / item.burst.rpm
+    for number in range(item.burst.shots):
+        late = item.burst.jitter * float(rng.uniform(-1.0, 1.0)) if number else 0.0
+        onset = first + samples_from_s((number + late) * spacing_s, scene.rate_hz)
+        yield Cue(item, onset, family, f"{family}/{number}", burst, number)

@@ -1,0 +1,202 @@
+"""A scene as sound that can be read anywhere: beds, shots and negatives, mixed and limited, with their truth.
+
+Every sample depends on its index alone. Beds are looped material, sounds are rendered when a block first needs them
+and forgotten soon after, so a film of two hours needs no more memory than a clip, and the size of the blocks
+changes nothing.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+
+import msgspec
+import numpy as np
+
+from ..model import Reflection, Span
+from ..units import SILENCE_DB, db_from_gain, gain_from_db, samples_from_s
+from .bed_loop import BedLoop, bed_loop
+from .chance import chance, generator
+from .cues import cues, voice_of
+from .layouts import CHANNELS, LFE, bed_feeds, mains, sound_gains
+from .master import limited
+from .negatives import random_negative
+from .scene import BedItem, NegativeItem, Scene, ShotItem
+from .shots import PEAK_WITHIN_S, fire
+from .tone import Samples, lowpass, peak, rms
+from .truth import NegativeTruth, ShotTruth, moved
+
+BACKGROUND_S = 0.2
+EARLIEST_S = 1.0
+LATEST_S = 9.0
+"""A sound reaches from a second before its onset to nine seconds after; what lies beyond is cut."""
+
+QUIETEST_DBFS = -70.0
+"""A level given by `snr_db` counts nothing quieter than this, or the sound would vanish in a pause."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sound:
+    """A rendered cue: its samples in mono, where the first of them lies, the channels' gains, and its truth."""
+
+    samples: Samples
+    start: int
+    gains: Samples
+    truth: ShotTruth | None
+
+    @property
+    def stop(self) -> int:
+        """Return the sample after the last one."""
+        return self.start + len(self.samples)
+
+
+class SceneAudio:
+    """The sound of a scene, read with `read`, and what it contains, with `shot_truths` and `negative_truths`."""
+
+    def __init__(self, scene: Scene) -> None:
+        """Lay out the cues; nothing is rendered yet."""
+        self.scene = scene
+        self.rate_hz = scene.rate_hz
+        self.frames = scene.frames
+        self.channels = CHANNELS[scene.layout]
+        self.cues = tuple(sorted(cues(scene), key=lambda cue: (cue.onset, cue.name)))
+        self._onsets = np.array([cue.onset for cue in self.cues], dtype=np.int64)
+        self._bed: Callable[[int], BedLoop] = lru_cache(maxsize=6)(self._make_bed)
+        self._sound: Callable[[int], Sound] = lru_cache(maxsize=48)(self._make_sound)
+
+    def read(self, start: int, stop: int, *, without: int | None = None) -> Samples:
+        """Return the limited mix from `start` to `stop`, shape (frames, channels), without one cue where asked."""
+        total = self.beds(start, stop)
+        for index in self._near(start, stop):
+            if index != without:
+                _add(total, self._sound(index), start, rate_hz=self.rate_hz)
+        return limited(total, self.scene.master)
+
+    def blocks(self, size: int) -> Iterator[tuple[int, Samples]]:
+        """Yield the whole scene as (first frame, samples)."""
+        for start in range(0, self.frames, size):
+            yield start, self.read(start, min(start + size, self.frames))
+
+    def beds(self, start: int, stop: int) -> Samples:
+        """Return the beds alone, not limited, shape (frames, channels)."""
+        total = np.zeros((stop - start, self.channels))
+        for index, item in enumerate(self.scene.beds):
+            first, last = self._reach(item)
+            low, high = max(start, first), min(stop, last)
+            if low < high:
+                weights = _fades(low, high, first, last, fade=samples_from_s(item.fade_s, self.rate_hz))
+                gain = gain_from_db(item.level_dbfs)
+                for feed in bed_feeds(self.scene.layout, item.kind):
+                    later = samples_from_s(feed.later_s, self.rate_hz) - first
+                    played = self._bed(index).read(low + later, high + later)
+                    total[low - start : high - start, feed.channel] += gain * feed.gain * weights * played
+        return total
+
+    def shot_truths(self, span: Span) -> Iterator[ShotTruth]:
+        """Yield the shots whose onset lies in the span, measured in the mix."""
+        for index in range(*np.searchsorted(self._onsets, [span.start, span.stop])):
+            sound, cue = self._sound(index), self.cues[index]
+            if sound.truth is not None:
+                top, background = self._levels(index, cue.onset)
+                yield msgspec.structs.replace(
+                    _clamped(sound.truth, self.frames),
+                    peak_dbfs=db_from_gain(top),
+                    snr_db=min(db_from_gain(top) - db_from_gain(background), -SILENCE_DB),
+                    burst=cue.burst,
+                    shot_in_burst=cue.shot_in_burst,
+                )
+
+    def negative_truths(self, span: Span) -> Iterator[NegativeTruth]:
+        """Yield the negatives that start in the span."""
+        for index in range(*np.searchsorted(self._onsets, [span.start, span.stop])):
+            cue = self.cues[index]
+            if isinstance(cue.item, NegativeItem):
+                top = db_from_gain(peak(self._sound(index).samples))
+                yield NegativeTruth(cue.onset, cue.onset / self.rate_hz, cue.item.kind, min(top, 0.0))
+
+    def _levels(self, index: int, onset: int) -> tuple[float, float]:
+        """Return the peak that a shot adds to the mix, and the rms of everything else before it."""
+        stop = min(self.frames, onset + samples_from_s(PEAK_WITHIN_S, self.rate_hz))
+        added = self.read(onset, stop) - self.read(onset, stop, without=index)
+        span = self._background(onset)
+        return peak(mains(added)), rms(mains(self.read(span.start, span.stop, without=index)))
+
+    def _background(self, onset: int) -> Span:
+        """Return the 200 ms before an onset, as much as there is; at the scene's start the 200 ms that follow."""
+        length = samples_from_s(BACKGROUND_S, self.rate_hz)
+        start = max(0, onset - length)
+        return Span(start, onset) if onset - start >= length // 10 else Span(0, min(length, self.frames))
+
+    def _reach(self, item: BedItem) -> tuple[int, int]:
+        stop_s = self.scene.duration_s if item.stop_s is None else item.stop_s
+        return samples_from_s(item.start_s, self.rate_hz), min(samples_from_s(stop_s, self.rate_hz), self.frames)
+
+    def _near(self, start: int, stop: int) -> range:
+        earliest = start - samples_from_s(LATEST_S, self.rate_hz)
+        latest = stop + samples_from_s(EARLIEST_S, self.rate_hz)
+        first, last = np.searchsorted(self._onsets, [earliest, latest])
+        return range(int(first), int(last))
+
+    def _make_bed(self, index: int) -> BedLoop:
+        item = self.scene.beds[index]
+        seed = int(generator(self.scene.seed, "bed", item.kind, f"{item.start_s:.6f}").integers(2**62))
+        first, last = self._reach(item)
+        return bed_loop(seed, item.kind, duration_s=(last - first) / self.rate_hz, rate_hz=self.rate_hz)
+
+    def _make_sound(self, index: int) -> Sound:
+        cue = self.cues[index]
+        item = cue.item
+        rng = generator(self.scene.seed, cue.name)
+        gains = sound_gains(generator(self.scene.seed, "pan", cue.family), self.scene.layout)
+        if isinstance(item, ShotItem):
+            samples, truth = fire(rng, self.rate_hz, voice_of(self.scene, item, cue.family))
+            lead = truth.onset_sample
+            placed: ShotTruth | None = moved(truth, cue.onset - lead, rate_hz=self.rate_hz)
+        else:
+            (samples, lead), placed = random_negative(rng, self.rate_hz, item.kind), None
+        cut = max(0, lead - samples_from_s(EARLIEST_S, self.rate_hz))
+        samples = samples[cut : lead + samples_from_s(LATEST_S, self.rate_hz)]
+        polarity = -1.0 if chance(generator(self.scene.seed, "polarity", cue.family), 0.5) else 1.0
+        return Sound(polarity * self._gain(item, cue.onset) * samples, cue.onset - lead + cut, gains, placed)
+
+    def _gain(self, item: ShotItem | NegativeItem, onset: int) -> float:
+        if item.peak_dbfs is not None:
+            return gain_from_db(item.peak_dbfs)
+        assert item.snr_db is not None
+        span = self._background(onset)
+        under = self.beds(span.start, span.stop)
+        if isinstance(item, ShotItem):
+            for index in self._near(span.start, span.stop):
+                if isinstance(self.cues[index].item, NegativeItem):
+                    _add(under, self._sound(index), span.start, rate_hz=self.rate_hz)
+        level = rms(mains(limited(under, self.scene.master)))
+        return max(level, gain_from_db(QUIETEST_DBFS)) * gain_from_db(item.snr_db)
+
+
+def _add(total: Samples, sound: Sound, start: int, *, rate_hz: int) -> None:
+    """Add a sound to the block that begins at `start`, in every channel."""
+    low, high = max(start, sound.start), min(start + len(total), sound.stop)
+    if low >= high:
+        return
+    part = sound.samples[low - sound.start : high - sound.start]
+    total[low - start : high - start] += part[:, None] * sound.gains
+    if total.shape[1] == CHANNELS["5.1"]:
+        low_end = lowpass(sound.samples, 110.0, rate_hz=rate_hz, order=2)
+        total[low - start : high - start, LFE] += 0.7 * low_end[low - sound.start : high - sound.start]
+
+
+def _fades(low: int, high: int, first: int, last: int, *, fade: int) -> Samples:
+    """Return the gain of a bed from `low` to `high`: sin^2 fades at its two ends, none where the fade is 0."""
+    index = np.arange(low, high)
+    edge = np.minimum(index - first + 0.5, last - index - 0.5) / max(fade, 1)
+    return np.asarray(np.sin(np.minimum(edge, 1.0) * (np.pi / 2.0)) ** 2, dtype=np.float64)
+
+
+def _clamped(truth: ShotTruth, frames: int) -> ShotTruth:
+    """Return the truth without what lies after the end of the scene."""
+    echoes = tuple(
+        Reflection(echo.start, min(echo.stop, frames), echo.delay_ms, echo.level_db)
+        for echo in truth.reflections
+        if echo.start < frames
+    )
+    blast = Span(truth.blast.start, min(truth.blast.stop, frames))
+    return msgspec.structs.replace(truth, blast=blast, reflections=echoes)

@@ -1,0 +1,116 @@
+"""Hard negatives: short, loud and sudden sounds that are no shots, put into places and recorded as shots are."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Literal, get_args
+
+import numpy as np
+
+from .bangs import crash, explosion, firework, punch, spark, splash, thunder, whip, whoosh
+from .chance import chance, fork, pick
+from .colour import CLEAN, air, draw_colour, record
+from .cries import bark, clipped_speech, cough, shout
+from .drums import applause, clap, cymbal, kick, roll, snare, tom
+from .echoes import in_place
+from .impacts import MATERIALS, draw_body, struck
+from .knocks import (
+    door,
+    drop,
+    footsteps,
+    glass,
+    hammer,
+    hammering,
+    handling,
+    jackhammer,
+    knock,
+    machine,
+    metal,
+    nail_gun,
+    snap,
+    typewriter,
+)
+from .music import bell, stinger
+from .rooms import ENVIRONMENTS, draw_place
+from .tone import Samples, peak, trimmed
+
+NegativeKind = Literal[
+    "applause", "bark", "bell", "clap", "click", "clipped-speech", "cough", "crash", "cymbal", "door", "drop",
+    "drum-roll", "explosion", "firework", "footsteps", "glass", "hammer", "hammering", "handling", "impact",
+    "jackhammer", "kick", "knock", "machine", "metal", "nail-gun", "punch", "shout", "snap", "snare", "spark",
+    "splash", "stinger", "thunder-far", "thunder-near", "tom", "typewriter", "whip", "whoosh",
+]  # fmt: skip
+
+AMBIGUOUS: tuple[NegativeKind, ...] = ("explosion",)
+"""What a 4D designer may well want to move: labelled, but scored neither as a shot nor as a false alarm."""
+
+NEGATIVE_KINDS: tuple[NegativeKind, ...] = tuple(kind for kind in get_args(NegativeKind) if kind not in AMBIGUOUS)
+
+
+def click(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return a digital click: one to a few samples, or a step that leaks away."""
+    if chance(rng, 0.3):
+        return np.asarray(np.exp(-np.arange(rate_hz // 20) / (0.005 * rate_hz * rng.random() + 1.0)), dtype=np.float64)
+    return np.asarray(rng.choice([-1.0, 1.0], int(rng.integers(1, 9))), dtype=np.float64)
+
+
+def impact(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return one blow on anything."""
+    return struck(fork(rng), rate_hz, draw_body(rng, pick(rng, MATERIALS)))
+
+
+_MAKERS: dict[NegativeKind, Callable[[np.random.Generator, int], Samples]] = {
+    "applause": applause,
+    "bark": bark,
+    "bell": bell,
+    "clap": clap,
+    "click": click,
+    "clipped-speech": clipped_speech,
+    "cough": cough,
+    "crash": crash,
+    "cymbal": cymbal,
+    "door": door,
+    "drop": drop,
+    "drum-roll": roll,
+    "explosion": explosion,
+    "firework": firework,
+    "footsteps": footsteps,
+    "glass": glass,
+    "hammer": hammer,
+    "hammering": hammering,
+    "handling": handling,
+    "impact": impact,
+    "jackhammer": jackhammer,
+    "kick": kick,
+    "knock": knock,
+    "machine": machine,
+    "metal": metal,
+    "nail-gun": nail_gun,
+    "punch": punch,
+    "shout": shout,
+    "snap": snap,
+    "snare": snare,
+    "spark": spark,
+    "splash": splash,
+    "stinger": stinger,
+    "thunder-far": partial(thunder, near=False),
+    "thunder-near": partial(thunder, near=True),
+    "tom": tom,
+    "typewriter": typewriter,
+    "whip": whip,
+    "whoosh": whoosh,
+}
+
+_BY_ITSELF: tuple[NegativeKind, ...] = ("click", "thunder-far", "thunder-near")
+"""Clicks arise in the machine, and thunder brings its own distance."""
+
+
+def random_negative(rng: np.random.Generator, rate_hz: int, kind: NegativeKind | None = None) -> tuple[Samples, int]:
+    """Return a negative of the given kind, or of any but the ambiguous, with a peak of 1, and where it starts."""
+    chosen: NegativeKind = pick(rng, NEGATIVE_KINDS) if kind is None else kind
+    sound = _MAKERS[chosen](fork(rng), rate_hz)
+    if chosen not in _BY_ITSELF and chance(rng, 0.75):
+        environment = pick(rng, ENVIRONMENTS[:-1] if chance(rng, 0.9) else ENVIRONMENTS)
+        place = draw_place(rng, environment)
+        sound, _ = in_place(fork(rng), air(sound, place.distance_m, rate_hz=rate_hz), place, rate_hz=rate_hz)
+    sound = record(sound, CLEAN if chosen == "click" and chance(rng, 0.5) else draw_colour(rng), rate_hz=rate_hz)
+    return trimmed(sound / peak(sound)), 0

@@ -1,0 +1,108 @@
+"""Ambiences: coloured noise that swells, wind, rain, engines. All have an rms of 1."""
+
+import math
+
+import numpy as np
+
+from .chance import between, chance, fork, log_between
+from .tone import Samples, bandpass, lowpass, resonance, rms
+from .waves import band_burst
+
+
+def coloured(rng: np.random.Generator, count: int, *, slope: float, rate_hz: int) -> Samples:
+    """Return noise whose power falls with frequency as 1 / f^slope (1 pink, 2 brown), flat below 20 Hz."""
+    from scipy.fft import irfft, next_fast_len, rfft
+
+    size = next_fast_len(count, real=True)
+    spectrum = rfft(rng.standard_normal(size))
+    frequency_hz = np.fft.rfftfreq(size, 1.0 / rate_hz)
+    spectrum *= np.maximum(frequency_hz, 20.0) ** (-slope / 2.0)
+    return levelled(np.asarray(irfft(spectrum, size)[:count], dtype=np.float64))
+
+
+def levelled(samples: Samples) -> Samples:
+    """Return the samples with an rms of 1; silence stays silence."""
+    level = rms(samples)
+    return samples / level if level > 0.0 else samples
+
+
+def slow(rng: np.random.Generator, count: int, *, step_s: float, depth_db: float, rate_hz: int) -> Samples:
+    """Return a gain that wanders: random levels of the given depth, a new one every `step_s`, joined smoothly."""
+    steps = math.ceil(count / rate_hz / step_s) + 2
+    levels = rng.standard_normal(steps) * depth_db
+    return 10.0 ** (smooth_through(levels, count / rate_hz / step_s, count) / 20.0)
+
+
+def smooth_through(values: Samples, span: float, count: int) -> Samples:
+    """Return `count` values of a curve through `values` at 0, 1, 2 ..., sampled evenly from 0 to `span`.
+
+    Between two of them it follows half a cosine.
+    """
+    places = np.linspace(0.0, span, count, endpoint=False)
+    index = places.astype(np.int64)
+    weight = 0.5 - 0.5 * np.cos(math.pi * (places - index))
+    return np.asarray(values[index] + weight * (values[index + 1] - values[index]), dtype=np.float64)
+
+
+def ambience(rng: np.random.Generator, rate_hz: int, seconds: float) -> Samples:
+    """Return room tone or distant traffic: noise between white and brown, swelling slowly."""
+    count = round(seconds * rate_hz)
+    noise = coloured(fork(rng), count, slope=between(rng, (0.7, 2.2)), rate_hz=rate_hz)
+    noise = bandpass(noise, log_between(rng, (20.0, 150.0)), log_between(rng, (2_000.0, 18_000.0)), rate_hz=rate_hz)
+    step_s, depth_db = log_between(rng, (0.4, 6.0)), between(rng, (0.5, 4.0))
+    return levelled(noise * slow(fork(rng), count, step_s=step_s, depth_db=depth_db, rate_hz=rate_hz))
+
+
+def wind(rng: np.random.Generator, rate_hz: int, seconds: float) -> Samples:
+    """Return gusts: a rumble, and a whistling band whose level and pitch follow the same gusts."""
+    count = round(seconds * rate_hz)
+    gust = slow(fork(rng), count, step_s=log_between(rng, (0.5, 3.0)), depth_db=5.0, rate_hz=rate_hz)
+    rumble = levelled(lowpass(coloured(fork(rng), count, slope=1.5, rate_hz=rate_hz), 250.0, rate_hz=rate_hz))
+    whistle = np.zeros(count)
+    for _ in range(int(rng.integers(1, 4))):
+        centre = log_between(rng, (250.0, 1_800.0))
+        band = resonance(
+            fork(rng).standard_normal(count), centre, bandwidth_hz=centre * between(rng, (0.05, 0.4)), rate_hz=rate_hz
+        )
+        whistle += levelled(band) * slow(fork(rng), count, step_s=1.5, depth_db=6.0, rate_hz=rate_hz)
+    return levelled(gust * rumble + between(rng, (0.05, 0.6)) * gust**1.5 * levelled(whistle))
+
+
+def rain(rng: np.random.Generator, rate_hz: int, seconds: float) -> Samples:
+    """Return rain: a hiss and single drops, a few to hundreds in a second."""
+    count = round(seconds * rate_hz)
+    hiss = bandpass(fork(rng).standard_normal(count), 400.0, log_between(rng, (3_000.0, 12_000.0)), rate_hz=rate_hz)
+    drops = np.zeros(count)
+    kinds = [_drop(rng, rate_hz) for _ in range(12)]
+    for _ in range(round(seconds * log_between(rng, (4.0, 120.0)))):
+        drop = kinds[int(rng.integers(len(kinds)))]
+        at = int(rng.random() * max(count - len(drop), 1))
+        drops[at : at + len(drop)] += drop[: count - at] * log_between(rng, (0.05, 1.0))
+    swell = slow(fork(rng), count, step_s=2.0, depth_db=2.0, rate_hz=rate_hz)
+    return levelled((levelled(hiss) + between(rng, (0.1, 1.5)) * levelled(drops)) * swell)
+
+
+def _drop(rng: np.random.Generator, rate_hz: int) -> Samples:
+    centre = log_between(rng, (800.0, 9_000.0))
+    decay_ms = log_between(rng, (0.5, 6.0))
+    return band_burst(rng, rate_hz, band_hz=(0.8 * centre, 1.3 * centre), attack_ms=0.1, decay_ms=decay_ms)
+
+
+def engine(rng: np.random.Generator, rate_hz: int, seconds: float) -> Samples:
+    """Return a motor: firing pulses with harmonics that accelerates and brakes, with road and exhaust noise."""
+    count = round(seconds * rate_hz)
+    low, high = log_between(rng, (18.0, 60.0)), log_between(rng, (60.0, 220.0))
+    step_s = log_between(rng, (1.0, 6.0))
+    speeds = fork(rng).uniform(math.log(low), math.log(high), math.ceil(seconds / step_s) + 2)
+    pitch_hz = np.exp(smooth_through(speeds, seconds / step_s, count))
+    phase = np.cumsum(pitch_hz) / rate_hz
+    sound = np.zeros(count)
+    for harmonic in range(1, 25):
+        level = float(harmonic ** -between(rng, (0.3, 1.8)))
+        sound += level * np.sin(2.0 * math.pi * (harmonic * 0.5 * phase + rng.random()))
+    sound *= 1.0 + 0.3 * np.tanh(lowpass(fork(rng).standard_normal(count), 12.0, rate_hz=rate_hz) * 20.0)
+    hiss = bandpass(fork(rng).standard_normal(count), 150.0, log_between(rng, (1_500.0, 7_000.0)), rate_hz=rate_hz)
+    mixed = levelled(sound) + between(rng, (0.1, 1.0)) * levelled(hiss) * (pitch_hz / high)
+    if chance(rng, 0.3):
+        mixed = np.tanh(levelled(mixed) * 2.0)
+    return levelled(lowpass(mixed, log_between(rng, (800.0, 9_000.0)), rate_hz=rate_hz))

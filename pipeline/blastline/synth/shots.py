@@ -1,0 +1,134 @@
+"""Gunshots: a voice is fired, each time a little differently.
+
+direct = blast + gas jet + second pulse       through the air
+sound  = direct + echoes + tail + boom        from the onset on
+       + shock of the bullet, mechanics       some of them earlier
+heard  = sound through the recording chain
+"""
+
+import math
+
+import numpy as np
+
+from ..model import Reflection, Span
+from ..units import SILENCE_DB, db_from_gain, ms_from_samples
+from .chance import chance, fork, pick
+from .colour import air, record
+from .echoes import HeardEcho, in_place, overlaid
+from .rooms import ENVIRONMENTS
+from .tone import Samples, peak, trimmed
+from .truth import ShotTruth
+from .voices import Mechanism, Voice, draw_voice, varied
+from .waves import band_burst, boom, friedlander, n_wave
+from .weapons import WEAPONS
+
+BLAST_END = 0.1
+"""The direct sound is over where it stays below this part of its peak: -20 dB."""
+
+PEAK_WITHIN_S = 0.05
+FAINTEST_LISTED_DB = -30.0
+"""Weaker reflections belong to the tail."""
+
+
+def random_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, int, ShotTruth]:
+    """Return a shot from the widest family: samples, index of the onset, truth counted from the first sample."""
+    weapon = pick(rng, tuple(WEAPONS))
+    environment = pick(rng, ENVIRONMENTS)
+    voice = draw_voice(rng, weapon, environment=environment, clean=chance(rng, 0.1))
+    samples, truth = fire(rng, rate_hz, voice)
+    return samples, truth.onset_sample, truth
+
+
+def fire(rng: np.random.Generator, rate_hz: int, voice: Voice) -> tuple[Samples, ShotTruth]:
+    """Return one shot, with a peak of 1 within 50 ms of its onset, and its truth counted from its first sample."""
+    this = varied(rng, voice)
+    direct = _direct(fork(rng), rate_hz, this)
+    sound, echoes = in_place(fork(rng), direct, this.place, rate_hz=rate_hz)
+    others = _mechanics(fork(rng), rate_hz, this) + _sound_design(rate_hz, this)
+    shock = _shock(rate_hz, this)
+    lead = max([0, *(-at for at, _ in [*others, *shock])])
+    parts = [(lead + at, part) for at, part in [(0, sound), *others, *shock]]
+    heard = record(overlaid(parts), this.colour, rate_hz=rate_hz)
+    heard = heard / peak(heard[lead : lead + math.ceil(PEAK_WITHIN_S * rate_hz)])
+    accept = tuple(lead + at for at, _ in shock[:1])
+    return trimmed(heard), _truth(this, direct, echoes, lead=lead, accept=accept, rate_hz=rate_hz)
+
+
+def _direct(rng: np.random.Generator, rate_hz: int, voice: Voice) -> Samples:
+    """Return the direct sound after the air, from the first sample of its rise, with a peak of 1."""
+    blast = friedlander(rate_hz, positive_ms=voice.positive_ms, rise_ms=voice.rise_ms, decay=voice.decay)
+    parts = [(0, blast)]
+    if voice.jet_db > SILENCE_DB:
+        attack_ms = 0.1 + voice.rise_ms
+        jet = band_burst(rng, rate_hz, band_hz=voice.jet_band_hz, attack_ms=attack_ms, decay_ms=voice.jet_decay_ms)
+        parts.append((0, jet * 10.0 ** (voice.jet_db / 20.0)))
+    if voice.second_pulse is not None:
+        delay_ms, level_db = voice.second_pulse
+        parts.append((round(delay_ms * 1e-3 * rate_hz), blast * 10.0 ** (level_db / 20.0)))
+    # room for the ringing of the air's low-pass
+    dry = overlaid([*parts, (0, np.zeros(max(len(part) for _, part in parts) + round(0.005 * rate_hz)))])
+    direct = air(dry, voice.place.distance_m, rate_hz=rate_hz, muffle=voice.muffle)
+    return np.asarray(direct / peak(direct), dtype=np.float64)
+
+
+def _mechanics(rng: np.random.Generator, rate_hz: int, voice: Voice) -> list[tuple[int, Samples]]:
+    return [(round(part.at_s * rate_hz), _click(fork(rng), rate_hz, part)) for part in voice.mechanisms]
+
+
+def _click(rng: np.random.Generator, rate_hz: int, part: Mechanism) -> Samples:
+    band = (0.6 * part.centre_hz, 1.6 * part.centre_hz)
+    burst = band_burst(rng, rate_hz, band_hz=band, attack_ms=0.05, decay_ms=part.decay_ms)
+    return burst * float(10.0 ** (part.level_db / 20.0))
+
+
+def _sound_design(rate_hz: int, voice: Voice) -> list[tuple[int, Samples]]:
+    if voice.boom is None:
+        return []
+    tone = boom(
+        rate_hz,
+        start_hz=voice.boom.start_hz,
+        stop_hz=voice.boom.stop_hz,
+        attack_ms=voice.boom.attack_ms,
+        decay_ms=voice.boom.decay_ms,
+    )
+    return [(0, tone * 10.0 ** (voice.boom.level_db / 20.0))]
+
+
+def _shock(rate_hz: int, voice: Voice) -> list[tuple[int, Samples]]:
+    """Return the bullet's N-wave and its bounce off the ground, both earlier than the blast where it is far enough."""
+    if voice.shock is None:
+        return []
+    wave = n_wave(rate_hz, length_ms=voice.shock.length_ms, rise_ms=voice.shock.rise_ms)
+    wave = wave * 10.0 ** (voice.shock.level_db / 20.0)
+    at = -round(voice.shock.lead_s * rate_hz)
+    return [(at, wave), (at + round(0.0035 * rate_hz), 0.4 * wave)]
+
+
+def _truth(
+    voice: Voice, direct: Samples, echoes: tuple[HeardEcho, ...], *, lead: int, accept: tuple[int, ...], rate_hz: int
+) -> ShotTruth:
+    blast = int(np.flatnonzero(np.abs(direct) >= BLAST_END)[-1]) + 1
+    before = [lead + round(part.at_s * rate_hz) for part in voice.mechanisms if part.at_s < 0.0]
+    listed = [echo for echo in echoes if db_from_gain(echo.gain) >= FAINTEST_LISTED_DB]
+    return ShotTruth(
+        onset_sample=lead,
+        onset_s=lead / rate_hz,
+        start_sample=min([lead, *accept, *before]),
+        weapon=voice.weapon,
+        environment=voice.environment,
+        distance_m=voice.place.distance_m,
+        rise_ms=voice.rise_ms,
+        snr_db=-SILENCE_DB,
+        peak_dbfs=0.0,
+        blast=Span(lead, lead + blast),
+        reflections=tuple(
+            Reflection(
+                lead + echo.delay,
+                lead + echo.delay + blast,
+                ms_from_samples(echo.delay, rate_hz),
+                db_from_gain(echo.gain),
+            )
+            for echo in listed
+        ),
+        accept_samples=accept,
+    )

@@ -1,0 +1,82 @@
+"""What a synthetic sound is known to contain, to the sample."""
+
+from typing import Literal
+
+import msgspec
+
+from ..model import Reflection, Span
+
+
+class ShotTruth(msgspec.Struct, frozen=True):
+    """A shot of the scene.
+
+    `onset_sample` is the first sample of the blast's rise. `start_sample` is the first sample of anything the shot
+    makes: earlier only where a bullet's shock or the weapon's mechanics are heard first. `accept_samples` are other
+    places that may be called the onset (the shock of the bullet). `blast` ends where the direct sound has fallen to
+    -20 dB of its peak for good. `peak_dbfs` is the shot's own peak within 50 ms of the onset, `snr_db` that peak
+    over the rms of everything else in the 200 ms before the onset.
+    """
+
+    onset_sample: int
+    onset_s: float
+    start_sample: int
+    weapon: str
+    environment: str
+    distance_m: float
+    rise_ms: float
+    snr_db: float
+    peak_dbfs: float
+    blast: Span
+    reflections: tuple[Reflection, ...]
+    accept_samples: tuple[int, ...] = ()
+    burst: int | None = None
+    shot_in_burst: int | None = None
+
+
+class NegativeTruth(msgspec.Struct, frozen=True):
+    """A sound that is no shot, and where it starts; `explosion` is a shot to some, so it is scored neither way."""
+
+    at_sample: int
+    at_s: float
+    kind: str
+    peak_dbfs: float
+
+
+class Truth(msgspec.Struct, frozen=True):
+    """Everything that a scene contains: shots and hard negatives in order of time."""
+
+    schema: Literal["blastline.truth/1"]
+    scene: str
+    rate_hz: int
+    frames: int
+    channels: int
+    shots: tuple[ShotTruth, ...]
+    negatives: tuple[NegativeTruth, ...]
+
+
+def moved(shot: ShotTruth, by_samples: int, *, rate_hz: int) -> ShotTruth:
+    """Return the shot, later by a number of samples."""
+    echoes = tuple(
+        Reflection(max(0, echo.start + by_samples), max(0, echo.stop + by_samples), echo.delay_ms, echo.level_db)
+        for echo in shot.reflections
+    )
+    onset = shot.onset_sample + by_samples
+    return msgspec.structs.replace(
+        shot,
+        onset_sample=onset,
+        onset_s=onset / rate_hz,
+        start_sample=max(0, shot.start_sample + by_samples),
+        blast=Span(shot.blast.start + by_samples, shot.blast.stop + by_samples),
+        reflections=echoes,
+        accept_samples=tuple(at + by_samples for at in shot.accept_samples if at + by_samples >= 0),
+    )
+
+
+def encode_truth(truth: Truth) -> bytes:
+    """Return the truth as indented JSON, ending in a newline."""
+    return msgspec.json.format(msgspec.json.encode(truth), indent=1) + b"\n"
+
+
+def decode_truth(data: bytes) -> Truth:
+    """Return the truth that JSON holds."""
+    return msgspec.json.decode(data, type=Truth)

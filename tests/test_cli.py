@@ -1,0 +1,278 @@
+"""What the command line says and how it ends, without a film."""
+
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+import typer
+
+from blastline import __version__, run
+from blastline.cli import app, main
+from blastline.cli.progress import shown_progress
+from blastline.errors import OutputError
+from blastline.export import FORMATS
+from blastline.model import Check, Timeline
+from blastline.ruleset import load_rules
+from commands import COMMAND, Ended, blastline
+from timelines import timeline
+
+HEAVY = {"av", "librosa", "matplotlib", "numba", "opentimelineio", "pandas", "scipy", "sklearn", "soundfile", "soxr"}
+
+
+@pytest.fixture
+def command(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Run the command line in this process."""
+    monkeypatch.setattr(signal, "signal", lambda *_: None)
+
+    def ended(*arguments: str | Path) -> Ended:
+        code = main([str(argument) for argument in arguments])
+        said = capsys.readouterr()
+        return Ended(code, said.out, said.err)
+
+    return ended
+
+
+def every_command(group: Any = None, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """Yield each command's words; groups come before the commands in them."""
+    group = group or typer.main.get_command(app)
+    yield path
+    for name, each in getattr(group, "commands", {}).items():
+        yield from every_command(each, (*path, name))
+
+
+def test_the_promised_commands_are_there() -> None:
+    promised = {
+        "render",
+        "detect",
+        "check",
+        "export",
+        "synth",
+        "actuator list",
+        "actuator show",
+        "rules show",
+        "rules check",
+    }
+    assert {" ".join(words) for words in every_command()} >= promised
+
+
+@pytest.mark.parametrize("words", list(every_command()), ids=" ".join)
+def test_help_teaches_by_an_example(command: Any, words: tuple[str, ...]) -> None:
+    ended = command(*words, "--help")
+    assert (ended.code, ended.err) == (0, "")
+    text = " ".join(ended.out.split())
+    assert f"Usage: {' '.join(['blastline', *words])} " in text
+    is_group = not words or words in {("actuator",), ("rules",), ("study",)}
+    assert is_group or f"Example: blastline {' '.join(words)}" in text
+
+
+def test_no_arguments_show_the_help(command: Any) -> None:
+    assert command() == command("--help")
+
+
+def test_help_names_every_format_and_every_default(command: Any) -> None:
+    text = " ".join(command("render", "--help").out.replace("│", " ").split())
+    assert ", ".join(FORMATS) in text
+    for default in ("standard", "auto", "causal", "mute", "mains", "crowson-t108sm", "json,csv", "report"):
+        assert f"[default: {default}]" in text
+
+
+def test_help_imports_nothing_heavy() -> None:
+    code = (
+        "import sys, blastline.cli; blastline.cli.main(['render', '--help']); sys.stderr.write(' '.join(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = {name.split(".")[0] for name in done.stderr.split()}
+    assert {"blastline", "typer"} <= loaded
+    assert loaded & HEAVY == set()
+
+
+def test_the_version(command: Any) -> None:
+    assert command("--version") == Ended(0, f"blastline {__version__}\n", "")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        ("bogus", "No such command 'bogus' (see `blastline --help`)"),
+        ("rules", "Missing command (see `blastline rules --help`)"),
+        ("render", "Missing argument 'INPUT' (see `blastline render --help`)"),
+        ("render film.wav", "Missing option '-o' / '--output' (see `blastline render --help`)"),
+        ("render film.wav -o out --no-such-option", "No such option: --no-such-option"),
+        ("detect film.wav --quality best", "'best' is not one of 'draft', 'standard', 'reference'"),
+        ("detect film.wav --stream first", "Invalid value for '--stream'"),
+        ("detect film.wav --stream -1", "Invalid value for '--stream'"),
+        ("detect film.wav other.wav", "other.wav"),
+        ("export timeline.json -o out", "Missing option '--format'"),
+    ],
+)
+def test_wrong_arguments_are_one_line(command: Any, arguments: str, complaint: str) -> None:
+    assert complaint in command(*arguments.split()).complaint
+
+
+def test_an_error_of_the_users_is_one_line_however_many_it_had(command: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> None:
+        raise OutputError("out: cannot write\nbecause")
+
+    monkeypatch.setattr("blastline.cli.rulefiles.load_rules", fail)
+    assert command("rules", "show").complaint == "out: cannot write because"
+
+
+def test_an_error_of_the_system_names_its_file(command: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("blastline.cli.rulefiles.load_rules", lambda *_: Path("/none/there").read_text())
+    assert command("rules", "show").complaint == "/none/there: No such file or directory"
+
+
+def test_a_bug_shows_where_it_is(command: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("blastline.cli.rulefiles.load_rules", lambda *_: 1 // 0)
+    ended = command("rules", "show")
+    assert ended.code == 70
+    assert "ZeroDivisionError" in ended.err
+    assert ended.err.endswith("blastline: this is a bug of blastline; please report it with the lines above\n")
+
+
+def test_an_interruption_is_told(command: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("blastline.cli.rulefiles.load_rules", interrupt)
+    ended = command("rules", "show")
+    assert (ended.code, ended.err.splitlines()[-1]) == (130, "blastline: interrupted; nothing was written")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes break otherwise there")
+def test_a_reader_that_goes_away_ends_the_command_quietly() -> None:
+    with subprocess.Popen([*COMMAND, "rules", "show"], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        process.stdout.close()
+        assert process.stderr is not None
+        assert process.stderr.read() == b""
+    assert process.returncode == 141
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+def test_output_that_cannot_be_written_is_one_line() -> None:
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([*COMMAND, "rules", "show"], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr) == (2, "blastline: input or output: No space left on device\n")
+
+
+def test_rules_show_is_what_a_folder_of_ones_own_may_hold(command: Any, tmp_path: Path) -> None:
+    shown = command("rules", "show", "--quality", "draft").out
+    assert shown.startswith(f"# digest {load_rules('draft').digest}\n")
+    parts = re.split(r"^# (\S+\.toml)$", shown, flags=re.MULTILINE)
+    for name, text in zip(parts[1::2], parts[2::2], strict=True):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    assert load_rules("draft", tmp_path).digest == load_rules("draft").digest
+    assert command("rules", "check", tmp_path).out.splitlines() == ["align.toml", "quality/draft.toml", "scenes.toml"]
+
+
+def test_rules_show_has_the_users_value_and_says_where_numbers_come_from(command: Any, tmp_path: Path) -> None:
+    (tmp_path / "align.toml").write_text("correlation = 0.8125\n")
+    shown = command("rules", "show", "--rules", tmp_path).out
+    assert "\ncorrelation = 0.8125\n" in shown
+    assert shown.count("\nsource = ") >= 10
+
+
+def test_rules_that_do_not_fit_are_refused(command: Any, tmp_path: Path) -> None:
+    (tmp_path / "align.toml").write_text("correlation = 2\n")
+    expected = f"{tmp_path}/align.toml: correlation = 2: expected `float` <= 1.0"
+    assert command("rules", "check", tmp_path).complaint == expected
+    assert command("rules", "show", "--rules", tmp_path).complaint == expected
+
+
+def test_an_actuator_is_listed_and_shown(command: Any, tmp_path: Path) -> None:
+    listed = command("actuator", "list").out.splitlines()
+    assert any(line.startswith("crowson-t108sm ") for line in listed)
+    shown = command("actuator", "show", "crowson-t108sm")
+    assert shown.code == 0
+    rows = [[float(cell) for cell in line.split()] for line in shown.out.splitlines() if re.match(r" +[0-9.]+ ", line)]
+    assert len(rows) >= 10
+    assert [row[0] for row in rows] == sorted({row[0] for row in rows})
+    assert "no such actuator profile" in command("actuator", "show", "none").complaint
+    assert "not a folder" in command("actuator", "list", "--rules", tmp_path / "none").complaint
+
+
+def test_a_failed_check_is_listed_and_gives_exit_code_1(command: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    failed = (Check("lag", "shot-0002", False, 0.75, 0.5, "ms"), Check("frames", None, False, None, None, "frames"))
+    found = timeline()
+    found = msgspec.structs.replace(found, checks=(*found.checks, *failed))
+    monkeypatch.setattr(run, "check", lambda *_, **__: found)
+    ended = command("check", "result", "--quiet")
+    assert (ended.code, ended.err) == (1, "")
+    assert ended.out.splitlines() == [
+        "failed: lag, shot-0002: 0.75 ms (limit 0.5 ms)",
+        "failed: frames, the film: not measured",
+    ]
+    assert command("check", "result").out.endswith("checks: 2 of 4 passed\n")
+
+
+def test_passed_checks_are_counted_and_give_exit_code_0(command: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run, "check", lambda *_, **__: timeline())
+    assert command("check", "result") == Ended(0, "checks: 2 of 2 passed\n", "")
+
+
+def test_a_render_is_summed_up(command: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    found = timeline()
+    damaged = msgspec.structs.replace(found.source, warnings=("2 samples were not numbers",))
+    made = msgspec.structs.replace(found, source=damaged)
+    asked: list[Any] = []
+
+    def render(film: Path, folder: Path, options: Any, progress: Any) -> Timeline:
+        asked.append((film, folder, options))
+        progress("listening", 1, 2)
+        progress("listening", 2, 2)
+        return made
+
+    monkeypatch.setattr(run, "render", render)
+    ended = command("render", "film.mkv", "-o", "out", "--format", "csv, json", "--mix", "0,2", "--stream", "1")
+    assert (ended.code, ended.out) == (0, "")
+    assert ended.err.splitlines() == [
+        "blastline: listening ...",
+        "2 shots, 1 burst",
+        "drive: 1 filter",
+        "warning: 2 samples were not numbers",
+        f"results: {Path('out', 'report.html')}",
+        "checks: 2 of 2 passed",
+    ]
+    assert command("render", "film.mkv", "-o", "out", "--quiet").err == ""
+    (film, folder, options), (_, _, default) = asked
+    assert (film, folder) == (Path("film.mkv"), Path("out"))
+    assert (options.formats, options.mix, options.stream) == (("csv", "json"), "0,2", 1)
+    assert default == run.RenderOptions()
+
+
+def test_progress_away_from_a_terminal_is_a_line_per_stage(capsys: pytest.CaptureFixture[str]) -> None:
+    with shown_progress(quiet=False) as progress:
+        for stage, done in [("listening", 1), ("listening", 2), ("checking", 0)]:
+            progress(stage, done, 2)
+    assert capsys.readouterr().err == "blastline: listening ...\nblastline: checking ...\n"
+    with shown_progress(quiet=True) as progress:
+        progress("listening", 1, None)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_progress_on_a_terminal_is_a_bar_with_the_time_left(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "100")
+    with shown_progress(quiet=False) as progress:
+        progress("listening", 24, None)
+        progress("listening", 24, 48)
+        progress("checking", 0, None)
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert re.search(r"listening.* 50 %.*left", err)
+    assert "checking" in err
+
+
+def test_python_m_is_the_same_command() -> None:
+    assert blastline("--version") == Ended(0, f"blastline {__version__}\n", "")

@@ -1,0 +1,190 @@
+"""The detector's parts: the same whatever the blocks are, and right to the sample where physics says so."""
+
+import numpy as np
+import pytest
+from blastline.detect.bursts import group_bursts, keep_apart
+from blastline.detect.onset import refine_onsets
+from blastline.detect.scan import candidate_steps, rises
+from blastline.detect.segment import segment
+from blastline.detect.tracks import BANDS, Grid, pieces
+from blastline.model import Clip, Shot, Span
+from blastline.ruleset import load_rules
+from numpy.typing import NDArray
+
+RATE_HZ = 48_000
+TIER = load_rules("standard").tier
+
+
+def blast(rate_hz: int = RATE_HZ, *, rise_ms: float = 0.1, positive_ms: float = 1.0) -> NDArray[np.float64]:
+    """Return a Friedlander blast with a straight rise, peak 1, its onset at index 0."""
+    rise = max(1, round(rise_ms * rate_hz / 1000.0))
+    time_ms = np.arange(round(0.02 * rate_hz)) * 1000.0 / rate_hz
+    decay = (1.0 - time_ms / positive_ms) * np.exp(-time_ms / positive_ms)
+    return np.concatenate([np.arange(1, rise) / rise, decay])
+
+
+def film(rate_hz: int = RATE_HZ, seconds: float = 1.0, noise: float = 1e-4, seed: int = 0) -> NDArray[np.float32]:
+    rng = np.random.default_rng(seed)
+    return (noise * rng.standard_normal(round(seconds * rate_hz))).astype(np.float32)
+
+
+def clips(samples: NDArray[np.float32], size: int, rate_hz: int = RATE_HZ) -> list[Clip]:
+    return [Clip(samples[at : at + size, None], rate_hz, at) for at in range(0, samples.shape[0], size)]
+
+
+@pytest.mark.parametrize("size", [1, 7, 4096])
+def test_tracks_do_not_depend_on_the_block_size(size: int) -> None:
+    samples = film(seconds=0.3 if size == 1 else 2.5)
+    whole = list(pieces(clips(samples, samples.shape[0]), RATE_HZ))
+    parts = list(pieces(clips(samples, size), RATE_HZ))
+    assert len(whole) == len(parts) > 0
+    for one, other in zip(whole, parts, strict=True):
+        for track in ("samples", "peak", "slope", "bands"):
+            np.testing.assert_array_equal(getattr(one, track), getattr(other, track))
+
+
+def test_a_readers_reused_block_is_not_kept() -> None:
+    samples = film(seconds=1.5)
+    reused = np.empty((1000, 1), np.float32)
+
+    def blocks() -> object:
+        for at in range(0, samples.shape[0], 1000):
+            reused[:, 0] = samples[at : at + 1000]
+            yield Clip(reused, RATE_HZ, at)
+
+    kept = np.concatenate([p.samples[: p.frames] for p in pieces(blocks(), RATE_HZ)])  # type: ignore[arg-type]
+    np.testing.assert_array_equal(kept, samples)
+
+
+@pytest.mark.parametrize("rate_hz", [8_000, 22_050, 44_100, 48_000, 192_000])
+@pytest.mark.parametrize(("frequency_hz", "band"), [(550.0, 1), (1200.0, 2), (2200.0, 3)])
+def test_a_tone_sounds_in_its_own_band(rate_hz: int, frequency_hz: float, band: int) -> None:
+    time = np.arange(2 * rate_hz) / rate_hz
+    tone = (0.5 * np.sin(2 * np.pi * frequency_hz * time)).astype(np.float32)
+    bands = next(iter(pieces(clips(tone, tone.shape[0], rate_hz), rate_hz))).bands[5:-5].mean(axis=0)
+    assert bands.shape == (BANDS,)
+    assert int(np.argmax(bands)) == band
+
+
+def test_rises_compare_with_the_past_alone() -> None:
+    track = np.array([1, 1, 1, 8, 8, 2, 2, 2, 2, 2, 2, 16], np.float32)
+    ratio = rises(track, 4, 1e-3)
+    assert ratio[3] == 8.0  # over the ones before
+    assert ratio[4] == 8.0  # the step right before is left out: a rise may straddle two
+    assert ratio[6] == 2.0 / 8.0
+    assert ratio[11] == 8.0  # the eights have left the history by then
+    for at in range(len(track)):
+        past = track[max(0, at - 5) : max(0, at - 1)]
+        assert ratio[at] == pytest.approx(track[at] / max([*past.tolist(), 1e-3]))
+
+
+@pytest.mark.parametrize("rate_hz", [8_000, 44_100, 48_000, 96_000])
+@pytest.mark.parametrize("rise_ms", [0.05, 0.5, 2.0])
+def test_the_onset_is_the_first_sample_of_the_rise(rate_hz: int, rise_ms: float) -> None:
+    errors_ms = []
+    for seed in range(12):
+        samples = film(rate_hz, seed=seed)
+        at = round(0.5 * rate_hz) + 7 * seed
+        shot = 0.5 * blast(rate_hz, rise_ms=rise_ms, positive_ms=2.0)
+        samples[at : at + shot.shape[0]] += shot.astype(np.float32)
+        grid = Grid(rate_hz)
+        (piece,) = list(pieces(clips(samples, samples.shape[0], rate_hz), rate_hz))
+        steps = candidate_steps(piece.peak, piece.slope, piece.bands, grid=grid, rules=TIER.scan)
+        onsets = refine_onsets(piece.samples, steps * grid.step, rate_hz=rate_hz, rules=TIER.onset)
+        errors_ms.append(np.min(np.abs(onsets - at)) * 1000.0 / rate_hz)
+    # one sample of an 8 kHz film lasts 0.125 ms
+    assert max(errors_ms) <= max(0.1, 1100.0 / rate_hz)
+
+
+def test_a_delay_delays_the_onset_and_gain_and_polarity_do_not() -> None:
+    samples = film(noise=1e-3)
+    shot = 0.3 * blast(rise_ms=0.3)
+    samples[20_000 : 20_000 + shot.shape[0]] += shot.astype(np.float32)
+    (onset,) = refine_onsets(samples, np.array([20_030]), rate_hz=RATE_HZ, rules=TIER.onset)
+    for n in (1, 13, 47, 48):
+        later = np.concatenate([np.zeros(n, np.float32), samples])
+        (moved,) = refine_onsets(later, np.array([20_030 // 48 * 48]), rate_hz=RATE_HZ, rules=TIER.onset)
+        assert moved == onset + n
+    for gain in (-1.0, 2.0, 0.125):
+        changed = (gain * samples).astype(np.float32)
+        assert refine_onsets(changed, np.array([20_030]), rate_hz=RATE_HZ, rules=TIER.onset)[0] == onset
+
+
+def test_a_shot_on_the_first_sample_is_a_candidate_with_onset_zero() -> None:
+    samples = film()
+    shot = 0.5 * blast()
+    samples[: shot.shape[0]] += shot.astype(np.float32)
+    (piece,) = list(pieces(clips(samples, samples.shape[0]), RATE_HZ))
+    steps = candidate_steps(piece.peak, piece.slope, piece.bands, grid=Grid(RATE_HZ), rules=TIER.scan)
+    onsets = refine_onsets(piece.samples, steps * 48, rate_hz=RATE_HZ, rules=TIER.onset)
+    assert 0 in onsets
+
+
+def shot_with_echoes(delays_ms: list[float], gains: list[float]) -> tuple[NDArray[np.float32], int]:
+    samples = film(seconds=2.0).astype(np.float64)
+    direct = 0.6 * blast(positive_ms=0.8)
+    at = 48_000
+    for delay_ms, gain in zip([0.0, *delays_ms], [1.0, *gains], strict=True):
+        start = at + round(delay_ms * 48)
+        samples[start : start + direct.shape[0]] += gain * direct
+    return samples.astype(np.float32), at
+
+
+def test_reflections_are_found_at_their_delay_and_level() -> None:
+    samples, at = shot_with_echoes([17.5, 60.0, 175.0], [0.5, -0.4, 0.25])
+    shot = segment(
+        samples, at, film_start=0, film_stop=96_000, confidence=1.0, rate_hz=RATE_HZ, rules=TIER.segment
+    )
+    assert [r.delay_ms for r in shot.reflections] == pytest.approx([17.5, 60.0, 175.0], abs=0.05)
+    levels = [20 * np.log10(g) for g in (0.5, 0.4, 0.25)]
+    assert [r.level_db for r in shot.reflections] == pytest.approx(levels, abs=0.5)
+    assert shot.blast.start == at == shot.onset
+    assert 1.0 <= len(shot.blast) / 48 <= 6.0
+    assert shot.span.start == at
+    assert shot.span.stop > at + 60 * 48
+
+
+def test_a_shot_at_the_end_of_what_is_known_stays_inside() -> None:
+    samples, at = shot_with_echoes([], [])
+    for left in (1, 2, 100):
+        stop = at + left
+        shot = segment(
+            samples, at, film_start=0, film_stop=stop, confidence=1.0, rate_hz=RATE_HZ, rules=TIER.segment
+        )
+        assert at < shot.span.stop <= stop
+        assert at < shot.blast.stop <= stop
+        assert shot.reflections == ()
+
+
+def shots_at(*times_ms: float, confidence: float = 0.9) -> list[Shot]:
+    found = []
+    for ms in times_ms:
+        at = round(ms * 48)
+        found.append(
+            Shot(
+                onset=at,
+                confidence=confidence,
+                peak_dbfs=0.0,
+                snr_db=20.0,
+                blast=Span(at, at + 10),
+                reflections=(),
+                span=Span(at, at + 10),
+            )
+        )
+    return found
+
+
+def test_bursts_are_runs_of_shots_in_the_rhythm_of_automatic_fire() -> None:
+    shots = shots_at(0, 1000, 1100, 1200, 1300, 3000, 3050, 5000, 5060, 5120)
+    grouped = group_bursts(shots, rate_hz=RATE_HZ, rules=TIER.bursts)
+    assert [s.burst for s in grouped] == [None, 1, 1, 1, 1, None, None, 2, 2, 2]
+    assert [s.shot_in_burst for s in grouped] == [None, 1, 2, 3, 4, None, None, 1, 2, 3]
+
+
+def test_of_two_shots_nearer_than_any_gun_the_surer_stays() -> None:
+    kept, dropped = keep_apart(
+        [*shots_at(0, confidence=0.6), *shots_at(20, confidence=0.9), *shots_at(60)], rate_hz=RATE_HZ, rules=TIER.bursts
+    )
+    assert [s.onset for s in kept] == [20 * 48, 60 * 48]
+    assert [r.at_sample for r in dropped] == [0]
+    assert dropped[0].evidence["probability"] == 0.6

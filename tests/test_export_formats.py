@@ -1,0 +1,111 @@
+"""Exported files say what the timeline says, to the sample and to the last bit."""
+
+from pathlib import Path
+
+import msgspec
+import pandas
+import pytest
+from hypothesis import HealthCheck, given, settings
+
+from blastline.errors import RuleError
+from blastline.export import FORMATS, export_timeline, formats_named, read_timeline
+from blastline.export.table import COLUMNS
+from blastline.model import Timeline
+from timelines import BURST_SHOT, RATE_HZ, SHOT, any_timeline, timeline
+
+SHARED_FOLDER = settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
+
+
+@SHARED_FOLDER
+@given(any_timeline())
+def test_the_json_file_reads_back_equal(tmp_path: Path, original: Timeline) -> None:
+    [file] = export_timeline(original, tmp_path, formats=["json"])
+    assert read_timeline(file) == original
+
+
+@SHARED_FOLDER
+@given(any_timeline())
+def test_the_table_reads_back_to_the_last_bit(tmp_path: Path, original: Timeline) -> None:
+    [file] = export_timeline(original, tmp_path, formats=["csv"])
+    table = pandas.read_csv(file, dtype=dict(COLUMNS), na_values=[""], keep_default_na=False)
+    assert list(table.columns) == list(COLUMNS)
+    assert len(table) == len(original.events)
+    for row, event in zip(table.to_dict("records"), original.events, strict=True):
+        for key in ("id", "onset_sample", "onset_s", "timecode", "confidence", "peak_dbfs", "snr_db"):
+            assert row[key] == getattr(event, key)
+        assert (row["blast_start_sample"], row["blast_stop_sample"]) == (event.blast.start, event.blast.stop)
+        assert (row["window_start_sample"], row["window_stop_sample"]) == (event.window.start, event.window.stop)
+        assert (row["window_start_s"], row["window_stop_s"]) == (
+            event.window.start / RATE_HZ,
+            event.window.stop / RATE_HZ,
+        )
+        assert row["reflections"] == len(event.reflections)
+        for key in ("burst", "shot_in_burst"):
+            value = getattr(event, key)
+            assert pandas.isna(row[key]) if value is None else row[key] == value
+        if event.drive is None:
+            assert pandas.isna([row[key] for key in list(COLUMNS)[-5:]]).all()
+        else:
+            drive = (event.drive.model, event.drive.reason, event.drive.peak)
+            assert (row["drive_model"], row["drive_reason"], row["drive_peak"]) == drive
+            assert (row["perceived_gain_db"], row["fidelity"]) == (event.drive.perceived_gain_db, event.drive.fidelity)
+
+
+def test_the_first_reflection_is_the_earliest(tmp_path: Path) -> None:
+    [file] = export_timeline(timeline(SHOT, BURST_SHOT), tmp_path, formats=["csv"])
+    delays_ms = pandas.read_csv(file)["first_reflection_delay_ms"]
+    assert delays_ms[0] == SHOT.reflections[0].delay_ms
+    assert pandas.isna(delays_ms[1])
+
+
+def test_whole_numbers_stay_whole_beside_empty_cells(tmp_path: Path) -> None:
+    [file] = export_timeline(timeline(SHOT, BURST_SHOT), tmp_path, formats=["csv"])
+    header, first, second, end = file.read_text(encoding="utf-8").split("\n")
+    at = header.split(",").index("burst")
+    assert (first.split(",")[at], second.split(",")[at], end) == ("", "1", "")
+
+
+def test_a_film_without_shots_is_a_table_without_rows(tmp_path: Path) -> None:
+    empty = msgspec.structs.replace(timeline(), events=())
+    files = export_timeline(empty, tmp_path, formats=list(FORMATS))
+    assert list(pandas.read_csv(tmp_path / "timeline.csv").columns) == list(COLUMNS)
+    assert (tmp_path / "timeline.audacity.txt").read_bytes() == b""
+    assert read_timeline(files[0]) == empty
+
+
+@SHARED_FOLDER
+@given(any_timeline())
+def test_labels_start_at_the_onset_to_the_sample(tmp_path: Path, original: Timeline) -> None:
+    [file] = export_timeline(original, tmp_path, formats=["audacity"])
+    lines = file.read_text(encoding="utf-8").splitlines()
+    for line, event in zip(lines, original.events, strict=True):
+        start_s, end_s, label = line.split("\t")
+        assert round(float(start_s) * RATE_HZ) == event.onset_sample
+        assert round(float(end_s) * RATE_HZ) == event.window.stop
+        assert label.startswith(event.id)
+
+
+def test_files_are_the_same_bytes_each_time(tmp_path: Path) -> None:
+    for name in FORMATS:
+        for folder in ("a", "b"):
+            (tmp_path / folder).mkdir(exist_ok=True)
+        [first] = export_timeline(timeline(), tmp_path / "a", formats=[name])
+        [second] = export_timeline(timeline(), tmp_path / "b", formats=[name])
+        assert first.read_bytes() == second.read_bytes()
+        assert b"\r" not in first.read_bytes()
+
+
+def test_every_format_has_a_file_of_its_own_and_names_its_tool() -> None:
+    assert list(FORMATS) == [each.name for each in FORMATS.values()]
+    assert len({each.file_name for each in FORMATS.values()}) == len(FORMATS) >= 3
+    assert all(each.tool for each in FORMATS.values())
+
+
+def test_formats_come_in_the_order_asked_for_and_once() -> None:
+    assert [each.name for each in formats_named(["csv", "json", "csv"])] == ["csv", "json"]
+
+
+def test_an_unknown_format_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    with pytest.raises(RuleError, match=r"--format 'xls': no such format; expected some of: json, csv, audacity"):
+        export_timeline(timeline(), tmp_path, formats=["json", "xls"])
+    assert [*tmp_path.iterdir()] == []

@@ -1,0 +1,109 @@
+"""A timeline that cannot be used is refused in one line: the file, the place, the value and what was expected."""
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from blastline.errors import TimelineError
+from blastline.export import read_timeline
+from blastline.model import encode
+from timelines import timeline
+
+Edit = Callable[[dict[str, Any]], object]
+
+
+def refusal(file: Path) -> str:
+    """Return the one line with which a file is refused."""
+    with pytest.raises(TimelineError, match=re.escape(f"{file}: ")) as raised:
+        read_timeline(file)
+    assert "\n" not in str(raised.value)
+    return str(raised.value).removeprefix(f"{file}: ")
+
+
+@pytest.mark.parametrize(
+    ("edit", "complaint"),
+    [
+        (
+            lambda t: t.update(schema="blastline.timeline/2", version="9.0"),
+            "schema = 'blastline.timeline/2', written by",
+        ),
+        (lambda t: t.update(schema="blastline.timeline/2"), "this version reads only 'blastline.timeline/1'"),
+        (lambda t: t.update(schema=1), "schema = 1"),
+        (lambda t: t.pop("schema"), "not a timeline; expected an object with schema = 'blastline.timeline/1'"),
+        (lambda t: t.pop("source"), "top level: object missing required field `source`"),
+        (lambda t: t.update(quality="best"), "quality = 'best': invalid enum value"),
+        (lambda t: t["events"][1].pop("onset_s"), "events[1]: object missing required field `onset_s`"),
+        (lambda t: t["events"][1].update(onset_s="2"), "events[1].onset_s = '2': expected `float`, got `str`"),
+        (lambda t: t["events"][0].update(onset_sample=-1), "events[0].onset_sample = -1: expected `int` >= 0"),
+        (
+            lambda t: t["events"][0].update(onset_sample=0.5),
+            "events[0].onset_sample = 0.5: expected `int`, got `float`",
+        ),
+        (lambda t: t["events"][0].update(onset_s=-0.5), "events[0].onset_s = -0.5: expected a time from 0"),
+        (lambda t: t["events"][0].update(confidence=1.5), "events[0].confidence = 1.5: expected `float` <= 1.0"),
+        (lambda t: t["events"][0].update(id="shot-0002"), "events[1].id = 'shot-0002': events[0] has it too"),
+        (
+            lambda t: t["events"][0]["blast"].update(start_sample=-5),
+            "events[0].blast.start_sample = -5: expected a time",
+        ),
+        (
+            lambda t: t["events"][0]["blast"].update(start_sample=10**9),
+            "events[0].blast: a span must not run backwards",
+        ),
+        (
+            lambda t: t["events"][0]["reflections"][1].update(delay_ms=-2.0),
+            "events[0].reflections[1].delay_ms = -2.0: expected a time from 0",
+        ),
+        (
+            lambda t: t["events"][0]["window"].update(fade_in_samples=None),
+            "window.fade_in_samples = None: expected `int`",
+        ),
+        (
+            lambda t: t["rejections"][0]["evidence"].update(probability="x"),
+            "rejections[0].evidence[...]: expected `float`",
+        ),
+        (lambda t: t["source"].update(sample_rate_hz=0), "source.sample_rate_hz = 0: expected `int` >= 1"),
+    ],
+)
+def test_a_field_that_does_not_fit_is_named(tmp_path: Path, edit: Edit, complaint: str) -> None:
+    plain = json.loads(encode(timeline()))
+    edit(plain)
+    file = tmp_path / "timeline.json"
+    file.write_text(json.dumps(plain))
+    assert complaint in refusal(file)
+
+
+@pytest.mark.parametrize(
+    ("content", "complaint"),
+    [
+        (b"", "not JSON"),
+        (b"RIFF\xff\x00\x00\x00WAVE", "not JSON"),
+        (encode(timeline())[:-20], "not JSON"),
+        (b'{"schema": NaN}', "not JSON"),
+        (b"[" * 100_000, "not JSON"),
+        (b"[]", "not a timeline"),
+        (b"3", "not a timeline"),
+        (b"{}", "not a timeline"),
+    ],
+)
+def test_a_file_that_is_no_timeline_is_refused(tmp_path: Path, content: bytes, complaint: str) -> None:
+    file = tmp_path / "timeline.json"
+    file.write_bytes(content)
+    assert complaint in refusal(file)
+
+
+def test_a_file_that_is_not_there_and_a_folder_are_refused(tmp_path: Path) -> None:
+    assert refusal(tmp_path / "none.json") == "no such file; expected a timeline.json"
+    assert refusal(tmp_path).startswith("cannot be read: Is a directory")
+
+
+def test_a_key_of_a_later_minor_version_is_let_pass(tmp_path: Path) -> None:
+    plain = json.loads(encode(timeline()))
+    plain["events"][0]["colour"] = "red"
+    file = tmp_path / "timeline.json"
+    file.write_text(json.dumps(plain))
+    assert read_timeline(file) == timeline()

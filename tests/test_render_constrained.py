@@ -1,0 +1,229 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.linalg import toeplitz
+from scipy.optimize import lsq_linear
+
+from blastline.render.constrained import (
+    BoxProblem,
+    between_corners,
+    coarse_problem,
+    constrained_drive,
+    full_problem,
+    minimise,
+)
+from blastline.render.filters import compensated, felt, in_band
+from render_signals import CAUSAL, KINDS, RATE_HZ, RENDER, altered, film_with_shot
+
+Samples = NDArray[np.float64]
+
+SLOW = 6_000.0  # a rate at which small problems hold a whole shot
+IMPULSE = CAUSAL.impulse[::8].copy() * 8.0
+
+
+def convolution(impulse: Samples, frames: int) -> Samples:
+    """Return H as a matrix, (frames + len(impulse) - 1, frames)."""
+    matrix: Samples = toeplitz(np.concatenate([impulse, np.zeros(frames - 1)]), np.zeros(frames))
+    return matrix
+
+
+def objective(problem: BoxProblem, u: Samples) -> float:
+    return float(np.sum(u * (0.5 * problem.normal(u) - problem.rhs)))
+
+
+def blast_target(frames: int, *, peak: float) -> Samples:
+    late = np.arange(frames) / SLOW / 2e-3
+    return peak * (1.0 - late) * np.exp(-late)
+
+
+def shot_target(kind: tuple[float, float, float], seed: int = 0) -> tuple[Samples, Samples]:
+    """Return a shot in the band from 1 ms before its onset, and the compensator's drive there."""
+    film, shot = film_with_shot(kind, seed=seed)
+    first = shot.onset - RATE_HZ // 1000
+    return in_band(film, CAUSAL)[first:], compensated(film, CAUSAL)[first:]
+
+
+@pytest.mark.parametrize("frames", [1, 2, 7, 100, 333])
+def test_normal_operator_and_right_side_are_those_of_the_matrix(frames: int) -> None:
+    random = np.random.default_rng(frames)
+    target, u = random.standard_normal(frames), random.standard_normal(frames)
+    matrix = convolution(IMPULSE, frames)
+    problem = full_problem(target, IMPULSE)
+    np.testing.assert_allclose(problem.normal(u), matrix.T @ matrix @ u, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(problem.rhs, matrix[:frames].T @ target, rtol=1e-9, atol=1e-12)
+
+
+@given(st.integers(1, 400), st.integers(0, 1000))
+@settings(max_examples=40, deadline=None)
+def test_adjoint(frames: int, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    u, v = random.standard_normal(frames), random.standard_normal(frames)
+    forwards = float(np.sum(felt(u, CAUSAL) * v))
+    backwards = float(np.sum(u * full_problem(v, CAUSAL.impulse).rhs))
+    assert forwards == pytest.approx(backwards, rel=1e-8, abs=1e-10)
+
+
+@pytest.mark.parametrize(("frames", "stride"), [(40, 5), (101, 6), (64, 2), (300, 11)])
+def test_coarse_problem_is_the_full_one_for_straight_lines(frames: int, stride: int) -> None:
+    random = np.random.default_rng(stride)
+    fine = full_problem(random.standard_normal(frames), IMPULSE)
+    coarse = coarse_problem(fine.rhs, IMPULSE, stride)
+    corners = random.uniform(-1, 1, len(coarse.rhs))
+    straight = between_corners(corners, stride, frames)
+    assert objective(coarse, corners) == pytest.approx(objective(fine, straight), rel=1e-9)
+
+
+def test_corners_lie_exactly_on_their_samples() -> None:
+    corners = np.array([1.0, -1.0, 0.5])
+    straight = between_corners(corners, 4, 20)
+    assert np.array_equal(straight[3:12:4], corners)
+    assert np.array_equal(straight[:4], [0.25, 0.5, 0.75, 1.0])
+    assert not np.any(straight[15:])
+
+
+@pytest.mark.parametrize("peak", [0.05, 0.5, 3.0])
+def test_minimum_is_that_of_scipy(peak: float) -> None:
+    frames = 240
+    target = blast_target(frames, peak=peak)
+    matrix = convolution(IMPULSE, frames)
+    whole = np.concatenate([target, np.zeros(len(matrix) - frames)])
+    reference = lsq_linear(matrix, whole, bounds=(-1.0, 1.0), tol=1e-12)
+    found = minimise(full_problem(target, IMPULSE), np.zeros(frames), iterations=4000, tolerance=0.0)
+    residual = 0.5 * float(np.sum((matrix @ found - whole) ** 2))
+    assert residual <= 1.001 * reference.cost + 1e-9 * float(np.sum(whole**2))
+
+
+@given(st.integers(0, 10_000), st.integers(0, 40), st.floats(0.01, 100.0))
+@settings(max_examples=40, deadline=None)
+def test_solver_is_never_worse_than_its_start_and_stays_in_the_box(seed: int, iterations: int, scale: float) -> None:
+    random = np.random.default_rng(seed)
+    problem = full_problem(scale * random.standard_normal(200), IMPULSE)
+    start = random.uniform(-1, 1, 200)
+    found = minimise(problem, start, iterations=iterations, tolerance=0.0)
+    assert objective(problem, found) <= objective(problem, start)
+    assert np.max(np.abs(found)) <= 1.0
+
+
+def test_more_iterations_are_never_worse() -> None:
+    problem = full_problem(blast_target(400, peak=3.0), IMPULSE)
+    values = [
+        objective(problem, minimise(problem, np.zeros(400), iterations=n, tolerance=0.0)) for n in (0, 1, 3, 10, 30, 99)
+    ]
+    assert values == sorted(values, reverse=True)
+
+
+def test_tolerance_stops_early_and_near_the_minimum() -> None:
+    target, warm = shot_target(KINDS[0])
+    problem = full_problem(target, CAUSAL.impulse)
+    start = np.clip(warm, -1.0, 1.0)
+    best = objective(problem, minimise(problem, start, iterations=300, tolerance=0.0))
+    loose = objective(problem, minimise(problem, start, iterations=300, tolerance=1e-3))
+    assert best <= loose <= 0.98 * best  # both negative
+
+
+def test_unlimited_target_is_felt_exactly() -> None:
+    target, warm = shot_target(KINDS[1])
+    scale = 0.5 / float(np.max(np.abs(warm)))
+    rules = altered(tolerance=0.0, polish_iterations=60)
+    drive = constrained_drive(
+        scale * target, starts=[0], impulse=CAUSAL.impulse, rate_hz=RATE_HZ, warm=scale * warm, rules=rules
+    )
+    error = np.linalg.norm(felt(drive, CAUSAL) - scale * target) / np.linalg.norm(scale * target)
+    assert error < 0.01
+
+
+def test_limit_binds_under_a_target_far_beyond_it() -> None:
+    target, warm = shot_target(KINDS[1])
+    drive = constrained_drive(
+        1e30 * target, starts=[0], impulse=CAUSAL.impulse, rate_hz=RATE_HZ, warm=1e30 * warm, rules=RENDER
+    )
+    assert np.max(np.abs(drive)) == 1.0
+    aligned = full_problem(target, CAUSAL.impulse).rhs
+    assert np.array_equal(np.sign(drive[drive != 0.0]), np.sign(aligned[drive != 0.0]))
+
+
+def test_zero_target_needs_no_drive() -> None:
+    drive = constrained_drive(
+        np.zeros(500), starts=[0], impulse=CAUSAL.impulse, rate_hz=RATE_HZ, warm=np.zeros(500), rules=RENDER
+    )
+    assert not np.any(drive)
+
+
+@pytest.mark.parametrize("frames", [1, 2, 5, 23, 24, 25])
+def test_windows_of_few_samples(frames: int) -> None:
+    target = np.full(frames, 0.9)
+    drive = constrained_drive(target, starts=[0], impulse=CAUSAL.impulse, rate_hz=RATE_HZ, warm=target, rules=RENDER)
+    assert drive.shape == (frames,)
+    assert np.max(np.abs(drive)) <= 1.0
+
+
+def two_shots(gap: int) -> tuple[Samples, Samples]:
+    """Return target and first guess of a quiet shot and a loud one `gap` samples later."""
+    quiet, quiet_warm = shot_target(KINDS[0])
+    loud, loud_warm = shot_target(KINDS[1])
+    size = gap + len(loud)
+    target, warm = np.zeros(size), np.zeros(size)
+    for start, level, (sound, drive) in ((0, 0.2, (quiet, quiet_warm)), (gap, 1.0, (loud, loud_warm))):
+        length = min(len(sound), size - start)
+        target[start : start + length] += level * sound[:length]
+        warm[start : start + length] += level * drive[:length]
+    return target, warm
+
+
+@pytest.mark.parametrize("gap", [1, 30, 700, 4800])
+def test_drive_does_not_know_the_next_shot(gap: int) -> None:
+    target, warm = two_shots(gap)
+    other = np.concatenate([target[:gap], np.zeros(len(target) - gap)])
+    with_next, without = (
+        constrained_drive(sound, starts=[0, gap], impulse=CAUSAL.impulse, rate_hz=RATE_HZ, warm=warm, rules=RENDER)
+        for sound in (target, other)
+    )
+    assert np.array_equal(with_next[:gap], without[:gap])
+    assert np.max(np.abs(with_next[gap:])) == 1.0
+
+
+def test_each_shot_takes_account_of_what_the_one_before_still_rings() -> None:
+    target, warm = two_shots(480)
+    following = constrained_drive(
+        target, starts=[0, 480], impulse=CAUSAL.impulse, rate_hz=RATE_HZ, warm=warm, rules=RENDER
+    )
+    apart = np.concatenate(
+        [
+            constrained_drive(part, starts=[0], impulse=CAUSAL.impulse, rate_hz=RATE_HZ, warm=guess, rules=RENDER)
+            for part, guess in ((target[:480], warm[:480]), (target[480:], warm[480:]))
+        ]
+    )
+    errors = [float(np.linalg.norm(felt(drive, CAUSAL) - target)) for drive in (following, apart)]
+    assert errors[0] < errors[1]
+
+
+@pytest.mark.parametrize("starts", [[40], [40, 40], [40, 41, 900]])
+def test_drive_is_0_before_the_first_start(starts: list[int]) -> None:
+    target, warm = shot_target(KINDS[0])
+    drive = constrained_drive(target, starts=starts, impulse=CAUSAL.impulse, rate_hz=RATE_HZ, warm=warm, rules=RENDER)
+    assert not np.any(drive[:40])
+    assert np.any(drive[40:])
+
+
+@pytest.mark.parametrize("solver_rate_hz", [4000, 8000, 16_000, 48_000])
+def test_coarse_solve_shifts_nothing_in_time(solver_rate_hz: int) -> None:
+    target, warm = shot_target(KINDS[2])
+    drive = constrained_drive(
+        target,
+        starts=[0],
+        impulse=CAUSAL.impulse,
+        rate_hz=RATE_HZ,
+        warm=warm,
+        rules=altered(solver_rate_hz=solver_rate_hz),
+    )
+    found = felt(drive, CAUSAL)
+    lags = range(-20, 21)
+    inner = slice(100, len(target) - 100)
+    products = [float(np.sum(np.roll(found, -lag)[inner] * target[inner])) for lag in lags]
+    # the felt shot is where its target is, although the limit bends its shape: parabola through the best three lags
+    best = int(np.argmax(products))
+    before, peak, after = products[best - 1 : best + 2]
+    shift = lags[best] + 0.5 * (before - after) / (before - 2.0 * peak + after)
+    assert abs(shift) <= 3.0

@@ -1,0 +1,95 @@
+import msgspec
+import numpy as np
+import pytest
+
+from blastline.errors import RuleError
+from blastline.model import Phase, Span
+from blastline.render import DriveFilters, drive_filters, needed_audio, preroll
+from blastline.render.filters import compensated, felt, in_band
+from render_signals import CAUSAL, KINDS, PROFILE, RATE_HZ, RENDER, ZERO, film_with_shot, only_window
+
+
+@pytest.mark.parametrize("rate_hz", [8_000, 22_050, 44_100, 96_000, 384_000])
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+def test_filters_design_at_every_rate(rate_hz: int, phase: Phase) -> None:
+    filters = drive_filters(PROFILE, rate_hz, phase)
+    film, _ = film_with_shot(rate_hz=rate_hz, before_s=0.1, after_s=0.2)
+    drive = compensated(film, filters)
+    wanted = in_band(film, filters)
+    error = np.linalg.norm(felt(drive, filters) - wanted) / np.linalg.norm(wanted)
+    assert error < (0.005 if rate_hz >= 44_100 else 0.1)
+
+
+@pytest.mark.parametrize("filters", [CAUSAL, ZERO], ids=["causal", "zero"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_compensated_shot_is_felt_as_the_shot_in_the_band(
+    filters: DriveFilters, kind: tuple[float, float, float]
+) -> None:
+    film, _ = film_with_shot(kind)
+    wanted = in_band(film, filters)
+    error = np.linalg.norm(felt(compensated(film, filters), filters) - wanted) / np.linalg.norm(wanted)
+    assert error < 0.005
+
+
+def test_impulse_response_is_what_is_felt_of_an_impulse_until_it_has_faded() -> None:
+    whole = felt(np.concatenate([[1.0], np.zeros(RATE_HZ)]), CAUSAL)
+    length = len(CAUSAL.impulse)
+    assert np.array_equal(whole[:length], CAUSAL.impulse)
+    assert np.max(np.abs(whole[length:])) < 1e-9 * np.max(np.abs(whole))
+    assert length < RATE_HZ // 10
+
+
+def test_zero_phase_band_is_symmetric_in_time_and_causal_band_is_not() -> None:
+    impulse = np.zeros(2 * RATE_HZ + 1)
+    impulse[RATE_HZ] = 1.0
+    both_ways = in_band(impulse, ZERO)
+    np.testing.assert_allclose(both_ways, both_ways[::-1], atol=1e-12)
+    assert int(np.argmax(both_ways)) == RATE_HZ
+    one_way = in_band(impulse, CAUSAL)
+    assert not np.any(one_way[:RATE_HZ])
+
+
+@pytest.mark.parametrize(("filters", "shortest", "longest"), [(CAUSAL, 0.2, 0.5), (ZERO, -0.01, 0.01)])
+def test_lag_of_the_felt_shot(filters: DriveFilters, shortest: float, longest: float) -> None:
+    film, shot = film_with_shot(KINDS[0], bed=0.0)
+    found = felt(compensated(film, filters), filters)
+    lags = np.arange(-60, 61)
+    inner = slice(shot.onset - 480, shot.onset + 9600)
+    products = np.array([float(np.sum(np.roll(found, -lag)[inner] * film[inner])) for lag in lags])
+    best = int(np.argmax(products))
+    before, peak, after = products[best - 1 : best + 2]
+    lag_ms = (lags[best] + 0.5 * (before - after) / (before - 2.0 * peak + after)) * 1e3 / RATE_HZ
+    assert shortest <= lag_ms <= longest
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"lowpass": {"corner_hz": 4000.0}}, r"lowpass.corner_hz: 4000 Hz: expected below 4000 Hz"),
+        ({"highpass": {"corner_hz": 5000.0}}, r"highpass.corner_hz: 5000 Hz: expected below 4000 Hz"),
+        (
+            {"response": {"poles_rad_s": ((-1400.0, 0.0), (-100.0, 3e4), (-100.0, -3e4))}},
+            r"crowson-t108sm: response.poles_rad_s\[1\]: 4774.67 Hz: expected below 4000 Hz, half the sound",
+        ),
+    ],
+)
+def test_corner_above_half_the_rate_is_refused(changes: dict[str, dict[str, object]], message: str) -> None:
+    profile = PROFILE
+    for table, keys in changes.items():
+        profile = msgspec.structs.replace(profile, **{table: msgspec.structs.replace(getattr(profile, table), **keys)})
+    with pytest.raises(RuleError, match=message):
+        drive_filters(profile, 8_000, "causal")
+
+
+def test_needed_audio_is_the_window_with_its_pre_roll_inside_the_film() -> None:
+    film, shot = film_with_shot()
+    planned = only_window(film, shot)
+    roll = preroll(RATE_HZ, RENDER)
+    assert roll == 24_000
+    frames = 10 * RATE_HZ
+    start, stop = planned.window.start, planned.window.stop
+    assert needed_audio(planned, frames=frames, filters=CAUSAL, rules=RENDER) == Span(start - roll, stop)
+    assert needed_audio(planned, frames=frames, filters=ZERO, rules=RENDER) == Span(start - roll, stop + roll)
+    early = msgspec.structs.replace(shot, onset=10, span=Span(10, 500))
+    planned = only_window(film[:600], early)
+    assert needed_audio(planned, frames=600, filters=ZERO, rules=RENDER) == Span(0, 600)

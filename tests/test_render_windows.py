@@ -1,0 +1,96 @@
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from blastline.model import Shot, Span, Window
+from blastline.render import plan_windows
+from blastline.ruleset import WindowRules
+from render_signals import WINDOWS, shot_at
+
+RATE_HZ = 1000  # one sample is one millisecond
+RULES = WindowRules("test", fade_in_ms=5.0, guard_ms=1.0, fade_out_ms=40.0)
+
+
+def shots(*spans: tuple[int, int]) -> list[Shot]:
+    return [
+        msgspec.structs.replace(shot_at(start), blast=Span(start, start), span=Span(start, stop))
+        for start, stop in spans
+    ]
+
+
+def windows(found: list[Shot], frames: int = 1000) -> list[Window]:
+    return [planned.window for planned in plan_windows(found, frames=frames, rate_hz=RATE_HZ, rules=RULES)]
+
+
+def test_window_reaches_from_its_fade_in_to_its_fade_out() -> None:
+    assert windows(shots((100, 300))) == [Window(94, 340, 5, 40)]
+
+
+def test_film_without_shots_has_no_window() -> None:
+    assert plan_windows([], frames=1000, rate_hz=RATE_HZ, rules=RULES) == ()
+
+
+@pytest.mark.parametrize(("onset", "fade_in"), [(0, 0), (1, 0), (2, 1), (5, 4), (6, 5), (7, 5)])
+def test_fade_in_shrinks_to_the_room_before_the_onset(onset: int, fade_in: int) -> None:
+    (window,) = windows(shots((onset, onset + 100)))
+    assert (window.start, window.fade_in_samples) == (max(0, onset - 6), fade_in)
+
+
+@pytest.mark.parametrize(("stop", "fade_out"), [(1000, 0), (1300, 0), (999, 1), (960, 40), (959, 40)])
+def test_fade_out_shrinks_to_the_room_after_the_decay(stop: int, fade_out: int) -> None:
+    (window,) = windows(shots((500, stop)))
+    assert (window.stop, window.fade_out_samples) == (min(1000, stop + 40), fade_out)
+
+
+def test_shot_on_the_last_frame_has_a_window() -> None:
+    assert windows(shots((999, 999))) == [Window(993, 1000, 5, 0)]
+
+
+def test_film_of_one_frame_has_a_window_of_one_frame() -> None:
+    assert windows(shots((0, 400)), frames=1) == [Window(0, 1, 0, 0)]
+
+
+@pytest.mark.parametrize(("second", "count"), [(345, 1), (346, 1), (347, 2)])
+def test_windows_that_touch_or_overlap_are_one(second: int, count: int) -> None:
+    found = plan_windows(shots((100, 300), (second, 500)), frames=1000, rate_hz=RATE_HZ, rules=RULES)
+    assert len(found) == count
+    assert [index for planned in found for index in planned.shots] == [0, 1]
+    assert found[0].window.fade_in_samples == 5
+    assert found[-1].window == Window(94 if count == 1 else second - 6, 540, 5, 40)
+
+
+def test_shot_inside_another_does_not_shorten_the_window() -> None:
+    assert windows(shots((100, 500), (200, 250))) == [Window(94, 540, 5, 40)]
+
+
+def test_shots_are_named_by_their_place_in_the_list_not_in_time() -> None:
+    found = plan_windows(shots((600, 700), (100, 200)), frames=1000, rate_hz=RATE_HZ, rules=RULES)
+    assert [planned.shots for planned in found] == [(1,), (0,)]
+
+
+def test_shot_outside_the_film_is_refused() -> None:
+    with pytest.raises(ValueError, match="shot 0 begins at sample 1000, outside the film's 1000 frames"):
+        windows(shots((1000, 1100)))
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 1999), st.integers(0, 400)), max_size=20),
+    st.sampled_from([RULES, WINDOWS, WindowRules("test", fade_in_ms=0.0, guard_ms=0.0, fade_out_ms=0.0)]),
+)
+def test_windows_are_sorted_disjoint_inside_and_hold_every_shot(
+    places: list[tuple[int, int]], rules: WindowRules
+) -> None:
+    found = shots(*((start, start + length) for start, length in places))
+    planned = plan_windows(found, frames=2000, rate_hz=RATE_HZ, rules=rules)
+    bounds = [edge for each in planned for edge in (each.window.start, each.window.stop)]
+    assert bounds == sorted(set(bounds)), "sorted, and not even touching"
+    assert all(0 <= bound <= 2000 for bound in bounds)
+    assert sorted(index for each in planned for index in each.shots) == list(range(len(found)))
+    for each in planned:
+        for index in each.shots:
+            shot = found[index]
+            assert each.core.start <= shot.onset < each.core.stop
+            assert min(shot.span.stop, 2000) <= each.core.stop
+        onsets = [found[index].onset for index in each.shots]
+        assert onsets == sorted(onsets)

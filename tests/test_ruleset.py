@@ -1,0 +1,212 @@
+"""Rules as data: key by key the user's value wins, everything is hashed, and what does not fit is one clear line."""
+
+import re
+import shutil
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, get_args
+
+import msgspec
+import pytest
+
+from blastline.errors import RuleError
+from blastline.model import Quality
+from blastline.ruleset import Rules, actuator_names, check_rules, load_actuator, load_rules, rules_path, to_builtins
+
+BUILTIN = Path(rules_path("scenes.toml")).parent
+QUALITIES: tuple[Quality, ...] = get_args(Quality)
+MERGED = ["quality/standard.toml", "scenes.toml", "align.toml"]
+
+Leaf = tuple[str, tuple[str, ...], Any]
+
+
+def leaves(plain: dict[str, Any], path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    for key, value in plain.items():
+        if isinstance(value, dict):
+            yield from leaves(value, (*path, key))
+        else:
+            yield (*path, key), value
+
+
+def every_leaf() -> list[Leaf]:
+    found = [
+        (file, path, value)
+        for file in MERGED
+        for path, value in leaves(tomllib.loads((BUILTIN / file).read_text(encoding="utf-8")))
+        if path not in {("schema",), ("verify", "model")}
+    ]
+    assert len(found) > 40
+    return found
+
+
+def written(folder: Path, file: str, text: str) -> Path:
+    """Write a rule file into a user's folder and return the folder."""
+    (folder / file).parent.mkdir(parents=True, exist_ok=True)
+    (folder / file).write_text(text, encoding="utf-8")
+    return folder
+
+
+def as_dict(rules: Rules) -> dict[str, dict[tuple[str, ...], Any]]:
+    tables = (rules.tier, rules.scenes, rules.align)
+    return {file: dict(leaves(to_builtins(table))) for file, table in zip(MERGED, tables, strict=True)}
+
+
+def other_values(value: Any) -> list[Any]:
+    """Return values near a given one; some may be out of range."""
+    if isinstance(value, str):
+        return [value + " and so on"]
+    if isinstance(value, int):
+        return [value + 1, value - 1]
+    return [value * 1.01, value * 0.99, value + 0.01, value - 0.01]
+
+
+@pytest.mark.parametrize(("file", "path", "value"), every_leaf())
+def test_one_key_of_the_user_changes_that_key_alone_and_the_digest(
+    tmp_path: Path, file: str, path: tuple[str, ...], value: Any
+) -> None:
+    before = load_rules("standard")
+    for other in [other for other in other_values(value) if other != value]:
+        line = f"{path[-1]} = {msgspec.json.encode(other).decode()}\n"
+        written(tmp_path, file, f"[{path[0]}]\n{line}" if len(path) == 2 else line)
+        try:
+            after = load_rules("standard", tmp_path)
+        except RuleError:
+            continue
+        expected = as_dict(before)
+        expected[file][path] = other
+        assert as_dict(after) == expected
+        assert after.digest != before.digest
+        return
+    pytest.fail("no other value of this key is accepted")
+
+
+def test_the_digest_depends_on_what_is_read_and_on_nothing_else(tmp_path: Path) -> None:
+    before = load_rules("standard").digest
+    assert load_rules("standard", tmp_path).digest == before
+    shutil.copytree(BUILTIN, tmp_path, dirs_exist_ok=True)
+    assert load_rules("standard", tmp_path).digest == before
+    written(tmp_path, "quality/draft.toml", "[windows]\nguard_ms = 0.8765\n")
+    assert load_rules("standard", tmp_path).digest == before
+    assert load_rules("draft", tmp_path).digest != load_rules("draft").digest
+    model = load_rules("standard").tier.verify.model
+    written(tmp_path, f"verifier/{model}", (BUILTIN / "verifier" / model).read_text(encoding="utf-8") + " ")
+    assert load_rules("standard", tmp_path).digest != before
+
+
+def test_the_tiers_have_the_same_keys_and_different_rules() -> None:
+    tiers = [load_rules(quality) for quality in QUALITIES]
+    assert len({tier.digest for tier in tiers}) == len(tiers) == 3
+    assert len({frozenset(as_dict(tier)[MERGED[0]]) for tier in tiers}) == 1
+
+
+def test_every_shipped_file_is_sound() -> None:
+    assert set(check_rules(BUILTIN)) == {path.relative_to(BUILTIN).as_posix() for path in BUILTIN.rglob("*.toml")}
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "complaint"),
+    [
+        ("quality/standard.toml", "[windows]\nbogus = 1\n", "windows: object contains unknown field `bogus`"),
+        ("quality/standard.toml", "bogus = 1\n", "top level: object contains unknown field `bogus`"),
+        ("quality/standard.toml", "windows = 1\n", "windows = 1: expected `object`, got `int`"),
+        ("quality/standard.toml", "[windows]\nguard_ms = '1 ms'\n", "windows.guard_ms = '1 ms': expected `float`, got"),
+        ("quality/standard.toml", "[windows]\nguard_ms = -1\n", "windows.guard_ms = -1: expected `float` >= 0.0"),
+        ("quality/standard.toml", "[windows]\nguard_ms = true\n", "windows.guard_ms = True: expected `float`, got"),
+        ("quality/standard.toml", "[windows]\nguard_ms = inf\n", "windows.guard_ms = inf: expected a finite number"),
+        ("quality/standard.toml", "[windows]\nguard_ms = nan\n", "windows.guard_ms = nan: expected"),
+        ("quality/standard.toml", "[bursts]\nfewest_shots = 1\n", "bursts.fewest_shots = 1: expected `int` >= 2"),
+        ("quality/standard.toml", "[bursts]\nfewest_shots = 2.5\n", "bursts.fewest_shots = 2.5: expected `int`, got"),
+        ("quality/standard.toml", "[scan]\nsource = ''\n", "scan.source = '': expected `str` of length >= 3"),
+        ("quality/standard.toml", "schema = 2\n", "schema = 2: expected 1, the only layout that this version reads"),
+        (
+            "quality/standard.toml",
+            "[scan\n",
+            "not a TOML file: Expected ']' at the end of a table declaration (at line 1",
+        ),
+        ("align.toml", "correlation = 1.5\n", "correlation = 1.5: expected `float` <= 1.0"),
+        ("scenes.toml", "[scan]\n", "top level: object contains unknown field `scan`"),
+    ],
+)
+def test_a_rule_that_does_not_fit_is_named(tmp_path: Path, file: str, text: str, complaint: str) -> None:
+    written(tmp_path, file, text)
+    with pytest.raises(RuleError, match=re.escape(f"{tmp_path / file}: {complaint}")) as raised:
+        load_rules("standard", tmp_path)
+    assert "\n" not in str(raised.value)
+
+
+def test_a_missing_key_is_named(tmp_path: Path) -> None:
+    profile = (BUILTIN / "actuators/crowson-t108sm.toml").read_text(encoding="utf-8")
+    file = written(tmp_path, "own.toml", profile.replace("corner_hz = 5.0\n", "")) / "own.toml"
+    with pytest.raises(RuleError, match=re.escape(f"{file}: highpass: object missing required field `corner_hz`")):
+        load_actuator(str(file))
+
+
+def test_a_file_that_is_no_utf_8_is_named(tmp_path: Path) -> None:
+    (tmp_path / "scenes.toml").write_bytes(b"source = '\xff'\n")
+    with pytest.raises(RuleError, match=r"scenes\.toml: not a TOML file"):
+        load_rules("standard", tmp_path)
+
+
+def test_a_folder_and_a_verifier_that_do_not_exist_are_named(tmp_path: Path) -> None:
+    with pytest.raises(RuleError, match=r"none: not a folder; --rules expects a folder"):
+        load_rules("standard", tmp_path / "none")
+    written(tmp_path, "quality/standard.toml", "[verify]\nmodel = 'own.json'\n")
+    with pytest.raises(RuleError, match=r"no such file; \[verify\] model = 'own.json' expects it under verifier/"):
+        load_rules("standard", tmp_path)
+
+
+def test_a_file_that_nothing_reads_is_named(tmp_path: Path) -> None:
+    written(tmp_path, "align.toml", "correlation = 0.8\n")
+    written(tmp_path, "quality/best.toml", "")
+    checked = check_rules(tmp_path)
+    assert next(checked) == "align.toml"
+    with pytest.raises(RuleError, match=r"best\.toml: not a rule file that blastline reads; expected .*standard\.toml"):
+        next(checked)
+
+
+def test_a_profile_is_the_same_by_name_and_by_file(tmp_path: Path) -> None:
+    [name] = set(actuator_names()) & {"crowson-t108sm"}
+    text = (BUILTIN / f"actuators/{name}.toml").read_text(encoding="utf-8")
+    own = written(tmp_path, "actuators/own-seat.toml", text)
+    assert load_actuator(name) == load_actuator(str(own / "actuators/own-seat.toml")) == load_actuator("own-seat", own)
+    assert actuator_names(own) == sorted({*actuator_names(), "own-seat"})
+    written(tmp_path, "actuators/own-seat.toml", text.replace("gain = 2.44e6", "gain = 2.45e6"))
+    assert load_actuator("own-seat", own)[1] != load_actuator(name)[1]
+    with pytest.raises(RuleError, match=r"none: no such actuator profile; .*one of: .*crowson-t108sm.*own-seat"):
+        load_actuator("none", own)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "complaint"),
+    [
+        (
+            "[[-1400.0, 0.0], ",
+            "[[1400.0, 0.0], ",
+            "response.poles_rad_s[0] = [1400.0, 0.0]: expected a negative real part",
+        ),
+        ("[[-1400.0, 0.0], ", "[[0.0, 0.0], ", "response.poles_rad_s[0] = [0.0, 0.0]: expected a negative real part"),
+        ("[[-20.0, 0.0]]", "[[20.0, 0.0]]", "response.zeros_rad_s[0] = [20.0, 0.0]: expected a negative real part"),
+        ("[[-20.0, 0.0]]", "[[nan, 0.0]]", "response.zeros_rad_s[0][0] = nan: expected a finite number"),
+        ("[[-20.0, 0.0]]", "[[-20.0, 5.0]]", "expected its conjugate [-20.0, -5.0] in the list as well"),
+        (
+            "[[-1400.0, 0.0], [-1400.0, 0.0], [-1400.0, 0.0]]",
+            "[[-9.0, 5.0], [-9.0, 5.0], [-9.0, -5.0]]",
+            "expected its conjugate [-9.0, -5.0] in the list as well",
+        ),
+        ("[[-20.0, 0.0]]", "[[-20.0, 0.0], [-9.0, 0.0], [-8.0, 0.0]]", "expected more poles than zeros"),
+        ("order = 3", "order = 2", "lowpass.order = 2: expected more than 2"),
+        ("gain = 2.44e6 ", "gain = 0 ", "response.gain = 0: expected `float` > 0.0"),
+    ],
+)
+def test_an_actuator_that_cannot_be_compensated_is_refused(
+    tmp_path: Path, before: str, after: str, complaint: str
+) -> None:
+    text = (BUILTIN / "actuators/crowson-t108sm.toml").read_text(encoding="utf-8")
+    table = text[text.index("\n[response]") :].replace("gain = 2.44e6", "gain = 2.44e6 ")
+    assert before in table
+    head = text[: text.index("\n[response]")]
+    file = written(tmp_path, "own.toml", head + table.replace(before, after)) / "own.toml"
+    with pytest.raises(RuleError, match=re.escape(complaint)) as raised:
+        load_actuator(str(file))
+    assert str(raised.value).startswith(f"{file}: ")

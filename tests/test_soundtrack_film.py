@@ -1,0 +1,323 @@
+"""Films and compressed sound: the right delay, nothing lost or shifted, and damage that is told."""
+
+import errno
+import tempfile
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from media import RATE_HZ, impulses, onsets, write_media
+from numpy.typing import NDArray
+
+from blastline.errors import OutputError, SoundtrackError
+from blastline.model import Source, Span
+from blastline.soundtrack import open_soundtrack, timecode_at
+
+SHOTS = [5_000, 47_000, 119_000]
+FRAMES = 120_000
+LONG_SHOTS = [5_000, 247_000, 399_000]
+LONG = 480_000
+FILM_RATE = Fraction(24_000, 1001)
+
+LOSSLESS = [
+    ("flac", "flac"),
+    ("flac", "mkv"),
+    ("flac", "mp4"),
+    ("alac", "m4a"),
+    ("pcm_s16le", "mov"),
+    ("pcm_s24le", "mkv"),
+    ("pcm_s16be", "mov"),
+    ("pcm_f32le", "mkv"),
+]
+LOSSY = [
+    ("aac", "mp4"),
+    ("aac", "mov"),
+    ("aac", "mkv"),
+    ("aac", "ts"),
+    ("ac3", "mp4"),
+    ("ac3", "mkv"),
+    ("ac3", "ts"),
+    ("eac3", "mkv"),
+    ("eac3", "mp4"),
+    ("libopus", "mkv"),
+    ("libmp3lame", "mp3"),
+    ("pcm_mulaw", "wav"),
+    ("adpcm_ms", "wav"),
+]
+WITH_PICTURE = ("mkv", "mp4", "mov", "ts")
+MOST_CHANNELS = {"alac": 6, "ac3": 6, "eac3": 6, "libmp3lame": 2, "adpcm_ms": 2}
+
+
+def read(path: Path, **options: Any) -> tuple[NDArray[np.float32], Source]:
+    """Return all samples and the source, and require that a cut is what the pass gave."""
+    with open_soundtrack(path, **options) as track:
+        samples = np.concatenate([block.samples for block in track.blocks(10_007)])
+        half = Span(len(samples) // 3, len(samples))
+        np.testing.assert_array_equal(track.cut(half).samples, samples[half.start :].astype(np.float64))
+        assert track.cut(half).samples.dtype == np.float64
+        source = track.source()
+        assert source.frames == len(samples)
+        return samples, source
+
+
+def shots_in_film(samples: NDArray[np.float32], source: Source) -> list[float]:
+    """Return the shots' times against the picture, in samples."""
+    return [shot + source.start_offset_s * source.sample_rate_hz for shot in onsets(samples[:, 0])]
+
+
+@pytest.mark.parametrize(("codec", "extension"), LOSSLESS)
+@pytest.mark.parametrize("channels", [1, 2, 6, 8])
+def test_lossless_sound_is_exact(tmp_path: Path, codec: str, extension: str, channels: int) -> None:
+    if channels > MOST_CHANNELS.get(codec, 8):
+        pytest.skip(f"{codec} has no {channels} channels")
+    written = impulses(FRAMES, SHOTS, channels=channels)
+    written[:, -1] *= 0.5
+    path = write_media(tmp_path / f"film.{extension}", [written], codec=codec)
+    for channel in {0, channels - 1}:
+        samples, source = read(path, mix=str(channel))
+        np.testing.assert_array_equal(samples[:, 0], written[:, channel])
+        assert (source.channels, source.sample_rate_hz, source.warnings) == (channels, RATE_HZ, ())
+
+
+@pytest.mark.parametrize(("codec", "extension"), LOSSY)
+@pytest.mark.parametrize("channels", [1, 2, 6, 8])
+def test_lossy_sound_keeps_its_delay_within_a_millisecond(
+    tmp_path: Path, codec: str, extension: str, channels: int
+) -> None:
+    if channels > MOST_CHANNELS.get(codec, 8):
+        pytest.skip(f"{codec} has no {channels} channels")
+    written = impulses(FRAMES, SHOTS, channels=channels)
+    rate = FILM_RATE if extension in WITH_PICTURE else None
+    path = write_media(tmp_path / f"film.{extension}", [written], codec=codec, picture_rate=rate)
+    samples, source = read(path, mix="0")
+    np.testing.assert_allclose(shots_in_film(samples, source), SHOTS, atol=48)
+    assert FRAMES <= len(samples) < FRAMES + 2_400
+    assert (source.channels, source.warnings) == (channels, ())
+    assert source.frame_rate == (str(FILM_RATE) if rate else None)
+
+
+@pytest.mark.parametrize("rate_hz", [44_100, 96_000])
+def test_the_sample_rate_is_never_changed(tmp_path: Path, rate_hz: int) -> None:
+    for codec, extension in (("flac", "mkv"), ("aac", "mp4")):
+        written = impulses(FRAMES, SHOTS)
+        path = write_media(tmp_path / f"film.{extension}", [written], codec=codec, rate_hz=rate_hz)
+        samples, source = read(path)
+        assert source.sample_rate_hz == rate_hz
+        np.testing.assert_allclose(onsets(samples[:, 0]), SHOTS, atol=rate_hz // 1000)
+
+
+def test_the_layout_of_the_container_is_used(tmp_path: Path) -> None:
+    written = np.zeros((9_000, 6), np.float32)
+    for channel in range(6):
+        written[1000 * (channel + 1) : 1000 * (channel + 1) + 10, channel] = 0.5
+    path = write_media(tmp_path / "film.mkv", [written], codec="flac")
+    peaks = read(path)[0][1000:7000, 0].reshape(6, 1000).max(axis=1)
+    np.testing.assert_allclose(peaks, [0.35355, 0.35355, 0.5, 0.0, 0.25, 0.25], atol=1e-4)
+    low = read(path, mix="lfe")[0]
+    assert low[4000, 0] == 0.0
+    assert low[4000, 1] == pytest.approx(0.5 * 10**0.5)
+
+
+@pytest.mark.parametrize("frames", [1, 7, 4096, 10**6])
+def test_the_size_of_the_blocks_changes_no_bit(tmp_path: Path, frames: int) -> None:
+    path = write_media(tmp_path / "film.mkv", [impulses(9_000, [100], channels=6)], codec="ac3")
+    expected, _ = read(path, mix="all")
+    with open_soundtrack(path, mix="all") as track:
+        blocks = list(track.blocks(frames))
+    assert all(len(block.span) == frames for block in blocks[:-1])
+    np.testing.assert_array_equal(np.concatenate([block.samples for block in blocks]), expected)
+
+
+@pytest.mark.parametrize("extension", ["mkv", "mp4", "mov", "ts"])
+@pytest.mark.parametrize("codec", ["aac", "ac3", "pcm_s16le"])
+@pytest.mark.parametrize("delay_s", [0.0, 1 / 24, 0.5])
+def test_sound_that_starts_after_the_picture(tmp_path: Path, extension: str, codec: str, delay_s: float) -> None:
+    if (codec, extension) == ("pcm_s16le", "ts"):
+        pytest.skip("a transport stream holds no plain PCM")
+    path = write_media(
+        tmp_path / f"film.{extension}",
+        [impulses(FRAMES, SHOTS)],
+        codec=codec,
+        picture_rate=Fraction(24),
+        audio_delay_s=delay_s,
+    )
+    samples, source = read(path)
+    expected = [shot + delay_s * RATE_HZ for shot in SHOTS]
+    np.testing.assert_allclose(shots_in_film(samples, source), expected, atol=48)
+    assert not source.warnings
+
+
+@pytest.mark.parametrize(
+    ("rate", "timecode", "reference"),
+    [
+        (Fraction(24), "01:00:00:00", 172_800_000),
+        (Fraction(24_000, 1001), "01:00:00:00", 172_972_800),
+        (Fraction(30_000, 1001), "00:59:59;28", 172_799_827 - 3203),
+        (Fraction(25), "10:00:00:00", 1_728_000_000),
+    ],
+)
+@pytest.mark.parametrize("extension", ["mov", "mp4", "mkv"])
+def test_the_start_timecode(tmp_path: Path, extension: str, rate: Fraction, timecode: str, reference: int) -> None:
+    path = write_media(
+        tmp_path / f"film.{extension}",
+        [impulses(FRAMES, SHOTS)],
+        codec="pcm_s16le" if extension == "mov" else "aac",
+        picture_rate=rate,
+        timecode=timecode,
+    )
+    with open_soundtrack(path) as track:
+        assert track.time_reference == pytest.approx(reference, abs=1)
+    _, source = read(path)
+    assert (source.start_timecode, source.frame_rate) == (timecode, str(rate))
+    assert timecode_at(source, 0) == timecode
+    if ";" in timecode:
+        assert timecode_at(source, 3204) == "01:00:00;00"
+
+
+def test_the_default_track_is_taken_and_any_other_on_request(tmp_path: Path) -> None:
+    main, comment = impulses(FRAMES, SHOTS), impulses(FRAMES, [60_000])
+    path = write_media(
+        tmp_path / "film.mkv", [comment, main], codec="flac", default_track=1, titles=["Comment", "Main"]
+    )
+    for stream, expected in ((None, SHOTS), (0, [60_000]), (1, SHOTS)):
+        samples, source = read(path, stream=stream)
+        assert onsets(samples[:, 0]) == expected
+        assert source.stream == (1 if stream is None else stream)
+    for stream in (2, -1):
+        with pytest.raises(SoundtrackError, match=r"no sound stream .*0 \(flac, 1 channel, Comment\); 1 \(flac,"):
+            open_soundtrack(path, stream=stream)
+
+
+def test_a_film_without_sound_is_refused(tmp_path: Path) -> None:
+    path = write_media(tmp_path / "film.mp4", [], codec="aac", picture_rate=Fraction(24), silent_s=1.0)
+    with pytest.raises(SoundtrackError, match=r"film\.mp4: has no sound stream"):
+        open_soundtrack(path)
+
+
+@pytest.mark.parametrize(("codec", "extension"), [("flac", "flac"), ("flac", "mkv"), ("flac", "mp4"), ("alac", "m4a")])
+def test_damage_does_not_shift_what_follows(tmp_path: Path, codec: str, extension: str) -> None:
+    written = impulses(LONG, LONG_SHOTS, channels=2)
+    path = write_media(tmp_path / f"film.{extension}", [written], codec=codec)
+    data = bytearray(path.read_bytes())
+    place = len(data) * 3 // 10
+    data[place : place + 100] = np.random.default_rng(5).bytes(100)
+    path.write_bytes(data)
+    samples, source = read(path, mix="0")
+    assert len(samples) == LONG
+    np.testing.assert_array_equal(samples[200_000:, 0], written[200_000:, 0])
+    changed = np.flatnonzero(samples[:, 0] != written[:, 0])
+    assert changed.size
+    assert changed[-1] - changed[0] < 10_000
+    if codec == "flac":
+        assert any("filled with silence" in warning for warning in source.warnings)
+
+
+@pytest.mark.parametrize(
+    ("codec", "extension"), [("flac", "mkv"), ("aac", "mkv"), ("ac3", "mkv"), ("aac", "mp4"), ("ac3", "ts")]
+)
+def test_lost_packets_do_not_shift_what_follows(tmp_path: Path, codec: str, extension: str) -> None:
+    written = impulses(LONG, LONG_SHOTS, channels=2)
+    path = tmp_path / f"film.{extension}"
+    whole, _ = read(write_media(path, [written], codec=codec, picture_rate=FILM_RATE))
+    lost = [(2.0, 2.3), (2.35, 2.4), (6.0, 6.05)]
+    samples, source = read(write_media(path, [written], codec=codec, picture_rate=FILM_RATE, lost_s=lost))
+    assert len(samples) == len(whole)
+    np.testing.assert_allclose(shots_in_film(samples, source), LONG_SHOTS, atol=48)
+    assert any("filled with silence" in warning for warning in source.warnings)
+    assert not samples[int(2.1 * RATE_HZ) : int(2.2 * RATE_HZ)].any()
+
+
+@pytest.mark.parametrize(
+    ("codec", "extension", "options"),
+    [("aac", "mkv", {}), ("flac", "mkv", {}), ("flac", "flac", {}), ("aac", "mp4", {"movflags": "faststart"})],
+)
+def test_a_missing_end_is_noticed(tmp_path: Path, codec: str, extension: str, options: dict[str, str]) -> None:
+    path = tmp_path / f"film.{extension}"
+    write_media(path, [impulses(LONG, LONG_SHOTS)], codec=codec, container_options=options)
+    path.write_bytes(path.read_bytes()[: path.stat().st_size * 6 // 10])
+    samples, source = read(path)
+    assert onsets(samples[:, 0])[:2] == pytest.approx(LONG_SHOTS[:2], abs=48)
+    assert any(
+        warning.startswith("the file declares 10.0") and warning.endswith("the end is missing")
+        for warning in source.warnings
+    )
+
+
+def test_a_film_cut_before_its_index_is_refused(tmp_path: Path) -> None:
+    path = write_media(tmp_path / "film.mp4", [impulses(FRAMES, SHOTS)], codec="aac")
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    with pytest.raises(SoundtrackError, match="is not a sound file or film that can be read"):
+        open_soundtrack(path)
+
+
+@pytest.mark.parametrize("every", [1, 3])
+def test_sound_that_is_mostly_damaged_is_refused(tmp_path: Path, every: int) -> None:
+    path = write_media(tmp_path / "film.mp4", [impulses(LONG, LONG_SHOTS)], codec="flac")
+    data = path.read_bytes()
+    start, rng = data.index(b"mdat") + 4, np.random.default_rng(0)
+    stop = data.index(b"moov") - 4
+    size = (stop - start) // 100
+    damaged = bytearray(data)
+    for place in range(start, stop - size, every * size):
+        damaged[place : place + size] = rng.bytes(size)
+    path.write_bytes(damaged)
+    with pytest.raises(SoundtrackError, match=r"film\.mp4: (\d+ of \d+ packets of sound cannot|no sound could)"):
+        read(path)
+
+
+def test_sound_that_changes_its_channels_is_refused(tmp_path: Path) -> None:
+    parts = []
+    for channels in (2, 6):
+        part = write_media(tmp_path / "part.ac3", [impulses(FRAMES, SHOTS, channels=channels)], codec="ac3")
+        parts.append(part.read_bytes())
+    path = tmp_path / "film.ac3"
+    path.write_bytes(b"".join(parts))
+    with pytest.raises(
+        SoundtrackError, match=r"film\.ac3: the sound changes from 2 channels at 48000 Hz to 6 channels"
+    ):
+        read(path)
+
+
+def test_a_playlist_fetches_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "film.m3u8"
+    path.write_text("#EXTM3U\n#EXT-X-TARGETDURATION:5\n#EXTINF:5,\nhttp://127.0.0.1:9/a.ts\n#EXT-X-ENDLIST\n")
+    with pytest.raises(SoundtrackError, match=r"film\.m3u8: "):
+        open_soundtrack(path)
+
+
+def test_the_name_of_the_file_means_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    written = impulses(FRAMES, SHOTS)
+    path = write_media(tmp_path / "concat:film %d.txt", [written], codec="flac", container_format="flac")
+    monkeypatch.chdir(tmp_path)
+    np.testing.assert_array_equal(read(Path(path.name))[0], written)
+
+
+def test_a_full_disk_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write_media(tmp_path / "film.flac", [impulses(FRAMES, SHOTS)], codec="flac")
+
+    class Full:
+        def write(self, data: object) -> int:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+        def close(self) -> None:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(tempfile, "TemporaryFile", lambda **_: Full())
+    with open_soundtrack(path, spool_folder=tmp_path) as track:
+        with pytest.raises(OutputError, match="cannot keep the decoded sound here: No space left") as caught:
+            list(track.blocks())
+        assert str(caught.value).startswith(str(tmp_path))
+    monkeypatch.undo()
+    with pytest.raises(OutputError, match="nowhere: cannot keep the decoded sound here"):
+        open_soundtrack(path, spool_folder=tmp_path / "nowhere")
+
+
+def test_nothing_stays_in_the_spool_folder(tmp_path: Path) -> None:
+    spool = tmp_path / "spool"
+    spool.mkdir()
+    path = write_media(tmp_path / "film.flac", [impulses(FRAMES, SHOTS)], codec="flac")
+    with open_soundtrack(path, spool_folder=spool) as track:
+        next(track.blocks())  # and leave in the middle
+    assert not list(spool.iterdir())

@@ -1,0 +1,131 @@
+"""Frames are placed by counting; what the stamps say is missing is filled, and nothing else."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from blastline.soundtrack.placement import Gap, Placement
+
+RATE_HZ = 48_000
+FRAME = 1024
+FOREVER = 10**9
+MS = Fraction(1, 1000)
+SAMPLE = Fraction(1, RATE_HZ)
+
+
+@dataclass(frozen=True)
+class Frame:
+    number: int
+    pts: int | None
+    samples: int = FRAME
+    time_base: Fraction | None = SAMPLE
+
+
+def stamped(numbers: Iterable[int], *, time_base: Fraction = SAMPLE, start: int = 0) -> list[Frame]:
+    """Return the frames of these numbers, with the time stamps that a container of this time base gives them."""
+    return [
+        Frame(number, round((start + number * FRAME) * SAMPLE / time_base), time_base=time_base) for number in numbers
+    ]
+
+
+def placed(
+    frames: Iterable[Frame], *, max_frames: int = FOREVER, origin: Fraction | None = None
+) -> tuple[dict[int, int], Placement[Frame]]:
+    """Return the sample at which each frame was put."""
+    placement: Placement[Frame] = Placement(RATE_HZ, max_frames, origin)
+    places, position = {}, 0
+    for item in placement.place(frames):
+        if isinstance(item, Frame):
+            places[item.number] = position
+        position += item.samples
+    return places, placement
+
+
+def unstamped(frames: list[Frame], numbers: Iterable[int]) -> list[Frame]:
+    without = set(numbers)
+    return [Frame(f.number, None if f.number in without else f.pts, time_base=f.time_base) for f in frames]
+
+
+@pytest.mark.parametrize("time_base", [SAMPLE, MS, Fraction(1, 90_000)])
+@given(lost=st.sets(st.integers(1, 97), max_size=20), start=st.integers(0, 10**7))
+def test_every_frame_stays_in_its_place_whatever_is_lost(time_base: Fraction, lost: set[int], start: int) -> None:
+    there = [number for number in range(100) if number not in lost]
+    places, placement = placed(stamped(there, time_base=time_base, start=start))
+    assert places == {number: number * FRAME for number in there}
+    assert sum(gap for _, gap in placement.gaps) == len(lost) * FRAME
+    assert not placement.jumps
+
+
+def test_a_loss_is_filled_where_the_stamps_stopped() -> None:
+    there = [number for number in range(30) if number != 10]
+    places, placement = placed(unstamped(stamped(there, time_base=MS), [11, 12, 13]))
+    assert places == {number: number * FRAME for number in there}
+    assert placement.gaps == [(10 * FRAME, FRAME)]
+
+
+def test_rounded_stamps_never_add_up() -> None:
+    places, placement = placed(stamped(range(20_000), time_base=MS))
+    assert places == {number: number * FRAME for number in range(20_000)}
+    assert not placement.gaps
+    assert not placement.jumps
+
+
+def test_frames_without_any_stamp_follow_one_another() -> None:
+    places, placement = placed(unstamped(stamped(range(500)), range(500)))
+    assert places == {number: number * FRAME for number in range(500)}
+    assert not placement.gaps
+
+
+@pytest.mark.parametrize("wild", [10**7, -(10**7), 300])
+def test_one_wild_stamp_moves_nothing(wild: int) -> None:
+    frames = stamped(range(50))
+    frames[20] = Frame(20, 20 * FRAME + wild)
+    places, placement = placed(frames)
+    assert places == {number: number * FRAME for number in range(50)}
+    assert not placement.gaps
+    assert not placement.jumps
+
+
+def test_a_gap_of_no_whole_frame_is_taken_as_the_stamps_say() -> None:
+    frames = stamped(range(10)) + [Frame(f.number, (f.pts or 0) + 500) for f in stamped(range(10, 20))]
+    places, placement = placed(frames)
+    assert places[19] == 19 * FRAME + 500
+    assert placement.gaps == [(10 * FRAME, 500)]
+
+
+@pytest.mark.parametrize(("shift", "max_frames"), [(-5 * FRAME, FOREVER), (10**7, 100_000)])
+def test_stamps_that_step_back_or_leave_the_film_are_overruled_once(shift: int, max_frames: int) -> None:
+    frames = stamped(range(10)) + [Frame(f.number, (f.pts or 0) + shift) for f in stamped(range(10, 40))]
+    places, placement = placed(frames, max_frames=max_frames)
+    assert places == {number: number * FRAME for number in range(40)}
+    assert placement.jumps == [(10 * FRAME, shift)]
+    assert not placement.gaps
+
+
+def test_what_was_lost_before_the_first_frame_is_filled_too() -> None:
+    places, placement = placed(stamped(range(3, 10), start=700), origin=700 * SAMPLE)
+    assert places == {number: number * FRAME for number in range(3, 10)}
+    assert placement.gaps == [(0, 3 * FRAME)]
+
+
+def test_a_gap_before_the_last_frame_needs_no_second_witness() -> None:
+    assert placed(stamped([0, 1, 2, 5]))[0][5] == 5 * FRAME
+
+
+def test_little_is_held_back() -> None:
+    taken = 0
+
+    def frames() -> Iterable[Frame]:
+        nonlocal taken
+        for frame in unstamped(stamped(range(2000)), range(2000)):
+            taken += 1
+            yield frame
+
+    placement: Placement[Frame] = Placement(RATE_HZ, FOREVER)
+    for given_back, item in enumerate(placement.place(frames())):
+        assert not isinstance(item, Gap)
+        assert (taken - given_back) * FRAME < 3 * RATE_HZ

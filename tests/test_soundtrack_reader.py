@@ -1,0 +1,250 @@
+"""Uncompressed files: every sample exact, block and cut the same, and one clear line for what cannot be read."""
+
+import os
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+from numpy.typing import NDArray
+
+from blastline.errors import SoundtrackError
+from blastline.model import Clip, Source, Span
+from blastline.soundtrack import Cue, open_soundtrack, timecode_at, write_drive
+
+RATE_HZ = 48_000
+FRAMES = 70_000
+FORMATS = [
+    ("WAV", "PCM_U8"),
+    ("WAV", "PCM_16"),
+    ("WAV", "PCM_24"),
+    ("WAV", "PCM_32"),
+    ("WAV", "FLOAT"),
+    ("WAV", "DOUBLE"),
+    ("WAVEX", "PCM_24"),
+    ("RF64", "PCM_16"),
+    ("W64", "PCM_24"),
+    ("AIFF", "PCM_16"),
+    ("AIFF", "PCM_S8"),
+    ("CAF", "PCM_24"),
+]
+
+
+def noise(frames: int = FRAMES, channels: int = 1, seed: int = 0) -> NDArray[np.float64]:
+    return np.random.default_rng(seed).uniform(-0.9, 0.9, (frames, channels))
+
+
+def wav(path: Path, samples: NDArray[np.floating], *, rate_hz: int = RATE_HZ, subtype: str = "PCM_16") -> Path:
+    soundfile.write(path, samples, rate_hz, subtype=subtype, format="WAV")
+    return path
+
+
+def read(path: Path, *, mix: str = "mains", frames: int = 65_536) -> tuple[NDArray[np.float32], Source]:
+    with open_soundtrack(path, mix=mix) as track:
+        blocks = list(track.blocks(frames))
+        assert [block.start for block in blocks] == [frames * index for index in range(len(blocks))]
+        assert all(block.samples.dtype == np.float32 for block in blocks)
+        return np.concatenate([block.samples for block in blocks]), track.source()
+
+
+@pytest.mark.parametrize(("container", "subtype"), FORMATS)
+@pytest.mark.parametrize("channels", [1, 2, 6])
+def test_every_sample_is_what_libsndfile_reads(tmp_path: Path, container: str, subtype: str, channels: int) -> None:
+    path = tmp_path / "film.sound"  # the name does not matter
+    soundfile.write(path, noise(channels=channels), RATE_HZ, format=container, subtype=subtype)
+    expected = soundfile.read(path, dtype="float32", always_2d=True)[0]
+    for channel in {0, channels - 1}:
+        with open_soundtrack(path, mix=str(channel)) as track:
+            assert (track.rate_hz, track.channels, track.columns) == (RATE_HZ, channels, 1)
+            assert track.expected_frames == FRAMES
+            samples = np.concatenate([block.samples for block in track.blocks(9999)])
+            np.testing.assert_array_equal(samples[:, 0], expected[:, channel])
+            cut = track.cut(Span(123, 66_000))
+            assert cut.start == 123
+            assert cut.samples.dtype == np.float64
+            np.testing.assert_array_equal(cut.samples, samples[123:66_000].astype(np.float64))
+            assert track.source().warnings == ()
+            assert track.source().frames == FRAMES
+
+
+@pytest.mark.parametrize("subtype", ["PCM_16", "FLOAT"])
+@pytest.mark.parametrize("mix", ["mains", "all", "lfe", "1,4"])
+def test_the_size_of_the_blocks_changes_no_bit(tmp_path: Path, subtype: str, mix: str) -> None:
+    path = wav(tmp_path / "film.wav", noise(channels=6), subtype=subtype)
+    whole, source = read(path, mix=mix, frames=FRAMES)
+    for frames in (7, 4096, 65_536, 65_537, 10 * FRAMES):
+        np.testing.assert_array_equal(read(path, mix=mix, frames=frames)[0], whole)
+    short = wav(tmp_path / "short.wav", noise(300, 6), subtype=subtype)
+    np.testing.assert_array_equal(read(short, mix=mix, frames=1)[0], read(short, mix=mix)[0])
+    with open_soundtrack(path, mix=mix) as track:
+        assert track.columns == whole.shape[1] == (2 if mix in ("all", "lfe") else 1)
+        assert sum(len(block.span) for block in track.blocks()) == source.frames == FRAMES
+        for span in (Span(0, FRAMES), Span(5, 6), Span(65_530, 65_540), Span(FRAMES, FRAMES)):
+            np.testing.assert_array_equal(track.cut(span).samples, whole[span.start : span.stop])
+
+
+def test_mono_is_stereo_with_equal_channels(tmp_path: Path) -> None:
+    mono = noise()
+    one, _ = read(wav(tmp_path / "mono.wav", mono))
+    two, _ = read(wav(tmp_path / "stereo.wav", np.repeat(mono, 2, axis=1)))
+    np.testing.assert_array_equal(one, two)
+
+
+def test_the_channel_mask_names_the_channels(tmp_path: Path) -> None:
+    samples = noise(100, 3)
+    path = tmp_path / "film.wav"
+    data = samples.astype("<f4").tobytes()
+    mask_fl_fr_lfe = 0b1011
+    guid = struct.pack("<HHIQ", 3, 0, 0x00100000, 0x719B3800AA000080)
+    fmt = struct.pack("<HHIIHHHHI", 0xFFFE, 3, RATE_HZ, 12 * RATE_HZ, 12, 32, 22, 32, mask_fl_fr_lfe) + guid
+    body = b"WAVEfmt " + struct.pack("<I", len(fmt)) + fmt + b"data" + struct.pack("<I", len(data)) + data
+    path.write_bytes(b"RIFF" + struct.pack("<I", len(body)) + body)
+    np.testing.assert_allclose(read(path)[0][:, 0], samples[:, :2].mean(axis=1), atol=1e-6)
+    assert read(path, mix="lfe")[0].shape == (100, 2)
+
+
+def test_samples_that_are_no_sound_are_set_to_zero_and_counted(tmp_path: Path) -> None:
+    samples = noise(channels=2)
+    samples[1234:1236, 0] = np.nan, np.inf
+    samples[65_540, 1] = -np.inf
+    path = wav(tmp_path / "film.wav", samples, subtype="FLOAT")
+    found, source = read(path, mix="0")
+    assert source.warnings == ("3 samples were NaN or infinite and were set to 0, first at sample 1234",)
+    np.testing.assert_array_equal(found[1234:1236], 0.0)
+    np.testing.assert_array_equal(found[1236:], samples[1236:, :1].astype(np.float32))
+    with open_soundtrack(path) as track:
+        mixed = np.concatenate([block.samples for block in track.blocks(999)])
+        np.testing.assert_array_equal(track.cut(Span(1000, 66_000)).samples, mixed[1000:66_000])
+        assert np.isfinite(mixed).all()
+        assert len(track.source().warnings) == 1
+
+
+def test_absurd_samples_are_no_sound_either(tmp_path: Path) -> None:
+    samples = np.array([[0.5], [3e38], [-2e9], [-0.5]])
+    found, source = read(wav(tmp_path / "film.wav", samples, subtype="FLOAT"))
+    np.testing.assert_array_equal(found[:, 0], [0.5, 0.0, 0.0, -0.5])
+    assert source.warnings[0].startswith("2 samples")
+
+
+@pytest.mark.parametrize("container", ["WAV", "RF64", "W64", "AIFF", "CAF"])
+def test_a_missing_end_is_noticed(tmp_path: Path, container: str) -> None:
+    path = tmp_path / "film.sound"
+    soundfile.write(path, noise(10 * RATE_HZ), RATE_HZ, format=container, subtype="PCM_16")
+    whole = read(path)[0]
+    path.write_bytes(path.read_bytes()[: path.stat().st_size * 6 // 10])
+    found, source = read(path)
+    assert 0.5 * len(whole) < len(found) < 0.61 * len(whole)
+    np.testing.assert_array_equal(found, whole[: len(found)])
+    (warning,) = source.warnings
+    assert "the end is missing" in warning
+    if container != "CAF":
+        assert warning.startswith("the file declares 10.000 s of sound but only")
+
+
+@pytest.mark.parametrize(("size", "warned"), [(0, True), (0xFFFFFFFF, False)])
+def test_a_header_that_was_never_finished_hides_nothing(tmp_path: Path, size: int, warned: bool) -> None:
+    path = wav(tmp_path / "film.wav", noise())
+    expected = read(path)[0]
+    data = bytearray(path.read_bytes())
+    place = data.index(b"data") + 4
+    data[place : place + 4] = struct.pack("<I", size)
+    path.write_bytes(data)
+    found, source = read(path)
+    np.testing.assert_array_equal(found, expected)
+    assert any("never finished" in warning for warning in source.warnings) == warned
+
+
+def test_the_time_of_day_goes_through_reader_and_writer(tmp_path: Path) -> None:
+    path = tmp_path / "film.wav"
+    blast = Clip(np.full((10, 1), 0.5), RATE_HZ, 100)
+    write_drive(path, [blast], rate_hz=RATE_HZ, frames=FRAMES, time_reference=172_800_480, cues=[Cue(100, "shot", 10)])
+    with open_soundtrack(path) as track:
+        assert track.time_reference == 172_800_480
+        samples = np.concatenate([block.samples for block in track.blocks()])
+        source = track.source()
+    assert samples.shape == (FRAMES, 1)
+    assert np.flatnonzero(samples).tolist() == list(range(100, 110))
+    assert (source.start_timecode, source.frame_rate) == ("01:00:00.010000", None)
+    assert timecode_at(source, 48) == "01:00:00.011"
+
+
+def test_source_names_the_file_and_its_digest(tmp_path: Path) -> None:
+    source = read(wav(tmp_path / "film.wav", np.zeros((480, 1))))[1]
+    assert (source.name, source.channels, source.stream, source.mix) == ("film.wav", 1, 0, "mains")
+    assert source.sha256 == read(wav(tmp_path / "copy.wav", np.zeros((480, 1))))[1].sha256
+    assert source.sha256 != read(wav(tmp_path / "other.wav", np.ones((480, 1))))[1].sha256
+
+
+def test_the_order_of_use_is_kept(tmp_path: Path) -> None:
+    with open_soundtrack(wav(tmp_path / "film.wav", noise())) as track:
+        with pytest.raises(ValueError, match="at least 1 frame"):
+            next(track.blocks(0))
+        with pytest.raises(ValueError, match="not inside"):
+            track.cut(Span(0, 1))
+        with pytest.raises(ValueError, match="once all blocks"):
+            track.source()
+        list(track.blocks())
+        with pytest.raises(ValueError, match="decoded already"):
+            next(track.blocks())
+        with pytest.raises(ValueError, match="not inside"):
+            track.cut(Span(0, FRAMES + 1))
+
+
+def test_what_is_no_file_is_one_line(tmp_path: Path) -> None:
+    (tmp_path / "empty.wav").touch()
+    for name, message in ((".", "is a folder"), ("nowhere.wav", "no such file"), ("empty.wav", "is empty")):
+        with pytest.raises(SoundtrackError, match=message) as caught:
+            open_soundtrack(tmp_path / name)
+        assert str(caught.value).startswith(str(tmp_path / name))
+        assert "\n" not in str(caught.value)
+    with pytest.raises(SoundtrackError, match="cannot be read: File name too long"):
+        open_soundtrack(tmp_path / ("x" * 5000))
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="the administrator may read everything")
+def test_a_file_without_permission_is_one_line(tmp_path: Path) -> None:
+    path = wav(tmp_path / "film.wav", noise(10))
+    path.chmod(0)
+    with pytest.raises(SoundtrackError, match="cannot be read: Permission denied"):
+        open_soundtrack(path)
+
+
+@pytest.mark.parametrize("bytes_kept", [3, 11, 30, 43, 44])
+def test_a_wav_cut_inside_its_header_is_refused(tmp_path: Path, bytes_kept: int) -> None:
+    path = wav(tmp_path / "film.wav", noise())
+    path.write_bytes(path.read_bytes()[:bytes_kept])
+    with pytest.raises(SoundtrackError, match=r"film\.wav: (is not a sound file|no sound)"):
+        open_soundtrack(path)
+
+
+@pytest.mark.parametrize("head", [b"", b"RIFF", b"RF64", b"riff", b"FORM", b"caff", b"fLaC", b"ffconcat version 1.0\n"])
+def test_garbage_is_refused(tmp_path: Path, head: bytes) -> None:
+    path = tmp_path / "film.wav"
+    for seed in range(5):
+        path.write_bytes(head + np.random.default_rng(seed).bytes(5000))
+        with pytest.raises(SoundtrackError, match=r"film\.wav: "):
+            open_soundtrack(path)
+
+
+def test_a_track_without_samples_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(SoundtrackError, match="no sound"):
+        open_soundtrack(wav(tmp_path / "film.wav", noise(0)))
+
+
+@pytest.mark.parametrize("rate_hz", [4_000, 500_000])
+def test_a_sample_rate_beyond_reason_is_refused(tmp_path: Path, rate_hz: int) -> None:
+    with pytest.raises(SoundtrackError, match=f"sample rate is {rate_hz} Hz; expected 8000 to 384000 Hz"):
+        open_soundtrack(wav(tmp_path / "film.wav", noise(10), rate_hz=rate_hz))
+
+
+def test_streams_and_channels_that_are_not_there_are_refused(tmp_path: Path) -> None:
+    path = wav(tmp_path / "film.wav", noise(10, 2))
+    with pytest.raises(SoundtrackError, match=r"film\.wav: has no sound stream 1; it has 0 \(2 channels\)"):
+        open_soundtrack(path, stream=1)
+    with pytest.raises(SoundtrackError, match=r"film\.wav: mix '2': there is no channel 2; the sound has 2"):
+        open_soundtrack(path, mix="2")
+    many = wav(tmp_path / "many.wav", noise(10, 12))
+    with pytest.raises(SoundtrackError, match="does not say what its 12 channels are"):
+        open_soundtrack(many)
+    assert read(many, mix="11")[0].shape == (10, 1)

@@ -1,0 +1,143 @@
+"""Results appear whole or not at all, wherever a run is broken off."""
+
+import errno
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from blastline.errors import OutputError
+from blastline.staging import staged
+
+NAMES = ["a.wav", "b.json", "c.csv"]
+
+
+def write_all(folder: Path, text: str) -> None:
+    for name in NAMES:
+        (folder / name).write_text(f"{text} {name}")
+
+
+def state(folder: Path) -> dict[str, str]:
+    """Return every file below a folder, hidden ones too, with its text."""
+    return {path.relative_to(folder).as_posix(): path.read_text() for path in folder.rglob("*") if path.is_file()}
+
+
+def run_into(folder: Path, text: str = "new", *, overwrite: bool = False) -> None:
+    with staged(folder, names=NAMES, overwrite=overwrite) as hidden:
+        write_all(hidden, text)
+
+
+def test_nothing_shows_before_the_end_and_everything_after(tmp_path: Path) -> None:
+    out = tmp_path / "deep" / "er"
+    with staged(out, names=NAMES, overwrite=False) as hidden:
+        write_all(hidden, "new")
+        assert not [path for path in out.iterdir() if not path.name.startswith(".")]
+    assert state(out) == {name: f"new {name}" for name in NAMES}
+    assert len([*out.iterdir()]) == len(NAMES)
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, SystemExit, RuntimeError, MemoryError])
+def test_a_run_that_is_broken_off_leaves_nothing(tmp_path: Path, error: type[BaseException]) -> None:
+    def broken_off() -> None:
+        with staged(tmp_path / "deep" / "er", names=NAMES, overwrite=False) as hidden:
+            write_all(hidden, "half")
+            raise error
+
+    with pytest.raises(error):
+        broken_off()
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_a_run_that_is_broken_off_leaves_others_files_and_folders(tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "mine.txt").write_text("mine")
+
+    def broken_off(folder: Path) -> None:
+        with staged(folder, names=NAMES, overwrite=False):
+            raise KeyboardInterrupt
+
+    for folder in (tmp_path, tmp_path / "empty", tmp_path / "empty" / "new"):
+        with pytest.raises(KeyboardInterrupt):
+            broken_off(folder)
+    assert state(tmp_path) == {"mine.txt": "mine"}
+    assert [*(tmp_path / "empty").iterdir()] == []
+
+
+@pytest.mark.parametrize("earlier", [[], ["b.json"], NAMES])
+def test_breaking_off_while_the_files_move_puts_everything_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, earlier: list[str]
+) -> None:
+    """The moves are broken off before the first, after the first, and so on until a run comes through."""
+    move = Path.replace
+    came_through = False
+    for allowed in range(20):
+        out = tmp_path / str(allowed)
+        out.mkdir()
+        for name in earlier:
+            (out / name).write_text(f"old {name}")
+        left = allowed
+
+        def some_moves(path: Path, target: Any) -> Path:
+            nonlocal left
+            left -= 1
+            if left == -1:
+                raise KeyboardInterrupt
+            return move(path, target)
+
+        with monkeypatch.context() as patch:
+            patch.setattr(Path, "replace", some_moves)
+            try:
+                run_into(out, overwrite=True)
+                came_through = True
+            except KeyboardInterrupt:
+                assert state(out) == {name: f"old {name}" for name in earlier}
+        if came_through:
+            assert allowed == len(NAMES) + len(earlier)
+            assert state(out) == {name: f"new {name}" for name in NAMES}
+            break
+    assert came_through
+
+
+def test_an_earlier_result_is_replaced_only_when_that_is_asked_for(tmp_path: Path) -> None:
+    run_into(tmp_path, "first")
+    with pytest.raises(OutputError, match=r"a\.wav: exists already; give --overwrite"):
+        run_into(tmp_path, "second")
+    assert state(tmp_path) == {name: f"first {name}" for name in NAMES}
+    run_into(tmp_path, "third", overwrite=True)
+    assert state(tmp_path) == {name: f"third {name}" for name in NAMES}
+
+
+def test_a_file_in_the_way_of_a_folder_and_a_folder_in_the_way_of_a_file_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("mine")
+    with pytest.raises(OutputError, match=r"file: is a file; expected a folder"):
+        run_into(tmp_path / "file", overwrite=True)
+    with pytest.raises(OutputError, match=r"cannot write here: Not a directory"):
+        run_into(tmp_path / "file" / "deeper", overwrite=True)
+    (tmp_path / "out" / "b.json").mkdir(parents=True)
+    (tmp_path / "out" / "b.json" / "mine.txt").write_text("mine")
+    with pytest.raises(OutputError, match=r"b\.json: is a folder; expected the name of a file"):
+        run_into(tmp_path / "out", overwrite=True)
+    assert state(tmp_path) == {"file": "mine", "out/b.json/mine.txt": "mine"}
+
+
+def test_a_full_disk_is_told_with_the_files_final_name(tmp_path: Path) -> None:
+    def full() -> None:
+        with staged(tmp_path / "out", names=NAMES, overwrite=False) as hidden:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(hidden / "a.wav"))
+
+    with pytest.raises(OutputError, match=r"out/a\.wav: cannot write: No space left on device$"):
+        full()
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_an_error_of_reading_is_not_told_as_one_of_writing(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError), staged(tmp_path, names=NAMES, overwrite=False):
+        (tmp_path / "film.mkv").read_bytes()
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_that_must_not_be_written_is_named(tmp_path: Path) -> None:
+    tmp_path.chmod(0o500)
+    with pytest.raises(OutputError, match=r"cannot write here: Permission denied"):
+        run_into(tmp_path / "out")
