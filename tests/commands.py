@@ -1,5 +1,7 @@
 """Running the command line in tests, and a film to run it on."""
 
+import contextlib
+import io
 import os
 import signal
 import subprocess
@@ -8,8 +10,11 @@ import wave
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import cast
 
 import numpy as np
+
+from blastline.cli import main
 
 RATE_HZ = 48_000
 COMMAND = [sys.executable, "-W", "error", "-m", "blastline"]
@@ -32,7 +37,20 @@ class Ended:
         return line.removeprefix("blastline: ")
 
 
-def blastline(*arguments: str | Path, prepare: Callable[[], None] | None = None) -> Ended:
+def blastline(*arguments: str | Path) -> Ended:
+    """Run the command in this process, which is quick."""
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
+    out, err = (io.TextIOWrapper(io.BytesIO(), encoding="utf-8", newline="") for _ in range(2))
+    try:
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            code = main([str(argument) for argument in arguments])
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+    return Ended(code, _text(out), _text(err))
+
+
+def blastline_alone(*arguments: str | Path, prepare: Callable[[], None] | None = None) -> Ended:
     """Run the command in a process of its own, as a user does; `prepare` runs in it beforehand."""
     done = subprocess.run(
         [*COMMAND, *map(str, arguments)],
@@ -46,22 +64,32 @@ def blastline(*arguments: str | Path, prepare: Callable[[], None] | None = None)
     return Ended(done.returncode, done.stdout, done.stderr)
 
 
-def interrupted(*arguments: str | Path, number: signal.Signals) -> Ended:
-    """Start the command, send it a signal when it has said that it is at work, and wait for its end."""
+def interrupted(*arguments: str | Path, number: signal.Signals, at: str) -> Ended:
+    """Start the command, send it a signal when it says that it is at a stage, and wait for its end."""
     with subprocess.Popen(
         [*COMMAND, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:
         assert process.stderr is not None
-        first = process.stderr.readline()
+        said = ""
+        while at not in said:
+            line = process.stderr.readline()
+            assert line, f"ended before it came to {at}: {said}"
+            said += line
         os.kill(process.pid, number)
         out, err = process.communicate(timeout=60)
-    return Ended(process.returncode, out, first + err)
+    return Ended(process.returncode, out, said + err)
+
+
+def _text(stream: io.TextIOWrapper) -> str:
+    stream.flush()
+    return cast("io.BytesIO", stream.buffer).getvalue().decode()
 
 
 def write_film(path: Path, *, length_s: float, shots_s: tuple[float, ...] = (), seed: int = 7) -> Path:
-    """Write a mono film of quiet noise with a bang at each of the given times; return its path."""
+    """Write a mono film with a bang at each of the given times in noise that fades in; return its path."""
     random = np.random.default_rng(seed)
     samples = random.normal(0.0, 1e-3, round(length_s * RATE_HZ))
+    samples[: RATE_HZ // 2] *= np.linspace(0.0, 1.0, RATE_HZ // 2)
     for shot_s in shots_s:
         start = round(shot_s * RATE_HZ)
         time_s = np.arange(min(RATE_HZ // 2, len(samples) - start)) / RATE_HZ

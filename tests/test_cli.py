@@ -1,7 +1,6 @@
 """What the command line says and how it ends, without a film."""
 
 import re
-import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -13,29 +12,16 @@ import pytest
 import typer
 
 from blastline import __version__, run
-from blastline.cli import app, main
+from blastline.cli import app
 from blastline.cli.progress import shown_progress
 from blastline.errors import OutputError
 from blastline.export import FORMATS
 from blastline.model import Check, Timeline
 from blastline.ruleset import load_rules
-from commands import COMMAND, Ended, blastline
+from commands import COMMAND, Ended, blastline, blastline_alone
 from timelines import timeline
 
 HEAVY = {"av", "librosa", "matplotlib", "numba", "opentimelineio", "pandas", "scipy", "sklearn", "soundfile", "soxr"}
-
-
-@pytest.fixture
-def command(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Any:
-    """Run the command line in this process."""
-    monkeypatch.setattr(signal, "signal", lambda *_: None)
-
-    def ended(*arguments: str | Path) -> Ended:
-        code = main([str(argument) for argument in arguments])
-        said = capsys.readouterr()
-        return Ended(code, said.out, said.err)
-
-    return ended
 
 
 def every_command(group: Any = None, path: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
@@ -62,8 +48,8 @@ def test_the_promised_commands_are_there() -> None:
 
 
 @pytest.mark.parametrize("words", list(every_command()), ids=" ".join)
-def test_help_teaches_by_an_example(command: Any, words: tuple[str, ...]) -> None:
-    ended = command(*words, "--help")
+def test_help_teaches_by_an_example(words: tuple[str, ...]) -> None:
+    ended = blastline(*words, "--help")
     assert (ended.code, ended.err) == (0, "")
     text = " ".join(ended.out.split())
     assert f"Usage: {' '.join(['blastline', *words])} " in text
@@ -71,12 +57,12 @@ def test_help_teaches_by_an_example(command: Any, words: tuple[str, ...]) -> Non
     assert is_group or f"Example: blastline {' '.join(words)}" in text
 
 
-def test_no_arguments_show_the_help(command: Any) -> None:
-    assert command() == command("--help")
+def test_no_arguments_show_the_help() -> None:
+    assert blastline() == blastline("--help")
 
 
-def test_help_names_every_format_and_every_default(command: Any) -> None:
-    text = " ".join(command("render", "--help").out.replace("│", " ").split())
+def test_help_names_every_format_and_every_default() -> None:
+    text = " ".join(blastline("render", "--help").out.replace("│", " ").split())
     assert ", ".join(FORMATS) in text
     for default in ("standard", "auto", "causal", "mute", "mains", "crowson-t108sm", "json,csv", "report"):
         assert f"[default: {default}]" in text
@@ -92,8 +78,8 @@ def test_help_imports_nothing_heavy() -> None:
     assert loaded & HEAVY == set()
 
 
-def test_the_version(command: Any) -> None:
-    assert command("--version") == Ended(0, f"blastline {__version__}\n", "")
+def test_the_version() -> None:
+    assert blastline("--version") == Ended(0, f"blastline {__version__}\n", "")
 
 
 @pytest.mark.parametrize(
@@ -111,37 +97,37 @@ def test_the_version(command: Any) -> None:
         ("export timeline.json -o out", "Missing option '--format'"),
     ],
 )
-def test_wrong_arguments_are_one_line(command: Any, arguments: str, complaint: str) -> None:
-    assert complaint in command(*arguments.split()).complaint
+def test_wrong_arguments_are_one_line(arguments: str, complaint: str) -> None:
+    assert complaint in blastline(*arguments.split()).complaint
 
 
-def test_an_error_of_the_users_is_one_line_however_many_it_had(command: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_error_of_the_users_is_one_line_however_many_it_had(monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*_: object) -> None:
         raise OutputError("out: cannot write\nbecause")
 
     monkeypatch.setattr("blastline.cli.rulefiles.load_rules", fail)
-    assert command("rules", "show").complaint == "out: cannot write because"
+    assert blastline("rules", "show").complaint == "out: cannot write because"
 
 
-def test_an_error_of_the_system_names_its_file(command: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_error_of_the_system_names_its_file(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("blastline.cli.rulefiles.load_rules", lambda *_: Path("/none/there").read_text())
-    assert command("rules", "show").complaint == "/none/there: No such file or directory"
+    assert blastline("rules", "show").complaint == "/none/there: No such file or directory"
 
 
-def test_a_bug_shows_where_it_is(command: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_bug_shows_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("blastline.cli.rulefiles.load_rules", lambda *_: 1 // 0)
-    ended = command("rules", "show")
+    ended = blastline("rules", "show")
     assert ended.code == 70
     assert "ZeroDivisionError" in ended.err
     assert ended.err.endswith("blastline: this is a bug of blastline; please report it with the lines above\n")
 
 
-def test_an_interruption_is_told(command: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interruption_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr("blastline.cli.rulefiles.load_rules", interrupt)
-    ended = command("rules", "show")
+    ended = blastline("rules", "show")
     assert (ended.code, ended.err.splitlines()[-1]) == (130, "blastline: interrupted; nothing was written")
 
 
@@ -162,63 +148,63 @@ def test_output_that_cannot_be_written_is_one_line() -> None:
     assert (done.returncode, done.stderr) == (2, "blastline: input or output: No space left on device\n")
 
 
-def test_rules_show_is_what_a_folder_of_ones_own_may_hold(command: Any, tmp_path: Path) -> None:
-    shown = command("rules", "show", "--quality", "draft").out
+def test_rules_show_is_what_a_folder_of_ones_own_may_hold(tmp_path: Path) -> None:
+    shown = blastline("rules", "show", "--quality", "draft").out
     assert shown.startswith(f"# digest {load_rules('draft').digest}\n")
     parts = re.split(r"^# (\S+\.toml)$", shown, flags=re.MULTILINE)
     for name, text in zip(parts[1::2], parts[2::2], strict=True):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text, encoding="utf-8")
     assert load_rules("draft", tmp_path).digest == load_rules("draft").digest
-    assert command("rules", "check", tmp_path).out.splitlines() == ["align.toml", "quality/draft.toml", "scenes.toml"]
+    assert blastline("rules", "check", tmp_path).out.splitlines() == ["align.toml", "quality/draft.toml", "scenes.toml"]
 
 
-def test_rules_show_has_the_users_value_and_says_where_numbers_come_from(command: Any, tmp_path: Path) -> None:
+def test_rules_show_has_the_users_value_and_says_where_numbers_come_from(tmp_path: Path) -> None:
     (tmp_path / "align.toml").write_text("correlation = 0.8125\n")
-    shown = command("rules", "show", "--rules", tmp_path).out
+    shown = blastline("rules", "show", "--rules", tmp_path).out
     assert "\ncorrelation = 0.8125\n" in shown
     assert shown.count("\nsource = ") >= 10
 
 
-def test_rules_that_do_not_fit_are_refused(command: Any, tmp_path: Path) -> None:
+def test_rules_that_do_not_fit_are_refused(tmp_path: Path) -> None:
     (tmp_path / "align.toml").write_text("correlation = 2\n")
     expected = f"{tmp_path}/align.toml: correlation = 2: expected `float` <= 1.0"
-    assert command("rules", "check", tmp_path).complaint == expected
-    assert command("rules", "show", "--rules", tmp_path).complaint == expected
+    assert blastline("rules", "check", tmp_path).complaint == expected
+    assert blastline("rules", "show", "--rules", tmp_path).complaint == expected
 
 
-def test_an_actuator_is_listed_and_shown(command: Any, tmp_path: Path) -> None:
-    listed = command("actuator", "list").out.splitlines()
+def test_an_actuator_is_listed_and_shown(tmp_path: Path) -> None:
+    listed = blastline("actuator", "list").out.splitlines()
     assert any(line.startswith("crowson-t108sm ") for line in listed)
-    shown = command("actuator", "show", "crowson-t108sm")
+    shown = blastline("actuator", "show", "crowson-t108sm")
     assert shown.code == 0
     rows = [[float(cell) for cell in line.split()] for line in shown.out.splitlines() if re.match(r" +[0-9.]+ ", line)]
     assert len(rows) >= 10
     assert [row[0] for row in rows] == sorted({row[0] for row in rows})
-    assert "no such actuator profile" in command("actuator", "show", "none").complaint
-    assert "not a folder" in command("actuator", "list", "--rules", tmp_path / "none").complaint
+    assert "no such actuator profile" in blastline("actuator", "show", "none").complaint
+    assert "not a folder" in blastline("actuator", "list", "--rules", tmp_path / "none").complaint
 
 
-def test_a_failed_check_is_listed_and_gives_exit_code_1(command: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failed_check_is_listed_and_gives_exit_code_1(monkeypatch: pytest.MonkeyPatch) -> None:
     failed = (Check("lag", "shot-0002", False, 0.75, 0.5, "ms"), Check("frames", None, False, None, None, "frames"))
     found = timeline()
     found = msgspec.structs.replace(found, checks=(*found.checks, *failed))
     monkeypatch.setattr(run, "check", lambda *_, **__: found)
-    ended = command("check", "result", "--quiet")
+    ended = blastline("check", "result", "--quiet")
     assert (ended.code, ended.err) == (1, "")
     assert ended.out.splitlines() == [
         "failed: lag, shot-0002: 0.75 ms (limit 0.5 ms)",
         "failed: frames, the film: not measured",
     ]
-    assert command("check", "result").out.endswith("checks: 2 of 4 passed\n")
+    assert blastline("check", "result").out.endswith("checks: 2 of 4 passed\n")
 
 
-def test_passed_checks_are_counted_and_give_exit_code_0(command: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_passed_checks_are_counted_and_give_exit_code_0(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run, "check", lambda *_, **__: timeline())
-    assert command("check", "result") == Ended(0, "checks: 2 of 2 passed\n", "")
+    assert blastline("check", "result") == Ended(0, "checks: 2 of 2 passed\n", "")
 
 
-def test_a_render_is_summed_up(command: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_render_is_summed_up(monkeypatch: pytest.MonkeyPatch) -> None:
     found = timeline()
     damaged = msgspec.structs.replace(found.source, warnings=("2 samples were not numbers",))
     made = msgspec.structs.replace(found, source=damaged)
@@ -231,7 +217,7 @@ def test_a_render_is_summed_up(command: Any, monkeypatch: pytest.MonkeyPatch) ->
         return made
 
     monkeypatch.setattr(run, "render", render)
-    ended = command("render", "film.mkv", "-o", "out", "--format", "csv, json", "--mix", "0,2", "--stream", "1")
+    ended = blastline("render", "film.mkv", "-o", "out", "--format", "csv, json", "--mix", "0,2", "--stream", "1")
     assert (ended.code, ended.out) == (0, "")
     assert ended.err.splitlines() == [
         "blastline: listening ...",
@@ -241,7 +227,7 @@ def test_a_render_is_summed_up(command: Any, monkeypatch: pytest.MonkeyPatch) ->
         f"results: {Path('out', 'report.html')}",
         "checks: 2 of 2 passed",
     ]
-    assert command("render", "film.mkv", "-o", "out", "--quiet").err == ""
+    assert blastline("render", "film.mkv", "-o", "out", "--quiet").err == ""
     (film, folder, options), (_, _, default) = asked
     assert (film, folder) == (Path("film.mkv"), Path("out"))
     assert (options.formats, options.mix, options.stream) == (("csv", "json"), "0,2", 1)
@@ -275,4 +261,4 @@ def test_progress_on_a_terminal_is_a_bar_with_the_time_left(
 
 
 def test_python_m_is_the_same_command() -> None:
-    assert blastline("--version") == Ended(0, f"blastline {__version__}\n", "")
+    assert blastline_alone("--version") == Ended(0, f"blastline {__version__}\n", "")

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from blastline.errors import RuleError
-from blastline.export import FORMATS, export_timeline, formats_named, read_timeline
+from blastline.export import FORMATS, export_timeline, known_formats, read_timeline
 from blastline.export.table import COLUMNS
 from blastline.model import Timeline
 from timelines import BURST_SHOT, RATE_HZ, SHOT, any_timeline, timeline
@@ -102,7 +102,7 @@ def test_every_format_has_a_file_of_its_own_and_names_its_tool() -> None:
 
 
 def test_formats_come_in_the_order_asked_for_and_once() -> None:
-    assert [each.name for each in formats_named(["csv", "json", "csv"])] == ["csv", "json"]
+    assert [each.name for each in known_formats(["csv", "json", "csv"])] == ["csv", "json"]
 
 
 def test_an_unknown_format_is_refused_before_anything_is_written(tmp_path: Path) -> None:

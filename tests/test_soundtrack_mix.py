@@ -1,3 +1,7 @@
+"""What each mix takes from which channel."""
+
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -8,20 +12,20 @@ SIDE_5_1 = ("FL", "FR", "FC", "LFE", "SL", "SR")
 FILM_5_1 = ("FL", "FC", "FR", "SL", "SR", "LFE")
 
 
-def test_mains_of_5_1_are_the_weights_of_bs_775():
+def test_mains_of_5_1_are_the_weights_of_bs_775() -> None:
     expected = [0.5**0.5, 0.5**0.5, 1.0, 0.0, 0.5, 0.5]
     np.testing.assert_allclose(mix_matrix(SIDE_5_1, 6, "mains")[:, 0], expected, rtol=1e-7)
     np.testing.assert_allclose(mix_matrix(None, 6, "mains")[:, 0], expected, rtol=1e-7)
 
 
-def test_weights_follow_the_names_and_not_the_places():
+def test_weights_follow_the_names_and_not_the_places() -> None:
     by_name = dict(zip(SIDE_5_1, mix_matrix(SIDE_5_1, 6, "all"), strict=True))
     for name, weights in zip(FILM_5_1, mix_matrix(FILM_5_1, 6, "all"), strict=True):
         np.testing.assert_array_equal(weights, by_name[name])
 
 
 @pytest.mark.parametrize(("channels", "low"), [(6, 3), (7, 3), (8, 3)])
-def test_the_low_channel_drives_and_is_not_heard(channels, low):
+def test_the_low_channel_drives_and_is_not_heard(channels: int, low: int) -> None:
     mains = mix_matrix(None, channels, "mains")[:, 0]
     for mix, driving_mains in (("lfe", 0.0), ("all", 1.0)):
         matrix = mix_matrix(None, channels, mix)
@@ -32,25 +36,25 @@ def test_the_low_channel_drives_and_is_not_heard(channels, low):
     assert pytest.approx(10.0, abs=1e-9) == 20.0 * np.log10(LFE_GAIN)
 
 
-def test_without_a_low_channel_all_is_the_mains():
+def test_without_a_low_channel_all_is_the_mains() -> None:
     np.testing.assert_array_equal(mix_matrix(None, 2, "all"), mix_matrix(None, 2, "mains"))
 
 
 @pytest.mark.parametrize("layout", [("FL", "FR"), ("FL", "FR", "LFE")])
-def test_a_pair_with_equal_channels_is_mono_to_the_bit(layout):
+def test_a_pair_with_equal_channels_is_mono_to_the_bit(layout: Sequence[str]) -> None:
     mono = np.random.default_rng(1).uniform(-1, 1, 5000).astype(np.float32)
     pair = np.stack([mono] * len(layout), axis=1)
     np.testing.assert_array_equal(mixed(pair, mix_matrix(layout, len(layout), "mains"))[:, 0], mono)
 
 
-def test_mono_is_taken_as_it_is():
+def test_mono_is_taken_as_it_is() -> None:
     for mix in ("mains", "center", "all", "0"):
         assert is_identity(mix_matrix(None, 1, mix))
     samples = np.ones((3, 1), np.float32)
     assert mixed(samples, mix_matrix(None, 1, "mains")) is samples
 
 
-def test_every_mix_is_the_matrix_product_whatever_the_block():
+def test_every_mix_is_the_matrix_product_whatever_the_block() -> None:
     samples = np.random.default_rng(2).uniform(-1, 1, (1000, 8)).astype(np.float32)
     for mix in ("mains", "lfe", "all", "center", "0,7,3"):
         matrix = mix_matrix(None, 8, mix)
@@ -61,12 +65,12 @@ def test_every_mix_is_the_matrix_product_whatever_the_block():
             np.testing.assert_array_equal(np.concatenate(blocks), whole)
 
 
-def test_numbered_channels_are_averaged_whatever_the_layout():
+def test_numbered_channels_are_averaged_whatever_the_layout() -> None:
     np.testing.assert_array_equal(mix_matrix(None, 12, "11, 0")[[0, 11], 0], [0.5, 0.5])
     np.testing.assert_array_equal(mix_matrix(("FL", "FR"), 2, "1")[:, 0], [0.0, 1.0])
 
 
-def test_a_stereo_version_beside_the_film_is_not_mixed_in():
+def test_a_stereo_version_beside_the_film_is_not_mixed_in() -> None:
     matrix = mix_matrix(("FL", "FR", "FC", "DL", "DR"), 5, "mains")
     np.testing.assert_array_equal(matrix[3:, 0], [0.0, 0.0])
 
@@ -87,6 +91,8 @@ def test_a_stereo_version_beside_the_film_is_not_mixed_in():
         (("LFE",), 1, "mains", "no main channel"),
     ],
 )
-def test_a_mix_that_the_file_does_not_have_is_refused(layout, channels, mix, message):
+def test_a_mix_that_the_file_does_not_have_is_refused(
+    layout: Sequence[str] | None, channels: int, mix: str, message: str
+) -> None:
     with pytest.raises(SoundtrackError, match=message):
         mix_matrix(layout, channels, mix)

@@ -120,11 +120,25 @@ def test_samples_that_are_no_sound_are_set_to_zero_and_counted(tmp_path: Path) -
         assert len(track.source().warnings) == 1
 
 
-def test_absurd_samples_are_no_sound_either(tmp_path: Path) -> None:
-    samples = np.array([[0.5], [3e38], [-2e9], [-0.5]])
+@pytest.mark.parametrize("absurd", [np.nan, np.inf, -np.inf, 3e38, -3e38, 2e9, -2e9])
+def test_one_absurd_sample_anywhere_is_found(tmp_path: Path, absurd: float) -> None:
+    samples = noise(200_000)
+    samples[150_000] = absurd
     found, source = read(wav(tmp_path / "film.wav", samples, subtype="FLOAT"))
-    np.testing.assert_array_equal(found[:, 0], [0.5, 0.0, 0.0, -0.5])
-    assert source.warnings[0].startswith("2 samples")
+    samples[150_000] = 0.0
+    np.testing.assert_array_equal(found, samples.astype(np.float32))
+    assert source.warnings == ("1 sample was NaN or infinite and was set to 0, first at sample 150000",)
+
+
+def test_a_chunk_of_odd_length_does_not_hide_the_missing_end(tmp_path: Path) -> None:
+    data = noise(RATE_HZ)
+    path = wav(tmp_path / "film.wav", data)
+    whole = path.read_bytes()
+    place = whole.index(b"data")
+    path.write_bytes(whole[:place] + b"note\x03\0\0\0abc\0" + whole[place:-RATE_HZ])
+    found, source = read(path)
+    assert len(found) == RATE_HZ // 2
+    assert source.warnings == ("the file declares 1.000 s of sound but only 0.500 s could be read: the end is missing",)
 
 
 @pytest.mark.parametrize("container", ["WAV", "RF64", "W64", "AIFF", "CAF"])

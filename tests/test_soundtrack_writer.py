@@ -1,9 +1,14 @@
+"""The drive as other programs read it: samples, markers, time of day, size."""
+
+from pathlib import Path
+
 import numpy as np
 import pytest
 import soundfile
 import wavinfo
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import ArrayLike, NDArray
 
 from blastline.errors import OutputError
 from blastline.model import Clip
@@ -12,21 +17,21 @@ from blastline.soundtrack import Cue, write_drive
 RATE_HZ = 48_000
 
 
-def clip(samples, start=0, rate_hz=RATE_HZ):
+def clip(samples: ArrayLike, start: int = 0, rate_hz: int = RATE_HZ) -> Clip:
     return Clip(np.asarray(samples, dtype=np.float64).reshape(-1, 1), rate_hz, start)
 
 
-def steps(count, seed=0):
+def steps(count: int, seed: int = 0) -> NDArray[np.float64]:
     """Return random values that 24 bits hold exactly."""
     return np.random.default_rng(seed).integers(-(2**23), 2**23, count) / 2**23
 
 
 @pytest.fixture
-def path(tmp_path):
+def path(tmp_path: Path) -> Path:
     return tmp_path / "drive.wav"
 
 
-def test_24_bit_samples_survive_and_the_rest_is_zero(path):
+def test_24_bit_samples_survive_and_the_rest_is_zero(path: Path) -> None:
     first, second = steps(1000), steps(70_000, seed=1)
     write_drive(path, [clip(first, 500), clip(second, 1500)], rate_hz=RATE_HZ, frames=100_001)
     samples, rate_hz = soundfile.read(path)
@@ -38,14 +43,14 @@ def test_24_bit_samples_survive_and_the_rest_is_zero(path):
     assert (info.format, info.subtype, info.channels) == ("WAV", "PCM_24", 1)
 
 
-def test_one_is_the_top_step_and_only_there_is_anything_clipped(path):
+def test_one_is_the_top_step_and_only_there_is_anything_clipped(path: Path) -> None:
     values = [1.0, 1.0 - 2**-23, -1.0, 0.4 * 2**-23, 0.6 * 2**-23]
     write_drive(path, [clip(values)], rate_hz=RATE_HZ, frames=5)
     np.testing.assert_array_equal(soundfile.read(path)[0] * 2**23, [8_388_607, 8_388_607, -8_388_608, 0, 1])
 
 
 @pytest.mark.parametrize("value", [1.0 + 2**-22, -1.0 - 2**-22, np.nan, np.inf, 5.0])
-def test_a_sample_beyond_the_limit_is_a_mistake_and_is_named(path, value):
+def test_a_sample_beyond_the_limit_is_a_mistake_and_is_named(path: Path, value: float) -> None:
     with pytest.raises(ValueError, match="at sample 12; expected -1 to 1"):
         write_drive(path, [clip([0.0, 0.0, value], 10)], rate_hz=RATE_HZ, frames=20)
 
@@ -60,12 +65,12 @@ def test_a_sample_beyond_the_limit_is_a_mistake_and_is_named(path, value):
         [clip([0.0] * 5, 0, rate_hz=44_100)],
     ],
 )
-def test_a_clip_out_of_place_is_a_mistake(path, clips):
+def test_a_clip_out_of_place_is_a_mistake(path: Path, clips: list[Clip]) -> None:
     with pytest.raises(ValueError, match="does not follow"):
         write_drive(path, clips, rate_hz=RATE_HZ, frames=100)
 
 
-def test_the_last_column_is_written(path):
+def test_the_last_column_is_written(path: Path) -> None:
     columns = np.stack([np.full(10, 0.25), np.full(10, 0.5)], axis=1)
     write_drive(path, [Clip(columns, RATE_HZ, 0)], rate_hz=RATE_HZ, frames=10)
     np.testing.assert_array_equal(soundfile.read(path)[0], 0.5)
@@ -73,7 +78,7 @@ def test_the_last_column_is_written(path):
 
 @pytest.mark.parametrize("frames", [1000, 1001])
 @pytest.mark.parametrize("riff_limit", [0xFFFFFFFF, 500])
-def test_markers_ranges_and_time_of_day_are_read_back(path, frames, riff_limit):
+def test_markers_ranges_and_time_of_day_are_read_back(path: Path, frames: int, riff_limit: int) -> None:
     cues = [Cue(0, "shot 1", 300), Cue(500, "shot 2, burst 1", 24), Cue(999, "end")]
     write_drive(
         path,
@@ -99,7 +104,7 @@ def test_markers_ranges_and_time_of_day_are_read_back(path, frames, riff_limit):
 
 
 @pytest.mark.parametrize("riff_limit", [0xFFFFFFFF, 500])
-def test_the_declared_size_is_the_size_of_the_file(path, riff_limit):
+def test_the_declared_size_is_the_size_of_the_file(path: Path, riff_limit: int) -> None:
     for frames in (0, 1, 2, 999):
         write_drive(path, [], rate_hz=RATE_HZ, frames=frames, cues=[Cue(0, "odd", 1)], riff_limit=riff_limit)
         data = path.read_bytes()
@@ -110,14 +115,14 @@ def test_the_declared_size_is_the_size_of_the_file(path, riff_limit):
         assert len(data) % 2 == 0
 
 
-def test_rf64_holds_the_same_samples(path):
+def test_rf64_holds_the_same_samples(path: Path) -> None:
     values = steps(5000)
     write_drive(path, [clip(values, 1)], rate_hz=RATE_HZ, frames=6000, riff_limit=1000)
     assert soundfile.info(path).format == "RF64"
     np.testing.assert_array_equal(soundfile.read(path)[0][1:5001], values)
 
 
-def test_beyond_4_gib_it_is_rf64_and_silence_takes_no_room(path):
+def test_beyond_4_gib_it_is_rf64_and_silence_takes_no_room(path: Path) -> None:
     frames = 1_500_000_000  # 8.7 hours
     with path.open("wb") as probe:
         probe.truncate(1 << 22)
@@ -134,7 +139,7 @@ def test_beyond_4_gib_it_is_rf64_and_silence_takes_no_room(path):
         np.testing.assert_array_equal(file.read(3), [0.0, 0.5, -0.5])
 
 
-def test_the_same_drive_is_the_same_file(tmp_path):
+def test_the_same_drive_is_the_same_file(tmp_path: Path) -> None:
     for name in ("a.wav", "b.wav"):
         write_drive(tmp_path / name, [clip(steps(10))], rate_hz=RATE_HZ, frames=10, cues=[Cue(1, "shot")])
     assert (tmp_path / "a.wav").read_bytes() == (tmp_path / "b.wav").read_bytes()
@@ -142,9 +147,13 @@ def test_the_same_drive_is_the_same_file(tmp_path):
 
 @settings(max_examples=30)
 @given(st.lists(st.tuples(st.integers(0, 200), st.integers(0, 200)), max_size=6), st.integers(0, 50))
-def test_however_the_drive_is_cut_it_is_the_same_sound(tmp_path_factory, pieces, rest):
+def test_however_the_drive_is_cut_it_is_the_same_sound(
+    tmp_path_factory: pytest.TempPathFactory, pieces: list[tuple[int, int]], rest: int
+) -> None:
     path = tmp_path_factory.mktemp("cut") / "drive.wav"
-    expected, clips, place = [], [], 0
+    expected: list[NDArray[np.float64]] = []
+    clips: list[Clip] = []
+    place = 0
     for gap, length in pieces:
         expected += [np.zeros(gap), steps(length, seed=place)]
         clips.append(clip(expected[-1], place + gap))
@@ -153,11 +162,11 @@ def test_however_the_drive_is_cut_it_is_the_same_sound(tmp_path_factory, pieces,
     np.testing.assert_array_equal(soundfile.read(path)[0], np.concatenate([*expected, np.zeros(rest)]))
 
 
-def test_a_cue_outside_the_drive_is_a_mistake(path):
+def test_a_cue_outside_the_drive_is_a_mistake(path: Path) -> None:
     with pytest.raises(ValueError, match="cue"):
         write_drive(path, [], rate_hz=RATE_HZ, frames=10, cues=[Cue(11, "late")])
 
 
-def test_a_folder_that_is_not_there_is_one_line(tmp_path):
+def test_a_folder_that_is_not_there_is_one_line(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match=r"nowhere.*cannot write the drive: No such file"):
         write_drive(tmp_path / "nowhere" / "drive.wav", [], rate_hz=RATE_HZ, frames=10)

@@ -8,7 +8,8 @@ from ..ruleset import ActuatorProfile, AlignRules
 from ..units import ms_from_samples, samples_from_ms
 from .film import FilmFigures, gaps, scan
 from .sanity import audio_rise_db, fade_margin, order_faults
-from .shots import Comparison, ShotFigures, compare
+from .hearing import Comparison, compare, is_direct
+from .shots import ShotFigures, likeness_limit
 from .sounds import Cutter, DriveFile, Sound, stretch_of
 from .timing import Timing, time_film
 
@@ -124,41 +125,34 @@ def _window_checks(event: Event, rate_hz: int) -> Iterator[Check]:
 
 
 def _shot_checks(
-    shared: Comparison, event: Event, figures: ShotFigures, lag: float | None, *, alone: bool
+    shared: Comparison, event: Event, figures: ShotFigures | None, lag: float | None, *, alone: bool
 ) -> Iterator[Check]:
-    """Yield the checks of a shot's drive; a `direct` one is compared as it is, any other as it is felt."""
+    """Yield the checks of a shot's drive; a `direct` one is compared as it is, any other as it is felt.
+
+    A shot that the drive does not hold fails them all by its correlation and its lag alone.
+    """
     rules, rate_hz = shared.rules, shared.rate_hz
-    subject = "drive" if event.drive is not None and event.drive.model == "direct" else "felt"
-    displaced = None if lag is None else lag - figures.match.lag
-    late = None if displaced is None or figures.undelayed_lag is None else displaced + figures.undelayed_lag
-    late_ms = None if late is None else ms_from_samples(late, rate_hz)
+    subject = "drive" if is_direct(event) else "felt"
     allowed_ms = rules.lag_causal_ms if shared.phase == "causal" else ms_from_samples(rules.lag_zero_samples, rate_hz)
+    late_ms = None if lag is None or figures is None else ms_from_samples(lag + figures.delay, rate_hz)
     yield Check(f"{subject}_lag", event.id, _within(late_ms, allowed_ms), late_ms, allowed_ms, "ms")
-    likeness = figures.match.correlation
-    yield Check(f"{subject}_correlation", event.id, likeness >= rules.correlation, likeness, rules.correlation, "ratio")
-    yield from _attack_check(shared, event, figures, displaced, subject)
+    likeness, wanted = figures.match.correlation if figures else 0.0, likeness_limit(shared, event)
+    yield Check(f"{subject}_correlation", event.id, likeness >= wanted, likeness, wanted, "ratio")
+    if figures is None or lag is None:
+        return
+    if figures.onset_error is not None:
+        error_ms = ms_from_samples(figures.onset_error + lag, rate_hz)
+        in_time = -rules.lead_ms - rules.onset_error_ms <= error_ms <= rules.onset_error_ms
+        yield Check(f"{subject}_onset", event.id, in_time, error_ms, rules.onset_error_ms, "ms")
     yield from _level_check(shared, event, figures, alone=alone)
-    if figures.preecho_db is not None and figures.heard_preecho_db is not None:
-        allowed_db = max(rules.preecho_db, figures.heard_preecho_db + rules.preecho_margin_db)
-        yield Check(
-            "pre_echo", event.id, figures.preecho_db <= allowed_db, figures.preecho_db, allowed_db, "dB of its peak"
-        )
+    allowed_db = max(rules.preecho_db, figures.heard_preecho_db + rules.preecho_margin_db)
+    early_db = figures.preecho_db
+    yield Check("pre_echo", event.id, early_db <= allowed_db, early_db, allowed_db, "dB of its peak")
     yield Check("peak", event.id, figures.peak <= rules.peak, figures.peak, rules.peak, "of the limit")
 
 
-def _attack_check(
-    shared: Comparison, event: Event, figures: ShotFigures, displaced: float | None, subject: str
-) -> Iterator[Check]:
-    if figures.onset_error is None:
-        return
-    error_ms = ms_from_samples(figures.onset_error + (displaced or 0.0), shared.rate_hz)
-    limit_ms = shared.rules.onset_error_ms
-    earliest_ms = -shared.rules.lead_ms - limit_ms
-    yield Check(f"{subject}_onset", event.id, earliest_ms <= error_ms <= limit_ms, error_ms, limit_ms, "ms")
-
-
 def _level_check(shared: Comparison, event: Event, figures: ShotFigures, *, alone: bool) -> Iterator[Check]:
-    if event.drive is None or figures.level_db is None:
+    if event.drive is None:
         return
     limit_db = shared.rules.level_error_db if alone else shared.rules.shared_level_error_db
     error_db = figures.level_db - event.drive.perceived_gain_db

@@ -18,12 +18,12 @@ class Match:
 NO_MATCH = Match(math.nan, 0.0)
 """The match of a pattern with nothing to compare."""
 
-_LEAST_SHARE = 0.02
+_LEAST_SHARE = 0.05
 """A match needs this share of the pattern's energy: from less, chance alone correlates."""
 
 
-def find(pattern: NDArray[np.float64], moving: NDArray[np.float64], counts: NDArray[np.bool_]) -> Match:
-    """Return where `pattern` lies in `moving`, over the samples of `moving` that count.
+def find(pattern: NDArray[np.float64], moving: NDArray[np.float64], counts: NDArray[np.bool_] | None = None) -> Match:
+    """Return where `pattern` lies in `moving`, over the samples of `moving` that count; None counts them all.
 
     `moving` is longer than the pattern by the same number of samples, the search range, at either end. For each lag
 
@@ -35,12 +35,13 @@ def find(pattern: NDArray[np.float64], moving: NDArray[np.float64], counts: NDAr
     search = (len(moving) - len(pattern)) // 2
     if not pattern.any() or not moving.any():
         return NO_MATCH
-    weighted = np.where(counts, moving, 0.0)
-    shared = _slide(pattern**2, counts.astype(np.float64))
+    own = float(np.dot(pattern, pattern))
+    weighted = moving if counts is None else np.where(counts, moving, 0.0)
+    shared = own if counts is None else _slide(pattern**2, counts.astype(np.float64))
     energy = np.cumsum(np.concatenate([[0.0], weighted**2]))
     felt = energy[len(pattern) :] - energy[: len(energy) - len(pattern)]
     product = _slide(pattern, weighted)
-    enough = (shared > _LEAST_SHARE * float(np.dot(pattern, pattern))) & (felt > 1e-9 * energy[-1])
+    enough = (np.asarray(shared) >= _LEAST_SHARE * own) & (felt > 1e-9 * energy[-1])
     scale = np.sqrt(np.where(enough, shared * felt, 1.0))
     correlation = np.where(enough, product / scale, 0.0)
     best = int(np.argmax(np.abs(correlation)))

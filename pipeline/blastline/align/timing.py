@@ -8,7 +8,8 @@ import numpy as np
 
 from ..model import Background, Event, Span
 from .film import moving_spans
-from .shots import Comparison, ShotFigures, locate, measure, part_of
+from .hearing import Comparison
+from .shots import ShotFigures, likeness_limit, locate, measure, part_of
 from .sounds import Place
 
 _PROBES = 24
@@ -25,13 +26,13 @@ _STILL_MS = 10.0
 class Timing:
     """Where the drive holds the film: its line, which shots it was fitted to, and each shot's figures.
 
-    `place` is the fitted line; the figures were taken with the drive read from `read`, and `lags` are in samples of
-    the film, None where a shot was not found.
+    `place` is the fitted line, None where no shot was found; the figures were taken with the drive read from `read`;
+    `lags` are in samples against what was intended, None where a shot was not found.
     """
 
     place: Place | None
     read: Place
-    figures: tuple[ShotFigures, ...]
+    figures: tuple[ShotFigures | None, ...]
     lags: tuple[float | None, ...]
 
 
@@ -63,13 +64,22 @@ def _found(timing: Timing) -> int:
 
 
 def _measure_all(shared: Comparison, events: Sequence[Event], parts: Sequence[Span], read: Place) -> Timing:
+    """Return the timing with the drive read from one place; the line goes through exact lags where there are enough."""
     figures = tuple(measure(shared, event, part, place=read) for event, part in zip(events, parts, strict=True))
     lags: list[float | None] = []
+    found: list[tuple[float, float]] = []
+    exact: list[tuple[float, float]] = []
     for event, figure in zip(events, figures, strict=True):
-        known = abs(figure.match.correlation) >= shared.rules.correlation
-        lags.append(read.lag(event.onset_sample) + figure.match.lag * read.stretch if known else None)
-    found = [(event.onset_sample, lag) for event, lag in zip(events, lags, strict=True) if lag is not None]
-    return Timing(_line(found) if found else None, read, figures, tuple(lags))
+        if figure is None or abs(figure.match.correlation) < likeness_limit(shared, event):
+            lags.append(None)
+            continue
+        lag = read.lag(event.onset_sample) + figure.match.lag * read.stretch
+        lags.append(lag)
+        found.append((event.onset_sample, lag))
+        if figure.exact:
+            exact.append(found[-1])
+    enough = exact if 4 * len(exact) >= len(found) else found
+    return Timing(_line(enough) if enough else None, read, figures, tuple(lags))
 
 
 def _line(found: Sequence[tuple[float, float]]) -> Place:
@@ -113,6 +123,6 @@ def _by_probes(shared: Comparison, events: Sequence[Event], parts: Sequence[Span
         onset = events[index].onset_sample
         expected = round(_line(found).lag(onset)) if found else 0
         match = locate(shared, events[index], parts[index], place=Place(1.0, expected), search=shared.samples(_WIDE_MS))
-        if abs(match.correlation) >= shared.rules.correlation:
+        if abs(match.correlation) >= likeness_limit(shared, events[index]):
             found.append((onset, expected + match.lag))
     return _line(found) if len(found) > len(chosen) // 2 else None

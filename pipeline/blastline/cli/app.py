@@ -17,7 +17,7 @@ import typer
 
 from .. import __version__
 from ..errors import BlastlineError
-from . import actuators, film, rulefiles, synthesis
+from . import actuators, film, rulefiles, study, synthesis
 
 USAGE, BUG, INTERRUPTED, CLOSED_PIPE = 2, 70, 130, 141
 
@@ -35,6 +35,7 @@ app.command()(film.export)
 app.add_typer(actuators.group, name="actuator")
 app.add_typer(rulefiles.group, name="rules")
 app.command()(synthesis.synth)
+app.add_typer(study.group, name="study")
 
 
 def _print_version(wanted: bool) -> None:

@@ -1,11 +1,12 @@
-"""A shot's parts: the blast, its discrete reflections, and where the decay is over.
+r"""A shot's parts: the blast, its discrete reflections, and where the decay is over.
 
-    |\\                       blast: onset to the end of the direct sound
-    | \\  /\\    .-.           reflections: copies of the blast, later, weaker
-    |  \\/  \\__/   \\__        decay: down to `decay_db` below the peak or the background
+    |\                       blast: onset to the end of the direct sound
+    | \  /\    .-.           reflections: copies of the blast, later, weaker
+    |  \/  \__/   \__        decay: down to `decay_db` below its start, to the background, or to the next sound
 
-A reflection is a lag at which the sound after the blast correlates with the blast itself: its level is the gain of
-the copy that fits best (a matched filter with the blast as the template).
+A reflection is a lag at which the sound after the blast correlates with the blast itself (a matched filter). It is
+looked for in the first difference, where a shock front is a spike and a voice or an engine hardly resembles it, and it
+has to stand out of its own neighbourhood: a tail full of overlapping echoes holds no discrete one.
 """
 
 import numpy as np
@@ -17,12 +18,15 @@ from ..units import db_from_gain, gain_from_db, ms_from_samples, samples_from_ms
 
 BACKGROUND_MS = 200.0
 PEAK_MS = 20.0
-_SMOOTH_MS = 10.0
-# longer than the level stays low where the blast crosses zero, shorter than the gap to an echo
-_BLAST_GRAIN_MS = 2.0
-# a copy of the blast has to look like it: the correlation coefficient from which a lag counts
-_LIKENESS = 0.5
+_SMOOTH_MS = 25.0  # a period of the lowest boom that a film puts under a shot
+_RISE_AGAIN = 2.0  # the decay is over where the level, once 12 dB down, doubles: something else has begun
+_DECAYED = 0.25
+_NEIGHBOURHOOD_MS = 15.0
 _REFLECTION_APART_MS = 3.0
+# A Friedlander blast stays below a tenth of its peak for two thirds of its positive phase where it crosses zero: a peak
+# held a little longer does not take the crossing for the end.
+_HOLD_PER_PHASE = 0.8
+_HOLD_MS = (0.1, 2.0)
 
 
 def segment(
@@ -60,54 +64,60 @@ def segment(
 def _blast_length(wave: NDArray[np.float64], peak: float, *, rate_hz: int, rules: SegmentRules) -> int:
     """Return where the envelope has fallen by `blast_decay_db` for the first time, in samples from the onset."""
     longest = min(wave.shape[0], samples_from_ms(rules.longest_blast_ms, rate_hz))
-    grain = max(1, samples_from_ms(_BLAST_GRAIN_MS, rate_hz))
-    envelope = _running_peak(np.abs(wave[: longest + grain]), grain)[:longest]
-    top = int(np.argmax(envelope)) if longest else 0
-    below = np.flatnonzero(envelope[top:] < peak * gain_from_db(-rules.blast_decay_db))
-    return max(1, top + int(below[0]) if below.size else longest) if wave.size else 0
+    if longest == 0:
+        return 0
+    near = wave[: 2 * longest]
+    top = int(np.argmax(np.abs(near[:longest])))
+    turned = np.flatnonzero(near[top:] * near[top] < 0.0)
+    phase = top + int(turned[0]) if turned.size else longest
+    shortest_hold, longest_hold = (max(1, samples_from_ms(ms, rate_hz)) for ms in _HOLD_MS)
+    hold = min(max(int(_HOLD_PER_PHASE * phase), shortest_hold), longest_hold)
+    below = np.flatnonzero(_running_peak(np.abs(near), hold)[top:longest] < peak * gain_from_db(-rules.blast_decay_db))
+    return max(1, top + int(below[0]) if below.size else longest)
 
 
 def _reflections(
     wave: NDArray[np.float64], blast: int, *, at: int, rate_hz: int, rules: SegmentRules
 ) -> tuple[Reflection, ...]:
+    from scipy.ndimage import uniform_filter1d
     from scipy.signal import correlate, find_peaks
 
     earliest = max(blast, samples_from_ms(rules.earliest_reflection_ms, rate_hz))
     latest = min(wave.shape[0] - blast, samples_from_ms(rules.latest_reflection_ms, rate_hz))
-    template = wave[:blast]
+    steep = np.diff(wave[: latest + blast], prepend=0.0)
+    template = steep[:blast]
     energy = float(template @ template)
     if latest <= earliest or energy <= 0.0:
         return ()
-    heard = wave[: latest + blast]
-    product = correlate(heard, template, mode="valid", method="fft")
-    sums = np.concatenate([[0.0], np.cumsum(heard**2)])
-    local = np.maximum(sums[blast:] - sums[:-blast], 1e-30)
-    gain = np.abs(product) / energy
-    likeness = np.abs(product) / np.sqrt(energy * local)
-    gain[:earliest] = 0.0
-    peaks, _ = find_peaks(
-        np.where(likeness >= _LIKENESS, gain, 0.0),
-        height=gain_from_db(rules.reflection_level_db),
-        distance=max(1, samples_from_ms(_REFLECTION_APART_MS, rate_hz)),
-    )
-    return tuple(
-        Reflection(
-            at + int(lag), at + int(lag) + blast, ms_from_samples(int(lag), rate_hz), db_from_gain(float(gain[lag]))
-        )
-        for lag in peaks
-    )
+    product = np.abs(correlate(steep, template, mode="valid", method="fft"))
+    sums = np.concatenate([[0.0], np.cumsum(steep**2)])
+    likeness = product / np.sqrt(energy * np.maximum(sums[blast:] - sums[:-blast], 1e-30))
+    around = max(1, samples_from_ms(_NEIGHBOURHOOD_MS, rate_hz))
+    prominence = product / np.sqrt(np.maximum(uniform_filter1d(product**2, around), 1e-30))
+    stands_out = (likeness >= rules.reflection_likeness) & (prominence >= rules.reflection_prominence)
+    stands_out[:earliest] = False
+    gain = np.where(stands_out, product / energy, 0.0)
+    apart = max(1, samples_from_ms(_REFLECTION_APART_MS, rate_hz))
+    lags, _ = find_peaks(gain, height=gain_from_db(rules.reflection_level_db), distance=apart)
+    found: list[Reflection] = []
+    for lag in map(int, lags):
+        level_db = db_from_gain(float(gain[lag]))
+        found.append(Reflection(at + lag, at + lag + blast, ms_from_samples(lag, rate_hz), level_db))
+    return tuple(found)
 
 
 def _decay_length(
     wave: NDArray[np.float64], peak: float, background: float, *, rate_hz: int, rules: SegmentRules
 ) -> int:
-    """Return when the smoothed level first falls `decay_db` under its start, or to the background."""
+    """Return when the smoothed level falls `decay_db` under its start, to the background, or rises again."""
     shortest, longest = samples_from_ms(rules.shortest_ms, rate_hz), samples_from_ms(rules.longest_ms, rate_hz)
     grain = max(1, samples_from_ms(_SMOOTH_MS, rate_hz))
     grains = wave[: wave.shape[0] // grain * grain].reshape(-1, grain)
     level = np.sqrt(np.mean(grains**2, axis=1))
-    start = float(level[:3].max(initial=0.0))
+    start = float(level[:2].max(initial=0.0))
     over = (level < start * gain_from_db(-rules.decay_db)) | (level < 1.4 * background)
+    lowest = np.minimum.accumulate(level)
+    over |= (lowest < _DECAYED * start) & (level > _RISE_AGAIN * lowest)
     over &= np.arange(level.shape[0]) * grain >= shortest
     found = np.flatnonzero(over[:-1] & over[1:]) if over.size > 1 else np.empty(0, np.intp)
     length = int(found[0]) * grain if found.size else longest

@@ -1,6 +1,6 @@
 """The timeline as files: one writer for each tool that opens it, and the reader of `timeline.json`."""
 
-from .formats import FORMATS, Format, export_timeline, formats_named
+from .formats import FORMATS, Format, export_timeline, known_formats
 from .reading import read_timeline
 
-__all__ = ["FORMATS", "Format", "export_timeline", "formats_named", "read_timeline"]
+__all__ = ["FORMATS", "Format", "export_timeline", "known_formats", "read_timeline"]

@@ -36,7 +36,7 @@ _ALL = (
 FORMATS: Mapping[str, Format] = MappingProxyType({known.name: known for known in _ALL})
 
 
-def formats_named(names: Iterable[str]) -> tuple[Format, ...]:
+def known_formats(names: Iterable[str]) -> tuple[Format, ...]:
     """Return the formats of the given names, each once and in order; RuleError for a name that is none."""
     unique = tuple(dict.fromkeys(names))
     for name in unique:
@@ -50,7 +50,7 @@ def export_timeline(timeline: Timeline, folder: Path, *, formats: Iterable[str])
 
     A file of the same name is replaced. Raises RuleError for an unknown format before anything is written.
     """
-    chosen = formats_named(formats)
+    chosen = known_formats(formats)
     for each in chosen:
         each.write(timeline, folder / each.file_name)
     return [folder / each.file_name for each in chosen]

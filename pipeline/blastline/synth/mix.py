@@ -5,6 +5,7 @@ and forgotten soon after, so a film of two hours needs no more memory than a cli
 changes nothing.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -13,7 +14,7 @@ import msgspec
 import numpy as np
 
 from ..model import Reflection, Span
-from ..units import SILENCE_DB, db_from_gain, gain_from_db, samples_from_s
+from ..units import db_from_gain, gain_from_db, samples_from_s
 from .bed_loop import BedLoop, bed_loop
 from .chance import chance, generator
 from .cues import cues, voice_of
@@ -61,7 +62,7 @@ class SceneAudio:
         self.cues = tuple(sorted(cues(scene), key=lambda cue: (cue.onset, cue.name)))
         self._onsets = np.array([cue.onset for cue in self.cues], dtype=np.int64)
         self._bed: Callable[[int], BedLoop] = lru_cache(maxsize=6)(self._make_bed)
-        self._sound: Callable[[int], Sound] = lru_cache(maxsize=48)(self._make_sound)
+        self._sound: Callable[[int], Sound] = lru_cache(maxsize=24)(self._make_sound)
 
     def read(self, start: int, stop: int, *, without: int | None = None) -> Samples:
         """Return the limited mix from `start` to `stop`, shape (frames, channels), without one cue where asked."""
@@ -100,7 +101,7 @@ class SceneAudio:
                 yield msgspec.structs.replace(
                     _clamped(sound.truth, self.frames),
                     peak_dbfs=db_from_gain(top),
-                    snr_db=min(db_from_gain(top) - db_from_gain(background), -SILENCE_DB),
+                    snr_db=db_from_gain(top) - db_from_gain(background),
                     burst=cue.burst,
                     shot_in_burst=cue.shot_in_burst,
                 )
@@ -114,11 +115,14 @@ class SceneAudio:
                 yield NegativeTruth(cue.onset, cue.onset / self.rate_hz, cue.item.kind, min(top, 0.0))
 
     def _levels(self, index: int, onset: int) -> tuple[float, float]:
-        """Return the peak that a shot adds to the mix, and the rms of everything else before it."""
+        """Return the peak of a shot alone, limited, and the rms of everything else before it and the file's rounding."""
         stop = min(self.frames, onset + samples_from_s(PEAK_WITHIN_S, self.rate_hz))
-        added = self.read(onset, stop) - self.read(onset, stop, without=index)
+        alone = np.zeros((stop - onset, self.channels))
+        _add(alone, self._sound(index), onset, rate_hz=self.rate_hz)
         span = self._background(onset)
-        return peak(mains(added)), rms(mains(self.read(span.start, span.stop, without=index)))
+        others = rms(mains(self.read(span.start, span.stop, without=index)))
+        rounding = 0.5 ** self.scene.master.bits
+        return peak(mains(limited(alone, self.scene.master))), math.hypot(others, rounding)
 
     def _background(self, onset: int) -> Span:
         """Return the 200 ms before an onset, as much as there is; at the scene's start the 200 ms that follow."""

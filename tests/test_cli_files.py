@@ -1,0 +1,225 @@
+"""The command line on real files: what it writes, what it refuses, and what is left when it is broken off."""
+
+import json
+import signal
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+
+from blastline.export import read_timeline
+from commands import RATE_HZ, blastline, blastline_alone, interrupted, write_film
+
+RESULTS = ["drive.wav", "report.html", "timeline.csv", "timeline.json"]
+SHOTS_S = (1.0, 2.5)
+
+
+@pytest.fixture(scope="session")
+def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_film(tmp_path_factory.mktemp("film") / "film.wav", length_s=4.0, shots_s=SHOTS_S)
+
+
+@pytest.fixture(scope="session")
+def believing(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return rules that take every candidate for a shot, so that no test depends on what the verifier has learnt."""
+    folder = tmp_path_factory.mktemp("rules")
+    for quality in ("draft", "standard"):
+        (folder / "quality").mkdir(exist_ok=True)
+        (folder / "quality" / f"{quality}.toml").write_text("[verify]\nthreshold = 0.0\n")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def result(tmp_path_factory: pytest.TempPathFactory, film: Path, believing: Path) -> Path:
+    """Return the folder of a finished run."""
+    folder = tmp_path_factory.mktemp("result") / "out"
+    ended = blastline("render", film, "-o", folder, "--rules", believing)
+    assert (ended.code, ended.out) == (0, ""), ended
+    return folder
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    """Return every file below a folder, hidden ones too."""
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_a_render_writes_what_was_promised(result: Path, film: Path) -> None:
+    assert sorted(files(result)) == RESULTS
+    drive, original = soundfile.info(result / "drive.wav"), soundfile.info(film)
+    assert (drive.samplerate, drive.frames, drive.channels) == (original.samplerate, original.frames, 1)
+    assert drive.subtype == "PCM_24"
+    found = read_timeline(result / "timeline.json")
+    onsets_s = [event.onset_sample / RATE_HZ for event in found.events]
+    assert all(min(abs(onset_s - shot_s) for onset_s in onsets_s) < 1e-3 for shot_s in SHOTS_S)
+    samples, _ = soundfile.read(result / "drive.wav", dtype="int32")
+    inside = np.zeros(len(samples), dtype=bool)
+    for event in found.events:
+        inside[event.window.start : event.window.stop] = True
+    assert np.any(samples[inside])
+    assert not np.any(samples[~inside])
+
+
+def test_the_same_run_gives_the_same_files(tmp_path: Path, result: Path, film: Path, believing: Path) -> None:
+    assert blastline("render", film, "-o", tmp_path, "--rules", believing, "--quiet").err == ""
+    first, second = files(result), files(tmp_path)
+    assert [name for name in first if first[name] != second[name]] == []
+
+
+def test_a_result_passes_its_checks_again_and_a_late_drive_does_not(
+    tmp_path: Path, result: Path, film: Path, believing: Path
+) -> None:
+    ended = blastline("check", result, "--audio", film, "--rules", believing, "--quiet")
+    assert (ended.code, ended.out, ended.err) == (0, "", "")
+    samples, _ = soundfile.read(result / "drive.wav", dtype="int32")
+    soundfile.write(tmp_path / "late.wav", np.roll(samples, RATE_HZ // 20), RATE_HZ, subtype="PCM_24")
+    ended = blastline("check", result, "--audio", film, "--drive", tmp_path / "late.wav", "--rules", believing)
+    assert ended.code == 1
+    assert "failed: " in ended.out
+
+
+def test_detect_writes_a_timeline_and_nothing_else(tmp_path: Path, film: Path, believing: Path) -> None:
+    shown = blastline("detect", film, "--rules", believing)
+    assert shown.code == 0
+    found = json.loads(shown.out)
+    assert len(found["events"]) >= len(SHOTS_S)
+    file = tmp_path / "new" / "found.json"
+    assert blastline("detect", film, "--rules", believing, "-o", file, "--quiet").out == ""
+    assert file.read_text(encoding="utf-8") == shown.out
+    assert [*tmp_path.rglob("*")] == [tmp_path / "new", file]
+    assert "exists already" in blastline("detect", film, "-o", file).complaint
+    assert blastline("detect", film, "--rules", believing, "-o", file, "--overwrite", "--quality", "draft").code == 0
+    assert read_timeline(file).quality == "draft"
+
+
+def test_an_export_prints_the_files_that_it_wrote(tmp_path: Path, result: Path) -> None:
+    ended = blastline("export", result / "timeline.json", "--format", "csv,audacity", "-o", tmp_path)
+    assert (ended.code, ended.err) == (0, "")
+    assert ended.out.splitlines() == [str(tmp_path / "timeline.csv"), str(tmp_path / "timeline.audacity.txt")]
+    assert (tmp_path / "timeline.csv").read_bytes() == (result / "timeline.csv").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("text.wav", b"this is no sound\n" * 100),
+        ("text.mkv", b"this is no film\n" * 100),
+        ("empty.wav", b""),
+        ("header.wav", b"RIFF\x24\x00\x00\x00WAVE"),
+        ("none.wav", None),
+        (".", None),
+    ],
+)
+def test_what_is_no_film_is_refused(tmp_path: Path, name: str, content: bytes | None) -> None:
+    film = tmp_path / name
+    if content is not None:
+        film.write_bytes(content)
+    assert str(film) in blastline("detect", film).complaint
+    assert str(film) in blastline("render", film, "-o", tmp_path / "out", "--quiet").complaint
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "complaint"),
+    [
+        ("--actuator none", "none: no such actuator profile; expected a .toml file or one of: crowson-t108sm"),
+        (
+            "--actuator unstable.toml",
+            "unstable.toml: response.poles_rad_s[0] = [5.0, 0.0]: expected a negative real part",
+        ),
+        ("--rules none", "none: not a folder"),
+        ("--rules wrong", "align.toml: correlation = 7: expected `float` <= 1.0"),
+        ("--rules unknown", "align.toml: top level: object contains unknown field `korrelation`"),
+        ("--format json,xls", "--format 'xls': no such format; expected some of: json, csv, audacity"),
+        ("--format ,", "--format '': no such format"),
+        ("--mix sides", "mix 'sides'"),
+        ("--mix 5", "mix '5'"),
+        ("--stream 3", "stream"),
+    ],
+)
+def test_rules_and_options_that_cannot_be_used_are_refused(
+    tmp_path: Path, film: Path, options: str, complaint: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    profile = Path(__file__).parents[1] / "rules" / "actuators" / "crowson-t108sm.toml"
+    Path("unstable.toml").write_text(profile.read_text().replace("= [[-1400.0, 0.0], ", "= [[5.0, 0.0], "))
+    for folder, text in (("wrong", "correlation = 7"), ("unknown", "korrelation = 0.5")):
+        Path(folder).mkdir()
+        Path(folder, "align.toml").write_text(text)
+    assert complaint in blastline("render", film, "-o", "out", *options.split(), "--quiet").complaint
+    assert not Path("out").exists()
+
+
+def test_earlier_results_are_replaced_only_when_that_is_asked_for(tmp_path: Path, film: Path) -> None:
+    (tmp_path / "timeline.csv").write_text("mine")
+    (tmp_path / "notes.txt").write_text("mine")
+    before = files(tmp_path)
+    expected = f"{tmp_path / 'timeline.csv'}: exists already; give --overwrite to replace it, or another folder"
+    assert blastline("render", film, "-o", tmp_path).complaint == expected
+    assert files(tmp_path) == before
+    assert blastline("render", film, "-o", tmp_path, "--overwrite", "--no-report").code == 0
+    assert sorted(files(tmp_path)) == ["drive.wav", "notes.txt", "timeline.csv", "timeline.json"]
+    assert files(tmp_path)["notes.txt"] == b"mine"
+
+
+def test_a_place_that_cannot_be_written_is_refused(tmp_path: Path, film: Path) -> None:
+    (tmp_path / "file").write_text("mine")
+    assert "file: is a file; expected a folder" in blastline("render", film, "-o", tmp_path / "file").complaint
+    deeper = tmp_path / "file" / "deeper"
+    assert "cannot write here: Not a directory" in blastline("render", film, "-o", deeper, "--quiet").complaint
+
+
+def test_a_timeline_of_a_newer_version_is_refused(tmp_path: Path, result: Path) -> None:
+    plain = json.loads((result / "timeline.json").read_text(encoding="utf-8"))
+    newer = tmp_path / "timeline.json"
+    newer.write_text(json.dumps({**plain, "schema": "blastline.timeline/2", "version": "9.0"}))
+    complaint = f"{newer}: schema = 'blastline.timeline/2', written by blastline 9.0: this version reads only"
+    assert complaint in blastline("check", newer).complaint
+    assert complaint in blastline("export", newer, "--format", "csv", "-o", tmp_path / "out").complaint
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX limits")
+@pytest.mark.parametrize("earlier", [False, True])
+def test_a_full_disk_is_one_line_and_leaves_nothing(tmp_path: Path, film: Path, earlier: bool) -> None:
+    """A limit on the size of a file is what a full disk looks like from inside."""
+    import resource
+
+    def small_files_only() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+
+    out = tmp_path / "out"
+    if earlier:
+        out.mkdir()
+        (out / "timeline.csv").write_text("mine")
+    before = files(tmp_path)
+    ended = blastline_alone("render", film, "-o", out, "--overwrite", "--quiet", prepare=small_files_only)
+    assert "File too large" in ended.complaint
+    assert files(tmp_path) == before
+    assert out.exists() == earlier
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
+@pytest.mark.parametrize(
+    ("number", "at"),
+    [
+        (signal.SIGINT, "listening"),
+        (signal.SIGINT, "rendering"),
+        (signal.SIGTERM, "rendering"),
+        (signal.SIGHUP, "listening"),
+    ],
+)
+def test_a_run_that_is_interrupted_leaves_earlier_results_alone(
+    tmp_path: Path, believing: Path, number: signal.Signals, at: str
+) -> None:
+    long_film = write_film(tmp_path / "film.wav", length_s=30.0, shots_s=tuple(np.arange(0.5, 29.0, 0.5)))
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "timeline.json").write_text("mine")
+    before = files(out)
+    ended = interrupted("render", long_film, "-o", out, "--overwrite", "--rules", believing, number=number, at=at)
+    assert (ended.code, ended.out) == (130, "")
+    assert ended.err.splitlines()[-1] == "blastline: interrupted; nothing was written"
+    assert "Traceback" not in ended.err
+    assert files(out) == before
