@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from blastline.detect.bursts import group_bursts, keep_apart
+from blastline.detect.find import stretches
 from blastline.detect.onset import refine_onsets
 from blastline.detect.scan import candidate_steps, rises
 from blastline.detect.segment import segment
@@ -88,7 +89,7 @@ def test_the_onset_is_the_first_sample_of_the_rise(rate_hz: int, rise_ms: float)
         shot = 0.5 * blast(rate_hz, rise_ms=rise_ms, positive_ms=2.0)
         samples[at : at + shot.shape[0]] += shot.astype(np.float32)
         grid = Grid(rate_hz)
-        (piece,) = list(pieces(clips(samples, samples.shape[0], rate_hz), rate_hz))
+        piece = next(stretches(pieces(clips(samples, samples.shape[0], rate_hz), rate_hz)))
         steps = candidate_steps(piece.peak, piece.slope, piece.bands, grid=grid, rules=TIER.scan)
         onsets = refine_onsets(piece.samples, steps * grid.step, rate_hz=rate_hz, rules=TIER.onset)
         errors_ms.append(np.min(np.abs(onsets - at)) * 1000.0 / rate_hz)
@@ -114,7 +115,7 @@ def test_a_shot_on_the_first_sample_is_a_candidate_with_onset_zero() -> None:
     samples = film()
     shot = 0.5 * blast()
     samples[: shot.shape[0]] += shot.astype(np.float32)
-    (piece,) = list(pieces(clips(samples, samples.shape[0]), RATE_HZ))
+    piece = next(stretches(pieces(clips(samples, samples.shape[0]), RATE_HZ)))
     steps = candidate_steps(piece.peak, piece.slope, piece.bands, grid=Grid(RATE_HZ), rules=TIER.scan)
     onsets = refine_onsets(piece.samples, steps * 48, rate_hz=RATE_HZ, rules=TIER.onset)
     assert 0 in onsets

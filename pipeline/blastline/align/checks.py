@@ -7,8 +7,8 @@ from ..model import Background, Check, Event, Phase, Span, Timeline
 from ..ruleset import ActuatorProfile, AlignRules
 from ..units import ms_from_samples, samples_from_ms
 from .film import FilmFigures, gaps, scan
-from .sanity import audio_rise_db, fade_margin, order_faults
 from .hearing import Comparison, compare, is_direct
+from .sanity import audio_rise_db, fade_margin, order_faults
 from .shots import ShotFigures, likeness_limit
 from .sounds import Cutter, DriveFile, Sound, stretch_of
 from .timing import Timing, time_film

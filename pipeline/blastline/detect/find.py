@@ -19,8 +19,8 @@ from .segment import segment
 from .tracks import Grid, Piece, pieces
 from .verify import Verifier, probabilities
 
-# A piece is a little more than a second. Before the core: the neighbourhood of `features`; after it: the longest decay.
-LEFT_PIECES, CORE_PIECES, RIGHT_PIECES = 4, 16, 3
+# A piece is about half a second. Before the core: the neighbourhood of `features`; after it: the longest decay.
+LEFT_PIECES, CORE_PIECES, RIGHT_PIECES = 8, 32, 6
 _SAME_ONSET_MS = 3.0
 
 

@@ -22,7 +22,7 @@ from ..detect.tracks import Grid, pieces
 from ..detect.verify import ModelFile, Tree
 from ..model import Clip
 from ..ruleset import QualityRules, load_rules
-from ..synth import random_bed, random_negative, random_shot
+from ..synth import film_scene, random_bed, random_negative, random_shot, render_scene, truth_of
 from .corpus import Recording, load_sound, read_corpus
 from .mixes import Mix, Sound, mix
 
@@ -84,6 +84,30 @@ def synthetic_mixes(count: int, seed: int) -> Iterable[Mix]:
             rng=rng,
             rate_hz=RATE_HZ,
             levels_db=LEVELS_DB,
+        )
+
+
+def synthetic_films(count: int, seed: int) -> Iterable[Mix]:
+    """Yield scenes as `blastline synth` makes them: bursts, rooms and beds that change, mastered as one."""
+    for number in range(count):
+        rng = np.random.default_rng([seed, number])
+        shots = int(rng.integers(0, 16))
+        audio = render_scene(
+            film_scene(
+                seed * 10_000 + number, MIX_S, shots, int(rng.integers(8, 40)), gun_free=shots == 0, rate_hz=RATE_HZ
+            )
+        )
+        truth = truth_of(audio)
+        samples = audio.read(0, audio.frames)[:, 0]
+        yield Mix(
+            samples=np.asarray(np.round(samples * 32767.0) / 32768.0, np.float32),
+            onsets=np.array([shot.onset_sample for shot in truth.shots], np.intp),
+            level_db=np.array([shot.snr_db for shot in truth.shots], np.float64),
+            unsure=np.array(
+                [at for shot in truth.shots for at in shot.accept_samples]
+                + [each.at_sample for each in truth.negatives if each.kind == "explosion"],
+                np.intp,
+            ),
         )
 
 
@@ -151,46 +175,45 @@ def f1_at(probability: NDArray[np.float64], rows: Rows, threshold: float) -> flo
     return 2.0 * hits / max(1, int(taken.sum()) + int(rows.labels.sum()) + rows.missed)
 
 
-def held_out(
-    recordings: Sequence[Recording], synthetic: Rows, tier: QualityRules, *, folds: int, count: int, seed: int
-) -> dict[str, float]:
-    """Return F1 and the best threshold over folds that leave whole sources of recordings out of training."""
-    sources = sorted({r.source for r in recordings})
-    np.random.default_rng(seed).shuffle(sources)
-    probability: list[NDArray[np.float64]] = []
-    tested: list[Rows] = []
-    for fold in range(folds):
-        out = set(sources[fold::folds])
-        train = [r for r in recordings if r.source not in out]
-        test = [r for r in recordings if r.source in out]
-        rows = join([synthetic, gather(recorded_mixes(train, count, seed + 1 + fold), tier)])
-        tested.append(gather(recorded_mixes(test, max(1, count // folds), seed + 101 + fold, synthetic=0.0), tier))
-        probability.append(fit(rows, seed).predict_proba(tested[-1].features)[:, 1])
-        print(f"fold {fold}: F1 {f1_at(probability[-1], tested[-1], 0.5):.3f} at 0.5", file=sys.stderr)  # noqa: T201
-    every, scores = join(tested), np.concatenate(probability)
+def held_out(parts: Sequence[Rows], synthetic: Rows, seed: int) -> dict[str, float]:
+    """Return F1 on recordings of sources that training did not hear, and the threshold at which it is best.
+
+    `parts` are rows of mixes whose recordings come from disjoint sets of sources.
+    """
+    scores: list[NDArray[np.float64]] = []
+    for out, part in enumerate(parts):
+        heard = join([synthetic, *(rows for index, rows in enumerate(parts) if index != out)])
+        scores.append(np.asarray(fit(heard, seed).predict_proba(part.features)[:, 1], np.float64))
+    every, probability = join(parts), np.concatenate(scores)
     thresholds = np.linspace(0.05, 0.95, 91)
-    f1 = [f1_at(scores, every, float(t)) for t in thresholds]
+    f1 = [f1_at(probability, every, float(t)) for t in thresholds]
     best = int(np.argmax(f1))
+    ceiling = 1.0 - every.missed / (every.missed + int(every.labels.sum()))
     return {
-        "folds": folds,
-        "f1": f1[best],
-        "threshold": float(thresholds[best]),
-        "f1_at_half": f1_at(scores, every, 0.5),
+        "folds": len(parts),
+        "f1": round(f1[best], 4),
+        "threshold": round(float(thresholds[best]), 2),
+        "f1_at_half": round(f1_at(probability, every, 0.5), 4),
+        "candidate_recall": round(ceiling, 4),
     }
 
 
 def train(corpus: Sequence[Path], *, synthetic: int, recorded: int, folds: int, seed: int) -> ModelFile:
-    """Return a verifier trained on synthetic mixes and, where a corpus is given, on recordings."""
+    """Return a verifier trained on synthetic films and mixes and, where a corpus is given, on recordings."""
     tier = load_rules("reference").tier
-    recordings = read_corpus(corpus)
-    made = gather(synthetic_mixes(synthetic, seed), tier)
+    _say(f"{synthetic} synthetic mixes and as many synthetic films")
+    made = join([gather(synthetic_mixes(synthetic, seed), tier), gather(synthetic_films(synthetic, seed + 1), tier)])
+    parts: list[Rows] = []
+    sources = _by_fold(read_corpus(corpus), folds, seed)
+    for fold, recordings in enumerate(sources):
+        _say(f"mixes of recordings, part {fold + 1} of {folds}")
+        parts.append(gather(recorded_mixes(recordings, -(-recorded // folds), seed + 2 + fold), tier))
     training: dict[str, Any] = {"command": "python -m blastline.study.train", "seed": seed, "settings": SETTINGS}
-    training |= {"synthetic_mixes": synthetic, "recorded_mixes": recorded if recordings else 0, "mix_s": MIX_S}
-    rows = made
-    if recordings:
-        if folds:
-            training["held_out"] = held_out(recordings, made, tier, folds=folds, count=recorded, seed=seed + 1000)
-        rows = join([made, gather(recorded_mixes(recordings, recorded, seed + 1), tier)])
+    training |= {"synthetic_mixes": synthetic, "recorded_mixes": recorded if parts else 0, "mix_s": MIX_S}
+    if len(parts) > 1:
+        training["held_out"] = held_out(parts, made, seed)
+        _say(f"on sources left out: {training['held_out']}")
+    rows = join([made, *parts])
     training |= {"candidates": int(rows.labels.size), "positives": int(rows.labels.sum()), "missed": rows.missed}
     baseline, trees = exported(fit(rows, seed))
     return ModelFile(schema=1, features=feature_names(), baseline=baseline, trees=trees, training=training)
@@ -210,6 +233,18 @@ def main() -> None:
         options.corpus, synthetic=options.synthetic, recorded=options.recorded, folds=options.folds, seed=options.seed
     )
     options.output.write_bytes(msgspec.json.encode(model) + b"\n")
+
+
+def _by_fold(recordings: Sequence[Recording], folds: int, seed: int) -> list[list[Recording]]:
+    """Return recordings in parts that share no source, each with sources of shots and of negatives; none for none."""
+    armed = {r.source for r in recordings if r.gunshot}
+    parts: list[list[Recording]] = [[] for _ in range(folds)]
+    rng = np.random.default_rng(seed)
+    for sources in (sorted(armed), sorted({r.source for r in recordings} - armed)):
+        rng.shuffle(sources)
+        for place, source in enumerate(sources):
+            parts[place % folds] += [r for r in recordings if r.source == source]
+    return [part for part in parts if part]
 
 
 def _by_source(recordings: Iterable[Recording]) -> list[list[Recording]]:
@@ -256,6 +291,10 @@ def _synthetic_sound(rng: np.random.Generator, *, shot: bool) -> Sound:
         return Sound(samples, (onset,), truth.accept_samples)
     samples, _ = random_negative(rng, RATE_HZ)
     return Sound(samples)
+
+
+def _say(message: str) -> None:
+    sys.stderr.write(message + "\n")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""A bed of any length from a minute of material: looped, each time from another place, cross-faded.
+"""A bed of any length from three quarters of a minute of material: looped, each time from another place, cross-faded.
 
     material  [~~~~~~~~~~~~~~~~]   closed into a ring: its end fades into its start
     bed       [ from a  x from b  x from c  ...     x = equal-power cross-fade
@@ -16,7 +16,7 @@ from .beds import BedKind, random_bed
 from .chance import generator
 from .tone import Samples
 
-MATERIAL_S = 60.0
+MATERIAL_S = 45.0
 SHORTEST_S = 3.0
 CROSS_FADE_S = 1.5
 
@@ -44,13 +44,15 @@ class BedLoop:
         return total
 
     def _weights(self, inside: NDArray[np.int64], number: int) -> Samples:
-        rising = np.ones(len(inside)) if number == 0 else np.clip((inside + 0.5) / self.cross_fade, 0.0, 1.0)
-        falling = np.clip((self.piece + self.cross_fade - inside - 0.5) / self.cross_fade, 0.0, 1.0)
-        return np.asarray(np.sin(rising * math.pi / 2.0) * np.sin(falling * math.pi / 2.0), dtype=np.float64)
+        weights = np.ones(len(inside))
+        rising, falling = inside < (self.cross_fade if number else 0), inside >= self.piece
+        weights[rising] = np.sin((inside[rising] + 0.5) / self.cross_fade * (math.pi / 2.0))
+        weights[falling] = np.cos((inside[falling] - self.piece + 0.5) / self.cross_fade * (math.pi / 2.0))
+        return weights
 
 
 def bed_loop(seed: int, kind: BedKind, *, duration_s: float, rate_hz: int) -> BedLoop:
-    """Return the bed of its kind under a seed: with as much material as it is long, up to a minute."""
+    """Return the bed of its kind under a seed: with as much material as it is long, up to `MATERIAL_S`."""
     cross_fade = round(CROSS_FADE_S * rate_hz)
     seconds = min(max(duration_s, SHORTEST_S), MATERIAL_S) + CROSS_FADE_S
     material = random_bed(generator(seed, "material"), rate_hz, seconds, kind)

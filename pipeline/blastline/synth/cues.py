@@ -14,12 +14,14 @@ class Cue:
     """A sound of the scene: the item it belongs to, where its onset lies, and its place in a burst.
 
     `family` is what the shots of a burst draw together under (weapon, place, polarity); `name` is the shot's own.
+    `first` is the onset of the burst's first shot: the weapon is as loud throughout.
     """
 
     item: ShotItem | NegativeItem
     onset: int
     family: str
     name: str
+    first: int
     burst: int | None = None
     shot_in_burst: int | None = None
 
@@ -30,7 +32,8 @@ def cues(scene: Scene) -> Iterator[Cue]:
         yield from (cue for cue in _shots(scene, item, burst) if cue.onset < scene.frames)
     for negative in scene.negatives:
         family = f"negative/{negative.kind}/{negative.at_s:.6f}"
-        yield Cue(negative, samples_from_s(negative.at_s, scene.rate_hz), family, family)
+        onset = samples_from_s(negative.at_s, scene.rate_hz)
+        yield Cue(negative, onset, family, family, first=onset)
 
 
 def voice_of(scene: Scene, item: ShotItem, family: str) -> Voice:
@@ -53,11 +56,11 @@ def _shots(scene: Scene, item: ShotItem, burst: int) -> Iterator[Cue]:
     family = f"shot/{item.weapon}/{item.environment}/{item.at_s:.6f}"
     first = samples_from_s(item.at_s, scene.rate_hz)
     if item.burst is None:
-        yield Cue(item, first, family, f"{family}/0")
+        yield Cue(item, first, family, f"{family}/0", first=first)
         return
     rng = generator(scene.seed, "rhythm", family)
     spacing_s = 60.0 / item.burst.rpm
     for number in range(item.burst.shots):
         late = item.burst.jitter * float(rng.uniform(-1.0, 1.0)) if number else 0.0
         onset = first + samples_from_s((number + late) * spacing_s, scene.rate_hz)
-        yield Cue(item, onset, family, f"{family}/{number}", burst, number)
+        yield Cue(item, onset, family, f"{family}/{number}", first, burst, number)

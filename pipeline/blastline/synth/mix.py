@@ -16,6 +16,7 @@ import numpy as np
 from ..model import Reflection, Span
 from ..units import db_from_gain, gain_from_db, samples_from_s
 from .bed_loop import BedLoop, bed_loop
+from .beds import BedKind
 from .chance import chance, generator
 from .cues import cues, voice_of
 from .layouts import CHANNELS, LFE, bed_feeds, mains, sound_gains
@@ -30,6 +31,10 @@ BACKGROUND_S = 0.2
 EARLIEST_S = 1.0
 LATEST_S = 9.0
 """A sound reaches from a second before its onset to nine seconds after; what lies beyond is cut."""
+
+TAKES = 3
+TAKE_LENGTH_S = 600.0
+"""Every bed of a kind plays from somewhere within ten minutes of one of three takes, which are made once."""
 
 QUIETEST_DBFS = -70.0
 """A level given by `snr_db` counts nothing quieter than this, or the sound would vanish in a pause."""
@@ -61,14 +66,14 @@ class SceneAudio:
         self.channels = CHANNELS[scene.layout]
         self.cues = tuple(sorted(cues(scene), key=lambda cue: (cue.onset, cue.name)))
         self._onsets = np.array([cue.onset for cue in self.cues], dtype=np.int64)
-        self._bed: Callable[[int], BedLoop] = lru_cache(maxsize=6)(self._make_bed)
+        self._bed: Callable[[BedKind, int], BedLoop] = lru_cache(maxsize=10)(self._make_bed)
         self._sound: Callable[[int], Sound] = lru_cache(maxsize=24)(self._make_sound)
 
-    def read(self, start: int, stop: int, *, without: int | None = None) -> Samples:
-        """Return the limited mix from `start` to `stop`, shape (frames, channels), without one cue where asked."""
+    def read(self, start: int, stop: int, *, without: str | None = None) -> Samples:
+        """Return the limited mix from `start` to `stop`, shape (frames, channels), without one family of cues."""
         total = self.beds(start, stop)
         for index in self._near(start, stop):
-            if index != without:
+            if self.cues[index].family != without:
                 _add(total, self._sound(index), start, rate_hz=self.rate_hz)
         return limited(total, self.scene.master)
 
@@ -80,15 +85,17 @@ class SceneAudio:
     def beds(self, start: int, stop: int) -> Samples:
         """Return the beds alone, not limited, shape (frames, channels)."""
         total = np.zeros((stop - start, self.channels))
-        for index, item in enumerate(self.scene.beds):
+        for item in self.scene.beds:
             first, last = self._reach(item)
             low, high = max(start, first), min(stop, last)
             if low < high:
                 weights = _fades(low, high, first, last, fade=samples_from_s(item.fade_s, self.rate_hz))
                 gain = gain_from_db(item.level_dbfs)
+                rng = generator(self.scene.seed, "take", item.kind, f"{item.start_s:.6f}")
+                take, start_in = int(rng.integers(TAKES)), samples_from_s(TAKE_LENGTH_S * rng.random(), self.rate_hz)
                 for feed in bed_feeds(self.scene.layout, item.kind):
                     later = samples_from_s(feed.later_s, self.rate_hz) - first
-                    played = self._bed(index).read(low + later, high + later)
+                    played = self._bed(item.kind, take).read(start_in + low + later, start_in + high + later)
                     total[low - start : high - start, feed.channel] += gain * feed.gain * weights * played
         return total
 
@@ -115,13 +122,13 @@ class SceneAudio:
                 yield NegativeTruth(cue.onset, cue.onset / self.rate_hz, cue.item.kind, min(top, 0.0))
 
     def _levels(self, index: int, onset: int) -> tuple[float, float]:
-        """Return the peak of a shot alone, limited, and the rms of everything else before it and the file's rounding."""
+        """Return the peak of a shot alone, limited, and the rms before it of all but its burst, with the rounding."""
         stop = min(self.frames, onset + samples_from_s(PEAK_WITHIN_S, self.rate_hz))
         alone = np.zeros((stop - onset, self.channels))
         _add(alone, self._sound(index), onset, rate_hz=self.rate_hz)
         span = self._background(onset)
-        others = rms(mains(self.read(span.start, span.stop, without=index)))
-        rounding = 0.5 ** self.scene.master.bits
+        others = rms(mains(self.read(span.start, span.stop, without=self.cues[index].family)))
+        rounding = 0.5**self.scene.master.bits
         return peak(mains(limited(alone, self.scene.master))), math.hypot(others, rounding)
 
     def _background(self, onset: int) -> Span:
@@ -140,11 +147,9 @@ class SceneAudio:
         first, last = np.searchsorted(self._onsets, [earliest, latest])
         return range(int(first), int(last))
 
-    def _make_bed(self, index: int) -> BedLoop:
-        item = self.scene.beds[index]
-        seed = int(generator(self.scene.seed, "bed", item.kind, f"{item.start_s:.6f}").integers(2**62))
-        first, last = self._reach(item)
-        return bed_loop(seed, item.kind, duration_s=(last - first) / self.rate_hz, rate_hz=self.rate_hz)
+    def _make_bed(self, kind: BedKind, take: int) -> BedLoop:
+        seed = int(generator(self.scene.seed, "bed", kind, take).integers(2**62))
+        return bed_loop(seed, kind, duration_s=self.scene.duration_s, rate_hz=self.rate_hz)
 
     def _make_sound(self, index: int) -> Sound:
         cue = self.cues[index]
@@ -160,7 +165,7 @@ class SceneAudio:
         cut = max(0, lead - samples_from_s(EARLIEST_S, self.rate_hz))
         samples = samples[cut : lead + samples_from_s(LATEST_S, self.rate_hz)]
         polarity = -1.0 if chance(generator(self.scene.seed, "polarity", cue.family), 0.5) else 1.0
-        return Sound(polarity * self._gain(item, cue.onset) * samples, cue.onset - lead + cut, gains, placed)
+        return Sound(polarity * self._gain(item, cue.first) * samples, cue.onset - lead + cut, gains, placed)
 
     def _gain(self, item: ShotItem | NegativeItem, onset: int) -> float:
         if item.peak_dbfs is not None:
@@ -190,9 +195,12 @@ def _add(total: Samples, sound: Sound, start: int, *, rate_hz: int) -> None:
 
 def _fades(low: int, high: int, first: int, last: int, *, fade: int) -> Samples:
     """Return the gain of a bed from `low` to `high`: sin^2 fades at its two ends, none where the fade is 0."""
+    weights = np.ones(high - low)
     index = np.arange(low, high)
-    edge = np.minimum(index - first + 0.5, last - index - 0.5) / max(fade, 1)
-    return np.asarray(np.sin(np.minimum(edge, 1.0) * (np.pi / 2.0)) ** 2, dtype=np.float64)
+    edge = np.minimum(index - first, last - 1 - index)
+    near = edge < fade
+    weights[near] = np.sin((edge[near] + 0.5) / max(fade, 1) * (math.pi / 2.0)) ** 2
+    return weights
 
 
 def _clamped(truth: ShotTruth, frames: int) -> ShotTruth:

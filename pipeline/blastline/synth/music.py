@@ -13,6 +13,8 @@ from .tone import Samples, highpass, lowpass
 from .waves import normalised
 
 _TABLE = 4_096
+"""Samples in one period of a wave; a power of two, so that the phase wraps by a mask."""
+
 PROGRESSIONS = ((0, 5, 7, 0), (0, -3, 5, 7), (0, 8, 3, 10), (0, -4, -7, -5), (0, 0, 1, 0))
 """Roots of chords in semitones against the key."""
 
@@ -54,7 +56,7 @@ def note(rate_hz: int, instrument: Instrument, *, pitch_hz: float, length_s: flo
     sound = np.zeros(count)
     for detune in (1.0, 1.0 + instrument.detune):
         phase = pitch_hz * detune * (times + sway)
-        sound += instrument.period[(phase % 1.0 * _TABLE).astype(np.int64) % _TABLE]
+        sound += instrument.period[(phase * _TABLE).astype(np.int64) & (_TABLE - 1)]
     attack = 1.0 - np.exp(-times * 2e3 / instrument.attack_ms)
     release = np.minimum(np.arange(count)[::-1] / (0.03 * rate_hz), 1.0)
     return np.asarray(0.5 * sound * attack * np.exp(-times / instrument.decay_s) * release, dtype=np.float64)

@@ -8,16 +8,20 @@ from .chance import between, chance, fork, log_between
 from .tone import Samples, bandpass, lowpass, resonance, rms
 from .waves import band_burst
 
+_TABLE = 4_096
+
 
 def coloured(rng: np.random.Generator, count: int, *, slope: float, rate_hz: int) -> Samples:
     """Return noise whose power falls with frequency as 1 / f^slope (1 pink, 2 brown), flat below 20 Hz."""
-    from scipy.fft import irfft, next_fast_len, rfft
+    from scipy.signal import bilinear_zpk, sosfilt, zpk2sos
 
-    size = next_fast_len(count, real=True)
-    spectrum = rfft(rng.standard_normal(size))
-    frequency_hz = np.fft.rfftfreq(size, 1.0 / rate_hz)
-    spectrum *= np.maximum(frequency_hz, 20.0) ** (-slope / 2.0)
-    return levelled(np.asarray(irfft(spectrum, size)[:count], dtype=np.float64))
+    fall = slope / 2.0
+    # a pole in every octave, with a zero above it that leaves the wanted part of its 6 dB
+    poles = -2.0 * math.pi * 20.0 * 2.0 ** np.arange(math.floor(math.log2(rate_hz / 80.0)))
+    part = fall if fall <= 1.0 else fall - 1.0
+    analogue = (poles * 2.0**part, poles if fall <= 1.0 else np.append(poles, poles[0]), 1.0)
+    sections = zpk2sos(*bilinear_zpk(*analogue, fs=rate_hz))
+    return levelled(np.asarray(sosfilt(sections, rng.standard_normal(count)), dtype=np.float64))
 
 
 def levelled(samples: Samples) -> Samples:
@@ -36,12 +40,11 @@ def slow(rng: np.random.Generator, count: int, *, step_s: float, depth_db: float
 def smooth_through(values: Samples, span: float, count: int) -> Samples:
     """Return `count` values of a curve through `values` at 0, 1, 2 ..., sampled evenly from 0 to `span`.
 
-    Between two of them it follows half a cosine.
+    Between two of them it follows half a cosine, in 64 straight pieces.
     """
-    places = np.linspace(0.0, span, count, endpoint=False)
-    index = places.astype(np.int64)
-    weight = 0.5 - 0.5 * np.cos(math.pi * (places - index))
-    return np.asarray(values[index] + weight * (values[index + 1] - values[index]), dtype=np.float64)
+    weights = 0.5 - 0.5 * np.cos(math.pi * np.arange(64) / 64.0)
+    curve = (values[:-1, None] + weights * np.diff(values)[:, None]).ravel()
+    return np.interp(np.linspace(0.0, 64.0 * span, count, endpoint=False), np.arange(len(curve)), curve)
 
 
 def ambience(rng: np.random.Generator, rate_hz: int, seconds: float) -> Samples:
@@ -96,10 +99,12 @@ def engine(rng: np.random.Generator, rate_hz: int, seconds: float) -> Samples:
     speeds = fork(rng).uniform(math.log(low), math.log(high), math.ceil(seconds / step_s) + 2)
     pitch_hz = np.exp(smooth_through(speeds, seconds / step_s, count))
     phase = np.cumsum(pitch_hz) / rate_hz
-    sound = np.zeros(count)
-    for harmonic in range(1, 25):
-        level = float(harmonic ** -between(rng, (0.3, 1.8)))
-        sound += level * np.sin(2.0 * math.pi * (harmonic * 0.5 * phase + rng.random()))
+    harmonics = np.arange(1, 25)
+    levels = harmonics ** -rng.uniform(0.3, 1.8, len(harmonics))
+    turns = harmonics[:, None] * np.arange(_TABLE) / _TABLE + rng.random(len(harmonics))[:, None]
+    cycle = np.sum(levels[:, None] * np.sin(2.0 * math.pi * turns), axis=0)
+    # two turns of the crank make one working cycle
+    sound = cycle[(0.5 * phase * _TABLE).astype(np.int64) & (_TABLE - 1)]
     sound *= 1.0 + 0.3 * np.tanh(lowpass(fork(rng).standard_normal(count), 12.0, rate_hz=rate_hz) * 20.0)
     hiss = bandpass(fork(rng).standard_normal(count), 150.0, log_between(rng, (1_500.0, 7_000.0)), rate_hz=rate_hz)
     mixed = levelled(sound) + between(rng, (0.1, 1.0)) * levelled(hiss) * (pitch_hz / high)

@@ -93,7 +93,12 @@ def trimmed(samples: Samples, *, floor: float = 3e-4) -> Samples:
 
 
 def _butterworth(samples: Samples, corner_hz: float, kind: str, rate_hz: int, order: int) -> Samples:
-    from scipy.signal import butter, sosfilt
+    from scipy.signal import butter, lfilter, sosfilt
 
+    if order == 1:
+        # the bilinear transform by hand: designing costs more than filtering a short sound
+        k = math.tan(math.pi * corner_hz / rate_hz)
+        numerator = [k / (k + 1.0), k / (k + 1.0)] if kind == "lowpass" else [1.0 / (k + 1.0), -1.0 / (k + 1.0)]
+        return np.asarray(lfilter(numerator, [1.0, (k - 1.0) / (k + 1.0)], samples), dtype=np.float64)
     sections = butter(order, corner_hz, kind, fs=rate_hz, output="sos")
     return np.asarray(sosfilt(sections, samples), dtype=np.float64)

@@ -14,7 +14,7 @@ class ShotTruth(msgspec.Struct, frozen=True):
     makes: earlier only where a bullet's shock or the weapon's mechanics are heard first. `accept_samples` are other
     places that may be called the onset (the shock of the bullet). `blast` ends where the direct sound has fallen to
     -20 dB of its peak for good. `peak_dbfs` is the shot's own peak within 50 ms of the onset, `snr_db` that peak
-    over the rms of everything else in the 200 ms before the onset.
+    over the rms of everything but the shots of its own burst in the 200 ms before the onset.
     """
 
     onset_sample: int
