@@ -34,7 +34,7 @@ RATE_HZ = 48_000
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """A file held in memory, as `Cutter` and `DriveFile` of the checks see it; like a file it refuses to read past its ends."""
+    """A file held in memory, as the checks see one; it refuses to read past its ends."""
 
     samples: NDArray[Any]
     rate_hz: int
@@ -152,7 +152,7 @@ def window_around(onset: int, frames: int, rate_hz: int) -> Window:
 def make_drive(
     audio: Samples, window: Window, onset: int, *, rate_hz: int, phase: Phase, model: DriveModel | None
 ) -> tuple[Samples, DriveModel]:
-    """Return the drive inside a window before its fades: the compensator's output, or within the limit where that exceeds it."""
+    """Return the drive inside a window before its fades: the compensator's, or a limited one where that exceeds 1."""
     if model == "direct":
         return audio[window.start : window.stop], "direct"
     roll = round(0.5 * rate_hz)

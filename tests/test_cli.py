@@ -230,8 +230,37 @@ def test_a_render_is_summed_up(monkeypatch: pytest.MonkeyPatch) -> None:
     assert blastline("render", "film.mkv", "-o", "out", "--quiet").err == ""
     (film, folder, options), (_, _, default) = asked
     assert (film, folder) == (Path("film.mkv"), Path("out"))
-    assert (options.formats, options.mix, options.stream) == (("csv", "json"), "0,2", 1)
+    assert options == run.RenderOptions(formats=("csv", "json"), mix="0,2", stream=1)
     assert default == run.RenderOptions()
+
+
+def test_every_option_of_render_arrives(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Any] = []
+
+    def render(film: Path, folder: Path, options: Any, progress: Any) -> Timeline:
+        asked.append(options)
+        return timeline()
+
+    monkeypatch.setattr(run, "render", render)
+    options = "--quality draft --actuator own.toml --rules own --drive filter --phase zero --background direct"
+    more = "--mix lfe --stream 0 --format audacity --no-report --overwrite"
+    assert blastline("render", "film.mkv", "-o", "out", *options.split(), *more.split()).code == 0
+    [arrived] = asked
+    assert arrived == run.RenderOptions(
+        quality="draft",
+        actuator="own.toml",
+        rules=Path("own"),
+        drive="filter",
+        phase="zero",
+        background="direct",
+        mix="lfe",
+        stream=0,
+        formats=("audacity",),
+        report=False,
+        overwrite=True,
+    )
+    default = run.RenderOptions()
+    assert [name for name in vars(default) if getattr(default, name) == getattr(arrived, name)] == []
 
 
 def test_progress_away_from_a_terminal_is_a_line_per_stage(capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
+
 from blastline.detect.bursts import group_bursts, keep_apart
 from blastline.detect.find import stretches
 from blastline.detect.onset import refine_onsets
@@ -10,7 +12,6 @@ from blastline.detect.segment import segment
 from blastline.detect.tracks import BANDS, Grid, pieces
 from blastline.model import Clip, Shot, Span
 from blastline.ruleset import load_rules
-from numpy.typing import NDArray
 
 RATE_HZ = 48_000
 TIER = load_rules("standard").tier

@@ -101,12 +101,13 @@ def test_solver_is_never_worse_than_its_start_and_stays_in_the_box(seed: int, it
     assert np.max(np.abs(found)) <= 1.0
 
 
-def test_more_iterations_are_never_worse() -> None:
-    problem = full_problem(blast_target(400, peak=3.0), IMPULSE, frames=400)
+@pytest.mark.parametrize("peak", [0.05, 3.0])
+def test_more_iterations_are_never_worse(peak: float) -> None:
+    problem = full_problem(blast_target(200, peak=peak), IMPULSE, frames=200)
     values = [
-        problem.objective(minimise(problem, np.zeros(400), iterations=n, tolerance=0.0)) for n in (0, 1, 3, 10, 30, 99)
+        problem.objective(minimise(problem, np.zeros(200), iterations=count, tolerance=0.0)) for count in range(80)
     ]
-    assert values == sorted(values, reverse=True)
+    assert np.all(np.diff(values) <= 1e-12 * abs(values[-1]))
 
 
 def test_tolerance_stops_early_and_near_the_minimum() -> None:

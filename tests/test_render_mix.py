@@ -103,6 +103,12 @@ def test_blocks_are_left_as_they_were() -> None:
     assert np.array_equal(film, kept)
 
 
+def test_film_goes_on_in_its_driving_column() -> None:
+    film, done = two_shots()
+    two = Clip(np.stack([np.ones(len(film)), film], axis=1), 48_000)
+    assert np.array_equal(whole(compose([two], done, "direct")), whole(compose(blocks(film, 999), done, "direct")))
+
+
 def test_windows_are_read_no_earlier_than_the_blocks_reach_them() -> None:
     film, done = two_shots()
     read: list[int] = []

@@ -36,6 +36,12 @@ def test_rounding_is_to_the_nearest_and_halves_go_up(numerator: int, exponent: i
     assert samples_from_s(float(exact), rate_hz) == math.floor(exact * rate_hz + Fraction(1, 2))
 
 
+@given(st.integers(-(2**30), 2**30), st.integers(0, 17))
+def test_a_half_goes_up_whether_the_sample_is_even_or_odd(sample: int, exponent: int) -> None:
+    """At a rate that is a power of two the half sample is exact."""
+    assert samples_from_s((sample + 0.5) / 2**exponent, 2**exponent) == sample + 1
+
+
 @given(st.floats(-1e4, 1e4), SAMPLES, RATES)
 def test_a_whole_number_of_seconds_later_is_that_many_samples_later(
     duration_s: float, whole: int, rate_hz: int

@@ -97,7 +97,7 @@ def digital(analogue: Analogue, rate_hz: int) -> NDArray[np.float64]:
 
         F(z) = prod(1 - e^(z_i T) / z) / prod(1 - e^(p_i T) / z)  *  sum(c_k z^-k) / (1 + 0.75 / z)^3
 
-    Up to 2 kHz at 44.1 kHz the compensator of the built-in actuator is off by -70 dB of its peak; by the bilinear
+    Up to 2 kHz at 44.1 kHz the compensator of the built-in actuator is off by -69 dB of its peak; by the bilinear
     transform it would be -50 dB. An improper filter raises ValueError; a low-pass in series keeps zeros from
     outnumbering poles.
     """

@@ -35,9 +35,10 @@ def find(pattern: NDArray[np.float64], moving: NDArray[np.float64], counts: NDAr
     search = (len(moving) - len(pattern)) // 2
     if not pattern.any() or not moving.any():
         return NO_MATCH
-    own = float(np.dot(pattern, pattern))
+    squares = pattern**2
+    own = float(squares.sum())  # a dot product would wake every core for so little
     weighted = moving if counts is None else np.where(counts, moving, 0.0)
-    shared = own if counts is None else _slide(pattern**2, counts.astype(np.float64))
+    shared = own if counts is None else _slide(squares, counts.astype(np.float64))
     energy = np.cumsum(np.concatenate([[0.0], weighted**2]))
     felt = energy[len(pattern) :] - energy[: len(energy) - len(pattern)]
     product = _slide(pattern, weighted)

@@ -18,6 +18,9 @@ Samples = NDArray[np.float64]
 _SETTLE_MS = 250.0
 """Filters run this long before what is compared: eight time constants of a 5 Hz high-pass."""
 
+_FFT_GRAIN = 15 * 2**10
+"""Transforms come in few sizes, so that the band's response is computed a few times in a film."""
+
 _AT_LIMIT = 0.995
 """A drive sample of this share of the limit is taken as limited: interpolated and quantised ones miss it a little."""
 
@@ -68,15 +71,14 @@ def compare(audio: Sound, drive: Sound, *, profile: ActuatorProfile, rules: Alig
 class Heard:
     """The sound of a shot in the band of vibration, over `span`, of which `core` holds the shot itself.
 
-    `intended` has the delay that the drive is meant to have, `undelayed` none, `causal` that of causal filters;
-    `direct` is what direct conversion would make felt.
+    `intended` has the delay that the drive is meant to have, `undelayed` none; `direct` is what direct conversion
+    would make felt.
     """
 
     span: Span
     core: slice
     intended: Samples
     undelayed: Samples
-    causal: Samples
     direct: Samples
 
 
@@ -88,6 +90,7 @@ class Felt:
     the band of vibration. `free` marks the samples at which the drive is not at the actuator's limit.
     """
 
+    drive: Samples
     vibration: Samples
     following: Samples
     free: NDArray[np.bool_]
@@ -106,10 +109,11 @@ def hear(shared: Comparison, event: Event, part: Span, *, margin: int) -> Heard:
     audio = stretch_of(shared.audio, Span(span.start - settle, span.stop + settle))
     kept = slice(settle, settle + len(span))
     undelayed = _without_delay(shared, audio)[kept]
-    causal = dsp.run_filter(shared.band, audio[: kept.stop])[kept]
-    intended = causal if shared.phase == "causal" and not is_direct(event) else undelayed
+    intended = undelayed
+    if shared.phase == "causal" and not is_direct(event):
+        intended = dsp.run_filter(shared.band, audio[: kept.stop])[kept]
     direct = dsp.run_filter(shared.felt, np.clip(audio[: kept.stop], -1.0, 1.0))[kept]
-    return Heard(span, slice(margin, margin + len(part)), intended, undelayed, causal, direct)
+    return Heard(span, slice(margin, margin + len(part)), intended, undelayed, direct)
 
 
 def feel(shared: Comparison, event: Event, span: Span, *, place: Place) -> Felt:
@@ -121,12 +125,12 @@ def feel(shared: Comparison, event: Event, span: Span, *, place: Place) -> Felt:
     vibration = dsp.run_filter(shared.felt, drive[: kept.stop])[kept]
     following = _without_delay(shared, drive)[kept] if is_direct(event) else vibration
     free = np.abs(drive[kept]) < _AT_LIMIT * shared.rules.peak
-    return Felt(vibration, following, free, float(np.abs(written).max(initial=0.0)))
+    return Felt(drive[kept], vibration, following, free, float(np.abs(written).max(initial=0.0)))
 
 
 def _without_delay(shared: Comparison, samples: Samples) -> Samples:
     """Return samples in the band of vibration, by the magnitude of its response alone, hence without delay."""
     from scipy import fft
 
-    size = fft.next_fast_len(len(samples), real=True)
+    size = -(-len(samples) // _FFT_GRAIN) * _FFT_GRAIN
     return np.asarray(fft.irfft(fft.rfft(samples, size) * shared.band_gains(size), size)[: len(samples)], np.float64)

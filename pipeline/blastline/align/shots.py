@@ -20,7 +20,13 @@ _EARLIEST_MS = 5.0
 _ATTACK_MS = 12.0
 """The longest blast of the segmentation: the attack's peak lies within."""
 
-_REFINE_MS = 0.1
+_HIDDEN = 0.7
+"""A rise that needs more than this share of its peak to stand out of what precedes it is hidden."""
+
+_REST = 0.01
+"""A drive below this share of its peak is at rest."""
+
+REFINE_MS = 0.1
 """How far the actuator's limit can bend the plain correlation's peak aside: 1.1 samples at 48 kHz was the most seen."""
 
 _EXACT = 0.95
@@ -29,20 +35,21 @@ _EXACT = 0.95
 
 @dataclass(frozen=True)
 class ShotFigures:
-    """What was measured of a shot: lags in samples, levels in decibels; None where it cannot be measured.
+    """What was measured of a shot: lags in samples, levels in decibels.
 
     `match` is against the sound with the delay that the drive is meant to have; `delay` is that delay. `exact` says
-    that the actuator's limit has no part in the lag.
+    that the actuator's limit has no part in the lag. The others are measured where the match is, or in the shot's own
+    place where the match is too poor to be believed.
     """
 
     match: Match
     exact: bool
     delay: float
     peak: float
-    onset_error: float | None
+    onset_error: float
     level_db: float
     preecho_db: float
-    heard_preecho_db: float
+    intended_preecho_db: float
 
 
 def part_of(event: Event, following: Event | None) -> Span:
@@ -84,18 +91,19 @@ def measure(shared: Comparison, event: Event, part: Span, *, place: Place) -> Sh
     if math.isnan(match.lag):
         return None
     refined = None if is_direct(event) else _refined(shared, heard, felt, pattern, match)
-    match, late = refined or match, round(match.lag)
+    match = refined or match
+    late = round(match.lag) if abs(match.correlation) >= likeness_limit(shared, event) else 0
     vibration = felt.vibration[core.start + late : core.stop + late]
     preecho, own_preecho = _preechos(shared, heard, felt.following, late)
     return ShotFigures(
         match,
-        exact=refined is not None,
+        exact=refined is not None or is_direct(event),
         delay=_delay(heard, pattern, search),
         peak=felt.peak,
-        onset_error=_onset_error(shared, heard, felt.following, late),
+        onset_error=_onset_error(shared, heard, felt, late),
         level_db=db_from_gain(_rms(vibration)) - db_from_gain(_rms(heard.direct[core])),
         preecho_db=preecho,
-        heard_preecho_db=own_preecho,
+        intended_preecho_db=own_preecho,
     )
 
 
@@ -113,7 +121,7 @@ def _refined(shared: Comparison, heard: Heard, felt: Felt, pattern: slice, match
     A drive u that makes |H u - t| least within its limit has, wherever it is free of it, no slope left to descend:
     H'(H u - t) = 0. So H'H u and H't are one and the same at these samples, and only at the right lag.
     """
-    late, reach = round(match.lag), max(4, shared.samples(_REFINE_MS))
+    late, reach = round(match.lag), max(4, shared.samples(REFINE_MS))
     around = slice(max(0, pattern.start + late - reach), pattern.stop + late + reach)
     sound, vibration = (shared.shown_to_actuator(signal) for signal in (heard.intended, felt.following))
     if len(vibration[around]) != pattern.stop - pattern.start + 2 * reach:
@@ -131,41 +139,48 @@ def _delay(heard: Heard, pattern: slice, search: int) -> float:
     return find(heard.undelayed[pattern], heard.intended[pattern.start - search : pattern.stop + search]).lag
 
 
-def _onset_error(shared: Comparison, heard: Heard, following: Samples, late: int) -> float | None:
-    """Return how many samples later the felt attack rises than the heard one; None where noise hides the rise.
+def _onset_error(shared: Comparison, heard: Heard, felt: Felt, late: int) -> float:
+    """Return how many samples later the felt attack rises than the heard one.
 
     Both rise when they first exceed the same share of their own peaks: a tenth, or twice what precedes the attack.
+    Where noise hides the rise, it is how much too late the drive begins to move at all.
     """
     onset, before = heard.core.start, shared.samples(_BEFORE_MS)
-    attack = min(shared.samples(_ATTACK_MS), heard.core.stop - onset)
+    attack = max(1, min(shared.samples(_ATTACK_MS), heard.core.stop - onset))
     share, rises = 0.1, []
     for signal, at, early in (
         (heard.intended, onset, shared.samples(shared.rules.lead_ms)),
-        (following, onset + late, shared.samples(_EARLIEST_MS)),
+        (felt.following, onset + late, shared.samples(_EARLIEST_MS)),
     ):
         start = max(0, at - early)
         rising = np.abs(signal[start : max(start, at) + attack])
         peak = float(rising.max(initial=0.0))
         if peak == 0.0:
-            return None
+            return _first_move(shared, felt, onset + late)
         share = max(share, 2.0 * float(np.abs(signal[max(0, at - before) : start]).max(initial=0.0)) / peak)
         rises.append((rising / peak, start - at))
-    if share > 0.7:
-        return None
+    if share > _HIDDEN:
+        return _first_move(shared, felt, onset + late)
     heard_rise, felt_rise = (int(np.argmax(rising >= share)) + start for rising, start in rises)
     return float(felt_rise - heard_rise)
 
 
-def _preechos(shared: Comparison, heard: Heard, following: Samples, late: int) -> tuple[float, float]:
-    """Return the level before a shot against its own peak, of what is felt and of what is heard.
+def _first_move(shared: Comparison, felt: Felt, onset: int) -> float:
+    """Return how many samples after an onset the drive leaves rest, 0 where it moves before."""
+    start = max(0, onset - shared.samples(_EARLIEST_MS))
+    moving = np.abs(felt.drive[start:])
+    first = int(np.argmax(moving > _REST * float(moving.max(initial=0.0))))
+    return float(max(0, start + first - onset))
 
-    What is heard is taken through causal filters, which add nothing before the shot, unless the drive itself is
-    compared, which is filtered without delay.
+
+def _preechos(shared: Comparison, heard: Heard, following: Samples, late: int) -> tuple[float, float]:
+    """Return the level before a shot against its own peak, of what is felt and of what was intended.
+
+    The latter holds what the sound itself has there, and what a zero-phase band rings before a bang.
     """
     guard, before = shared.samples(shared.rules.preecho_guard_ms), shared.samples(_BEFORE_MS)
-    own = heard.undelayed if shared.phase == "causal" and heard.intended is heard.undelayed else heard.causal
     levels = []
-    for signal, onset in ((following, heard.core.start + late), (own, heard.core.start)):
+    for signal, onset in ((following, heard.core.start + late), (heard.intended, heard.core.start)):
         peak = float(np.abs(signal[max(0, onset) : heard.core.stop]).max(initial=0.0))
         early = float(np.abs(signal[max(0, onset - before) : max(0, onset - guard)]).max(initial=0.0))
         levels.append(db_from_gain(early / peak) if peak > 0.0 else SILENCE_DB)

@@ -26,11 +26,13 @@ _STILL_MS = 10.0
 class Timing:
     """Where the drive holds the film: its line, which shots it was fitted to, and each shot's figures.
 
-    `place` is the fitted line, None where no shot was found; the figures were taken with the drive read from `read`;
-    `lags` are in samples against what was intended, None where a shot was not found.
+    `place` is the fitted line, None where no shot was found; `exact` says that the actuator's limit has no part in it.
+    The figures were taken with the drive read from `read`. `lags` are in samples against what was intended, None
+    where a shot was not found.
     """
 
     place: Place | None
+    exact: bool
     read: Place
     figures: tuple[ShotFigures | None, ...]
     lags: tuple[float | None, ...]
@@ -78,8 +80,9 @@ def _measure_all(shared: Comparison, events: Sequence[Event], parts: Sequence[Sp
         found.append((event.onset_sample, lag))
         if figure.exact:
             exact.append(found[-1])
-    enough = exact if 4 * len(exact) >= len(found) else found
-    return Timing(_line(enough) if enough else None, read, figures, tuple(lags))
+    enough = len(exact) >= max(1, len(found) / 4)
+    line = _line(exact if enough else found) if found else None
+    return Timing(line, enough, read, figures, tuple(lags))
 
 
 def _line(found: Sequence[tuple[float, float]]) -> Place:

@@ -5,11 +5,11 @@ Exit codes
     70 a bug of blastline        130 interrupted           141 whoever read the output closed it
 """
 
-import os
 import signal
 import sys
 import traceback
 from collections.abc import Sequence
+from contextlib import suppress
 from types import FrameType
 from typing import Annotated
 
@@ -69,10 +69,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BlastlineError as error:
         return _say(str(error), USAGE)
     except (BrokenPipeError, SystemExit):  # typer turns the first into the second
-        _abandon_broken_streams()
         return CLOSED_PIPE
     except OSError as error:
-        _abandon_broken_streams()
         return _say(f"{error.filename or 'input or output'}: {error.strerror or error}", USAGE)
     except KeyboardInterrupt:
         code = INTERRUPTED
@@ -83,7 +81,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _say(message: str, code: int) -> int:
-    typer.echo("blastline: " + " ".join(message.splitlines()), err=True)
+    with suppress(OSError):  # where nobody can be told, the exit code still tells
+        typer.echo("blastline: " + " ".join(message.splitlines()), err=True)
     return code
 
 
@@ -96,12 +95,3 @@ def _let_signals_interrupt() -> None:
     for name in ("SIGTERM", "SIGHUP"):
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), interrupt)
-
-
-def _abandon_broken_streams() -> None:
-    """Point a standard stream that cannot be written at nothing, or Python complains once more when it ends."""
-    for stream in filter(None, (sys.__stdout__, sys.__stderr__)):
-        try:
-            stream.flush()
-        except OSError:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

@@ -14,7 +14,7 @@ import numpy as np
 from .sounds import EventSound, Samples, envelope, spectrum_db
 from .style import INK, SERIES
 
-_WIDTH_IN, _HEIGHT_IN = 10.6, 6.6
+_WIDTH_IN, _HEIGHT_IN = 10.6, 6.2
 _COLUMNS_WHOLE, _COLUMNS_ATTACK, _BANDS = 420, 260, 90
 _ATTACK_MS = (-4.0, 22.0)
 _SPECTRUM_HZ = (10.0, 4000.0)
@@ -32,6 +32,7 @@ def event_figure(sound: EventSound) -> str:
         "svg.hashsalt": sound.event.id,
         "font.family": "sans-serif",
         "font.size": 8.5,
+        "axes.facecolor": "none",
         "axes.edgecolor": INK["faint"],
         "axes.labelcolor": INK["soft"],
         "axes.linewidth": 0.6,
@@ -48,7 +49,7 @@ def event_figure(sound: EventSound) -> str:
         figure = Figure(figsize=(_WIDTH_IN, _HEIGHT_IN), facecolor="none")
         canvas: Any = FigureCanvasSVG(figure)
         grid: Any = figure.subplots(4, 3, gridspec_kw={"width_ratios": [3.0, 2.2, 2.0]})
-        figure.subplots_adjust(left=0.058, right=0.99, top=0.955, bottom=0.07, wspace=0.2, hspace=0.42)
+        figure.subplots_adjust(left=0.058, right=0.99, top=0.955, bottom=0.07, wspace=0.2, hspace=0.3)
         _draw(grid, sound)
         text = io.StringIO()
         canvas.print_svg(text, metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
@@ -71,6 +72,8 @@ def _draw(grid: Any, sound: EventSound) -> None:
             _shade(axes, sound)
             axes.set_ylim(-limit, limit)
             axes.set_xlim(sound.times_ms[0], sound.times_ms[-1])
+            if number < len(rows) - 1:
+                axes.tick_params(labelbottom=False)
             if axes is attack:
                 axes.set_xlim(max(_ATTACK_MS[0], sound.times_ms[0]), min(_ATTACK_MS[1], sound.times_ms[-1]))
             for name, samples in curves:
@@ -85,6 +88,7 @@ def _draw(grid: Any, sound: EventSound) -> None:
         spectrum.set_yticks([-60, -40, -20, 0])
         spectrum.set_xticks([10, 100, 1000], ["10", "100", "1k"])
         spectrum.minorticks_off()
+        spectrum.tick_params(labelbottom=number == len(rows) - 1)
         spectrum.grid(color=INK["grid"], lw=0.5)
         if number == 2:
             for axes in (whole, attack):
@@ -153,6 +157,7 @@ def _as_inline(svg: str, sound: EventSound) -> str:
         svg = svg.replace(colour, f"var(--{name})")
     svg = re.sub(r"font: ([^;\"]*?)'sans-serif'[^;\"]*", r"font: \1inherit", svg)
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
+    svg = re.sub(r'<g id="[^"]*"', "<g", svg)  # only what is referred to needs a name, and names are the page's
     svg = re.sub(r"<svg [^>]*?viewBox=\"([^\"]*)\"[^>]*>", r'<svg class="shot" viewBox="\1" role="img">', svg, count=1)
     return svg.replace(">", f"><title>{_in_words(sound)}</title>", 1)
 

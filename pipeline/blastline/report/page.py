@@ -14,7 +14,7 @@ from .style import STYLE
 from .summary import heading, tiles, verdict, warnings
 from .tables import checks_tables, origin_list, rejections_table, shots_table
 from .track import film_track
-from .words import claim, figure, measured, safe, signed
+from .words import claim, figure, fixed, measured, safe, signed
 
 
 def write_report(
@@ -162,9 +162,9 @@ def _numbers(event: Event, rate_hz: int) -> str:
     facts = {
         "Onset": f"{event.onset_s:.4f} s",
         "Sample": f"{event.onset_sample}",
-        "Confidence": figure(event.confidence),
-        "Peak": f"{figure(event.peak_dbfs, 1)} dBFS",
-        "Over background": f"{figure(event.snr_db, 1)} dB",
+        "Confidence": fixed(event.confidence, 2),
+        "Peak": f"{fixed(event.peak_dbfs, 1)} dBFS",
+        "Over background": f"{fixed(event.snr_db, 1)} dB",
         "Blast": f"{figure(1000.0 * len(event.blast) / rate_hz, 1)} ms",
         "Reflections": _echoes(event),
     }
@@ -172,7 +172,7 @@ def _numbers(event: Event, rate_hz: int) -> str:
         facts["Burst"] = f"{event.burst}, shot {event.shot_in_burst}"
     if event.drive is not None:
         facts["Felt against direct"] = f"{signed(event.drive.perceived_gain_db)} dB"
-        facts["Fidelity"] = figure(event.drive.fidelity, 3)
+        facts["Fidelity"] = fixed(event.drive.fidelity, 3)
         facts["Peak of the drive"] = f"{figure(event.drive.peak, 3)} of the limit"
     items = "".join(f"<div><dt>{name}</dt><dd>{safe(value)}</dd></div>" for name, value in facts.items())
     return f'<dl class="numbers">{items}</dl>'

@@ -75,11 +75,12 @@ nav{margin-top:18px;display:flex;gap:18px;flex-wrap:wrap;font-size:14px}
 .bad{background:var(--bad-tint);color:var(--bad);border-color:color-mix(in srgb,var(--bad) 25%,transparent)}
 .warn{background:var(--warn-tint);color:var(--warn);border-color:color-mix(in srgb,var(--warn) 25%,transparent)}
 .verdict span,.verdict li{color:var(--ink-strong)}
-.tiles{display:grid;grid-template-columns:repeat(auto-fit,minmax(168px,1fr));gap:12px;margin:18px 0 0}
+.tiles{display:grid;grid-template-columns:repeat(auto-fit,minmax(160px,1fr));gap:12px;margin:18px 0 0}
 .tile{background:var(--card);border:1px solid var(--line);border-radius:10px;padding:12px 16px}
 .tile dt{color:var(--ink-soft);font-size:13px}
-.tile dd{margin:0;font-size:22px;font-weight:600;line-height:1.3}
+.tile dd{margin:0;font-size:21px;overflow-wrap:anywhere;font-weight:600;line-height:1.3}
 .tile dd small{display:block;font-size:13px;font-weight:400;color:var(--ink-soft);line-height:1.35}
+.tile .name{font-size:16px}
 .card{background:var(--card);border:1px solid var(--line);border-radius:10px;padding:16px 20px;margin:0 0 18px}
 .scroll{overflow-x:auto}
 svg{display:block;width:100%;height:auto}
@@ -96,12 +97,12 @@ color:var(--ink-soft)}
 .numbers dt{color:var(--ink-soft);font-size:12.5px}
 .numbers dd{margin:0;font-weight:550}
 .why{margin:0 0 10px;color:var(--ink-soft);font-size:13.5px}
-table{border-collapse:collapse;width:100%;font-size:14px}
-th,td{padding:6px 10px;text-align:left;border-bottom:1px solid var(--line);white-space:nowrap}
+table{border-collapse:collapse;width:100%;font-size:13.5px}
+th,td{padding:6px 8px;text-align:left;border-bottom:1px solid var(--line);white-space:nowrap}
 td.wide{white-space:normal}
 th{font-weight:600;color:var(--ink-soft);font-size:13px;background:var(--card)}
 th button{all:unset;cursor:pointer}
-th button::after{content:" \\2195";opacity:.45}
+th button:hover{text-decoration:underline}
 th[aria-sort=ascending] button::after{content:" \\2191";opacity:1}
 th[aria-sort=descending] button::after{content:" \\2193";opacity:1}
 td.n,th.n{text-align:right}

@@ -80,8 +80,6 @@ def tiles(timeline: Timeline) -> str:
     events = timeline.events
     bursts = {event.burst for event in events if event.burst is not None}
     shots = [("Shots", str(len(events)), _of_bursts(events, len(bursts)))]
-    failed = sum(not check.passed for check in timeline.checks)
-    shots.append(("Checks passed", f"{len(timeline.checks) - failed} / {len(timeline.checks)}", ""))
     if events:
         loudest = max(events, key=lambda event: event.peak_dbfs)
         shots.append(("Strongest shot", f"{figure(loudest.peak_dbfs, 1)} dBFS", f"{loudest.id} at {loudest.timecode}"))
@@ -89,16 +87,15 @@ def tiles(timeline: Timeline) -> str:
     if drives:
         gain_db = median(drive.perceived_gain_db for drive in drives)
         shots.append(("Felt stronger than direct", f"{signed(gain_db)} dB", "median of all shots"))
-        shots.append(("Fidelity", figure(median(drive.fidelity for drive in drives), 3), "felt against heard, median"))
+        shots.append(("Fidelity", f"{median(drive.fidelity for drive in drives):.3f}", "felt against heard, median"))
     lags = [c.measured for c in timeline.checks if c.name in ("felt_lag", "drive_lag") and c.measured is not None]
     if lags:
         worst = max(lags, key=abs)
         shots.append(("Lag behind the bang", f"{figure(median(lags))} ms", f"median; largest {figure(worst)} ms"))
     actuator = timeline.actuator.name if timeline.actuator else "none"
     models = sorted({drive.model for drive in drives})
-    shots.append(
-        ("Actuator", safe(actuator), f"quality {timeline.quality}" + (f"; {', '.join(models)}" if models else ""))
-    )
+    note = f"quality {timeline.quality}" + (f"; {', '.join(models)}" if models else "")
+    shots.append(("Actuator", f'<span class="name">{safe(actuator)}</span>', note))
     items = "".join(
         f'<div class="tile"><dt>{name}</dt><dd>{value}<small>{safe(note)}</small></dd></div>'
         for name, value, note in shots

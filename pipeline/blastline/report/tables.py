@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 
 from ..model import Check, Event, Rejection, Timeline
-from .words import allowed, claim, duration, figure, measured, safe, signed
+from .words import allowed, claim, duration, figure, fixed, measured, safe
 
 _STRONGEST = 5
 
@@ -17,12 +17,12 @@ def shots_table(events: Sequence[Event], *, failed: Mapping[str, int], linked: C
         ("Onset, s", "n"),
         ("Sure", "n"),
         ("Peak, dBFS", "n"),
-        ("Over background, dB", "n"),
-        ("Reflections", "n"),
+        ("SNR, dB", "n"),
+        ("Echoes", "n"),
         ("Burst", "n"),
         ("Drive", ""),
         ("Drive peak", "n"),
-        ("Felt gain, dB", "n"),
+        ("Gain, dB", "n"),
         ("Fidelity", "n"),
         ("Checks", ""),
     ]
@@ -38,15 +38,15 @@ def _shot_row(event: Event, failed: int, *, linked: bool) -> str:
         (f'<a href="#shot-{name}">{name}</a>' if linked else name, name, ""),
         (safe(event.timecode), safe(event.timecode), ""),
         (f"{event.onset_s:.4f}", repr(event.onset_s), "n"),
-        (figure(event.confidence), repr(event.confidence), "n"),
-        (figure(event.peak_dbfs, 1), repr(event.peak_dbfs), "n"),
-        (figure(event.snr_db, 1), repr(event.snr_db), "n"),
+        (fixed(event.confidence, 2), repr(event.confidence), "n"),
+        (fixed(event.peak_dbfs, 1), repr(event.peak_dbfs), "n"),
+        (fixed(event.snr_db, 1), repr(event.snr_db), "n"),
         (str(len(event.reflections)), str(len(event.reflections)), "n"),
         (burst, str(-1 if event.burst is None else event.burst * 1000 + (event.shot_in_burst or 0)), "n"),
         (drive.model if drive else "–", drive.model if drive else "", ""),
-        (figure(drive.peak) if drive else "–", repr(drive.peak) if drive else "-1", "n"),
-        (signed(drive.perceived_gain_db) if drive else "–", repr(drive.perceived_gain_db) if drive else "-999", "n"),
-        (figure(drive.fidelity, 3) if drive else "–", repr(drive.fidelity) if drive else "-1", "n"),
+        (fixed(drive.peak, 2) if drive else "–", repr(drive.peak) if drive else "-1", "n"),
+        (fixed(drive.perceived_gain_db, 1) if drive else "–", repr(drive.perceived_gain_db) if drive else "-999", "n"),
+        (fixed(drive.fidelity, 3) if drive else "–", repr(drive.fidelity) if drive else "-1", "n"),
         (
             f'<span class="failed">{failed} failed</span>' if failed else '<span class="ok">passed</span>',
             str(failed),

@@ -126,5 +126,5 @@ def _clock(source: Source, elapsed_s: float, step_s: float) -> str:
     rate = float(over) / float(under or 1)
     stretch = 1.0 if ";" in str(source.start_timecode) else rate / math.ceil(rate - 1e-9)
     hours, minutes, seconds, _ = (int(field) for field in fields)
-    total = math.floor(3600 * hours + 60 * minutes + seconds + elapsed_s * stretch + 1e-6)
+    total = round(3600 * hours + 60 * minutes + seconds + elapsed_s * stretch)
     return f"{total // 3600 % 24:02d}:{total // 60 % 60:02d}:{total % 60:02d}"

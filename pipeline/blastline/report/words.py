@@ -4,6 +4,7 @@ import html
 import math
 
 from ..model import Check
+from ..units import SILENCE_DB
 
 CHECKS = {
     "sample_rate": "The drive has the film's sample rate",
@@ -57,6 +58,15 @@ def figure(value: float | None, digits: int = 2) -> str:
     return rounded.replace("-0", "0").replace("-", "−") if float(rounded) == 0.0 else rounded.replace("-", "−")
 
 
+def fixed(value: float, digits: int) -> str:
+    """Return a number with so many decimals, as in a column of a table.
+
+    >>> fixed(-0.25, 1), fixed(1.0, 3)
+    ('−0.2', '1.000')
+    """
+    return f"{value:.{digits}f}".replace("-", "−")
+
+
 def signed(value: float | None, digits: int = 1) -> str:
     """Return a number with its sign, as for levels.
 
@@ -71,6 +81,8 @@ def measured(check: Check) -> str:
     """Return what a check measured, with its unit."""
     if check.measured is None:
         return "could not be measured" if not check.passed else "nothing to measure"
+    if check.unit.startswith("dB") and check.measured <= SILENCE_DB:
+        return "nothing at all"
     return f"{figure(check.measured, _digits(check))}{_unit(check)}"
 
 

@@ -72,6 +72,11 @@ def mix(
     )
 
 
+def as_16_bit(samples: Samples) -> NDArray[np.float32]:
+    """Return samples at the resolution of a 16-bit file."""
+    return np.asarray(np.round(samples * 32767.0) / 32768.0, np.float32)
+
+
 def _places(count: int, length: int, rng: np.random.Generator, rate_hz: int) -> list[int]:
     """Return random starts, ascending, at least 0.6 s apart; fewer than asked for where they do not fit."""
     apart = int(0.6 * rate_hz)
@@ -110,4 +115,4 @@ def _mastered(samples: Samples, rng: np.random.Generator, rate_hz: int) -> NDArr
         corner_hz = min(rng.uniform(4000.0, 16000.0), 0.45 * rate_hz)
         loud = sosfilt(butter(6, corner_hz, fs=rate_hz, output="sos"), loud)
     loud = loud / (np.abs(loud).max() or 1.0) * gain_from_db(rng.uniform(-24.0, -0.3))
-    return np.asarray(np.round(loud * 32767.0) / 32768.0, np.float32)
+    return as_16_bit(loud)

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from .chance import fork
-from .rooms import Echo, Place, Tail, tail_noise
+from .images import Echo
+from .rooms import Place, Tail, tail_noise
 from .tone import Samples, lowpass, peak
 from .waves import noise_burst
 

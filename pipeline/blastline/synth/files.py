@@ -10,7 +10,7 @@ from .scene import Scene, load_scene
 from .spread import expanded
 from .truth import NegativeTruth, ShotTruth, Truth, encode_truth
 
-BLOCK_S = 10
+BLOCK_S = 5
 
 
 def render_scene(scene: Scene) -> SceneAudio:

@@ -66,8 +66,8 @@ class SceneAudio:
         self.channels = CHANNELS[scene.layout]
         self.cues = tuple(sorted(cues(scene), key=lambda cue: (cue.onset, cue.name)))
         self._onsets = np.array([cue.onset for cue in self.cues], dtype=np.int64)
-        self._bed: Callable[[BedKind, int], BedLoop] = lru_cache(maxsize=10)(self._make_bed)
-        self._sound: Callable[[int], Sound] = lru_cache(maxsize=24)(self._make_sound)
+        self._bed: Callable[[BedKind, int], BedLoop] = lru_cache(maxsize=6)(self._make_bed)
+        self._sound: Callable[[int], Sound] = lru_cache(maxsize=12)(self._make_sound)
 
     def read(self, start: int, stop: int, *, without: str | None = None) -> Samples:
         """Return the limited mix from `start` to `stop`, shape (frames, channels), without one family of cues."""

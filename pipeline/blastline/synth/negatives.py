@@ -108,9 +108,12 @@ def random_negative(rng: np.random.Generator, rate_hz: int, kind: NegativeKind |
     """Return a negative of the given kind, or of any but the ambiguous, with a peak of 1, and where it starts."""
     chosen: NegativeKind = pick(rng, NEGATIVE_KINDS) if kind is None else kind
     sound = _MAKERS[chosen](fork(rng), rate_hz)
+    # a phrase may begin with the silence before a plosive
+    sound = sound[int(np.argmax(sound != 0.0)) :]
     if chosen not in _BY_ITSELF and chance(rng, 0.75):
         environment = pick(rng, ENVIRONMENTS[:-1] if chance(rng, 0.9) else ENVIRONMENTS)
         place = draw_place(rng, environment)
         sound, _ = in_place(fork(rng), air(sound, place.distance_m, rate_hz=rate_hz), place, rate_hz=rate_hz)
     sound = record(sound, CLEAN if chosen == "click" and chance(rng, 0.5) else draw_colour(rng), rate_hz=rate_hz)
-    return trimmed(sound / peak(sound)), 0
+    sound = trimmed(sound)
+    return sound / peak(sound), 0

@@ -44,7 +44,8 @@ def smooth_through(values: Samples, span: float, count: int) -> Samples:
     """
     weights = 0.5 - 0.5 * np.cos(math.pi * np.arange(64) / 64.0)
     curve = (values[:-1, None] + weights * np.diff(values)[:, None]).ravel()
-    return np.interp(np.linspace(0.0, 64.0 * span, count, endpoint=False), np.arange(len(curve)), curve)
+    places = np.linspace(0.0, 64.0 * span, count, endpoint=False)
+    return np.asarray(np.interp(places, np.arange(len(curve)), curve), dtype=np.float64)
 
 
 def ambience(rng: np.random.Generator, rate_hz: int, seconds: float) -> Samples:
@@ -60,7 +61,6 @@ def wind(rng: np.random.Generator, rate_hz: int, seconds: float) -> Samples:
     """Return gusts: a rumble, and a whistling band whose level and pitch follow the same gusts."""
     count = round(seconds * rate_hz)
     gust = slow(fork(rng), count, step_s=log_between(rng, (0.5, 3.0)), depth_db=5.0, rate_hz=rate_hz)
-    rumble = levelled(lowpass(coloured(fork(rng), count, slope=1.5, rate_hz=rate_hz), 250.0, rate_hz=rate_hz))
     whistle = np.zeros(count)
     for _ in range(int(rng.integers(1, 4))):
         centre = log_between(rng, (250.0, 1_800.0))
@@ -68,7 +68,9 @@ def wind(rng: np.random.Generator, rate_hz: int, seconds: float) -> Samples:
             fork(rng).standard_normal(count), centre, bandwidth_hz=centre * between(rng, (0.05, 0.4)), rate_hz=rate_hz
         )
         whistle += levelled(band) * slow(fork(rng), count, step_s=1.5, depth_db=6.0, rate_hz=rate_hz)
-    return levelled(gust * rumble + between(rng, (0.05, 0.6)) * gust**1.5 * levelled(whistle))
+    whistle = between(rng, (0.05, 0.6)) * gust**1.5 * levelled(whistle)
+    rumble = lowpass(coloured(fork(rng), count, slope=1.5, rate_hz=rate_hz), 250.0, rate_hz=rate_hz)
+    return levelled(gust * levelled(rumble) + whistle)
 
 
 def rain(rng: np.random.Generator, rate_hz: int, seconds: float) -> Samples:

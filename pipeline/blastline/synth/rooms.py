@@ -1,42 +1,26 @@
 """Where a sound happens: the echoes that geometry gives, and the diffuse tail that statistics give.
 
-    source *--------------------> listener      direct, path d
-            \\__ wall or ground __/              image source, path p: delay (p - d) / c, level d / p * R^hits
-
-Image sources (Allen and Berkley 1979) for two walls and a ground (street), a box (room, hall) or the ground alone
-(field); trees and hills add far, smeared echoes. Behind the early echoes lies noise that dies away, its energy from
-diffuse-field theory: E_tail / E_direct = 16 pi d^2 (1 - a) / (S a), and RT by Eyring.
+Two walls and a ground make a street, a box a room or a hall, the ground alone a field; trees and hills add far, smeared
+echoes. Behind the early echoes lies noise that dies away, its energy from diffuse-field theory:
+E_tail / E_direct = 16 pi d^2 (1 - a) / (S a), and its reverberation time by Eyring.
 """
 
 import itertools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from .chance import between, chance, log_between
+from .images import SPEED_OF_SOUND, Axis, Echo, image_echoes
 from .tone import Samples, bandpass, lowpass
 
-SPEED_OF_SOUND = 343.0
-"""Metres per second at 20 degrees Celsius."""
-
-FAINTEST_ECHO = 10.0 ** (-40.0 / 20.0)
-MOST_ECHOES = 60
+DAMPED_CHANCE = 0.4
 
 Environment = Literal["indoors", "street", "field", "hall", "far"]
 ENVIRONMENTS: tuple[Environment, ...] = ("indoors", "street", "field", "hall", "far")
-
-
-@dataclass(frozen=True)
-class Echo:
-    """A reflection against the direct sound: later by `delay_s`, `gain` times as strong, darker above `corner_hz`."""
-
-    delay_s: float
-    gain: float
-    corner_hz: float
-    smear_ms: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -64,47 +48,22 @@ class Place:
     tail: Tail | None
 
 
-@dataclass(frozen=True)
-class Axis:
-    """One axis of a box: its size (None for no far wall), source and listener on it, and the walls' reflection."""
-
-    size_m: float | None
-    source_m: float
-    listener_m: float
-    reflection: float
-
-    def images(self, order: int) -> list[tuple[float, int]]:
-        """Return the distance along the axis to each image of the source, and how often it was reflected."""
-        if self.size_m is None:
-            places = [(self.source_m, 0)] + ([(-self.source_m, 1)] if self.reflection > 0.0 else [])
-        else:
-            shifts = range(-order, order + 1)
-            places = [(2 * m * self.size_m + self.source_m, abs(2 * m)) for m in shifts]
-            places += [(2 * m * self.size_m - self.source_m, abs(2 * m - 1)) for m in shifts]
-        return [(place - self.listener_m, hits) for place, hits in places]
-
-
-def image_echoes(axes: tuple[Axis, Axis, Axis], *, order: int, corner_hz: float) -> tuple[float, tuple[Echo, ...]]:
-    """Return the direct path in metres and the echoes of a box's image sources, strongest kept, by time.
-
-    Every reflection lowers the corner: a wall absorbs more of the treble.
-    """
-    direct = math.dist([axis.source_m for axis in axes], [axis.listener_m for axis in axes])
-    echoes = []
-    for images in itertools.product(*(axis.images(order) for axis in axes)):
-        path = math.hypot(*(along for along, _ in images))
-        hits = sum(count for _, count in images)
-        loss = math.prod(axis.reflection**count for axis, (_, count) in zip(axes, images, strict=True))
-        gain = direct / path * loss
-        if hits > 0 and gain > FAINTEST_ECHO:
-            echoes.append(Echo((path - direct) / SPEED_OF_SOUND, gain, corner_hz / hits))
-    strongest = sorted(echoes, key=lambda echo: -echo.gain)[:MOST_ECHOES]
-    return direct, tuple(sorted(strongest, key=lambda echo: echo.delay_s))
-
-
 def draw_place(rng: np.random.Generator, environment: Environment, *, distance_m: float | None = None) -> Place:
-    """Return a random place of its kind; the source is `distance_m` away where it is given."""
-    return _DRAWS[environment](rng, distance_m)
+    """Return a random place of its kind; the source is `distance_m` away where it is given.
+
+    Four in ten are damped: a directed microphone, a padded room or an edited clip keeps little of the place.
+    """
+    place = _DRAWS[environment](rng, distance_m)
+    if place.tail is None or not chance(rng, DAMPED_CHANCE):
+        return place
+    gain, shorter = log_between(rng, (0.05, 0.7)), log_between(rng, (0.3, 1.0))
+    tail = replace(
+        place.tail,
+        level_db=place.tail.level_db - between(rng, (4.0, 25.0)),
+        low_s=max(0.1, shorter * place.tail.low_s),
+        high_s=max(0.05, shorter * place.tail.high_s),
+    )
+    return Place(place.distance_m, tuple(replace(echo, gain=gain * echo.gain) for echo in place.echoes), tail)
 
 
 def tail_noise(rng: np.random.Generator, rate_hz: int, tail: Tail) -> Samples:

@@ -1,6 +1,6 @@
 """Gunshots: a voice is fired, each time a little differently.
 
-direct = blast + gas jet + second pulse       through the air
+direct = blast + gas jet + roar + second pulse       through the air
 sound  = direct + echoes + tail + boom        from the onset on
        + shock of the bullet, mechanics       some of them earlier
 heard  = sound through the recording chain
@@ -23,7 +23,7 @@ from .waves import band_burst, boom, friedlander, n_wave
 from .weapons import WEAPONS
 
 BLAST_END = 0.1
-"""The direct sound is over where it stays below this part of its peak: -20 dB."""
+"""The blast is over where it stays below this part of its peak: -20 dB."""
 
 PEAK_WITHIN_S = 0.05
 FAINTEST_LISTED_DB = -30.0
@@ -42,33 +42,52 @@ def random_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, int, S
 def fire(rng: np.random.Generator, rate_hz: int, voice: Voice) -> tuple[Samples, ShotTruth]:
     """Return one shot, with a peak of 1 within 50 ms of its onset, and its truth counted from its first sample."""
     this = varied(rng, voice)
-    direct = _direct(fork(rng), rate_hz, this)
+    direct, blast = _direct(fork(rng), rate_hz, this)
     sound, echoes = in_place(fork(rng), direct, this.place, rate_hz=rate_hz)
     others = _mechanics(fork(rng), rate_hz, this) + _sound_design(rate_hz, this)
     shock = _shock(rate_hz, this)
     lead = max([0, *(-at for at, _ in [*others, *shock])])
     parts = [(lead + at, part) for at, part in [(0, sound), *others, *shock]]
-    heard = record(overlaid(parts), this.colour, rate_hz=rate_hz)
+    heard = trimmed(record(overlaid(parts), this.colour, rate_hz=rate_hz))
     heard = heard / peak(heard[lead : lead + math.ceil(PEAK_WITHIN_S * rate_hz)])
     accept = tuple(lead + at for at, _ in shock[:1])
-    return trimmed(heard), _truth(this, direct, echoes, lead=lead, accept=accept, rate_hz=rate_hz)
+    return heard, _truth(this, blast, echoes, lead=lead, accept=accept, rate_hz=rate_hz)
 
 
-def _direct(rng: np.random.Generator, rate_hz: int, voice: Voice) -> Samples:
-    """Return the direct sound after the air, from the first sample of its rise, with a peak of 1."""
+def _direct(rng: np.random.Generator, rate_hz: int, voice: Voice) -> tuple[Samples, int]:
+    """Return the direct sound after the air, with a peak of 1, and where its blast ends; it starts with the rise.
+
+    The roar belongs to the sound but not to the blast, which is over long before it.
+    """
     blast = friedlander(rate_hz, positive_ms=voice.positive_ms, rise_ms=voice.rise_ms, decay=voice.decay)
-    parts = [(0, blast)]
+    # room for the ringing of the air's low-pass
+    parts = [(0, blast), (0, np.zeros(len(blast) + round(0.005 * rate_hz)))]
     if voice.jet_db > SILENCE_DB:
         attack_ms = 0.1 + voice.rise_ms
-        jet = band_burst(rng, rate_hz, band_hz=voice.jet_band_hz, attack_ms=attack_ms, decay_ms=voice.jet_decay_ms)
+        jet = band_burst(
+            fork(rng), rate_hz, band_hz=voice.jet_band_hz, attack_ms=attack_ms, decay_ms=voice.jet_decay_ms
+        )
         parts.append((0, jet * 10.0 ** (voice.jet_db / 20.0)))
     if voice.second_pulse is not None:
         delay_ms, level_db = voice.second_pulse
         parts.append((round(delay_ms * 1e-3 * rate_hz), blast * 10.0 ** (level_db / 20.0)))
-    # room for the ringing of the air's low-pass
-    dry = overlaid([*parts, (0, np.zeros(max(len(part) for _, part in parts) + round(0.005 * rate_hz)))])
-    direct = air(dry, voice.place.distance_m, rate_hz=rate_hz, muffle=voice.muffle)
-    return np.asarray(direct / peak(direct), dtype=np.float64)
+    distance_m, muffle = voice.place.distance_m, voice.muffle
+    core = air(overlaid(parts), distance_m, rate_hz=rate_hz, muffle=muffle)
+    roar = air(overlaid(_roars(rng, rate_hz, voice)), distance_m, rate_hz=rate_hz, muffle=muffle)
+    direct = overlaid([(0, core), (0, roar)])
+    end = int(np.flatnonzero(np.abs(core) >= BLAST_END * peak(core))[-1]) + 1
+    return np.asarray(direct / peak(direct), dtype=np.float64), end
+
+
+def _roars(rng: np.random.Generator, rate_hz: int, voice: Voice) -> list[tuple[int, Samples]]:
+    return [
+        (
+            0,
+            band_burst(fork(rng), rate_hz, band_hz=roar.band_hz, attack_ms=roar.attack_ms, decay_ms=roar.decay_ms)
+            * float(10.0 ** (roar.level_db / 20.0)),
+        )
+        for roar in voice.roars
+    ]
 
 
 def _mechanics(rng: np.random.Generator, rate_hz: int, voice: Voice) -> list[tuple[int, Samples]]:
@@ -105,9 +124,8 @@ def _shock(rate_hz: int, voice: Voice) -> list[tuple[int, Samples]]:
 
 
 def _truth(
-    voice: Voice, direct: Samples, echoes: tuple[HeardEcho, ...], *, lead: int, accept: tuple[int, ...], rate_hz: int
+    voice: Voice, blast: int, echoes: tuple[HeardEcho, ...], *, lead: int, accept: tuple[int, ...], rate_hz: int
 ) -> ShotTruth:
-    blast = int(np.flatnonzero(np.abs(direct) >= BLAST_END)[-1]) + 1
     before = [lead + round(part.at_s * rate_hz) for part in voice.mechanisms if part.at_s < 0.0]
     listed = [echo for echo in echoes if db_from_gain(echo.gain) >= FAINTEST_LISTED_DB]
     return ShotTruth(

@@ -84,8 +84,8 @@ def rms(samples: Samples) -> float:
 
 
 def trimmed(samples: Samples, *, floor: float = 3e-4) -> Samples:
-    """Return the samples up to the last one above the floor, the last tenth of them faded out."""
-    loud = np.flatnonzero(np.abs(samples) > floor)
+    """Return the samples up to the last one above a part of their peak, the last tenth of them faded out."""
+    loud = np.flatnonzero(np.abs(samples) > floor * peak(samples))
     ending = samples[: int(loud[-1]) + 1 if loud.size else 0].copy()
     fade = len(ending) // 10
     ending[len(ending) - fade :] *= np.linspace(1.0, 0.0, fade)

@@ -12,9 +12,9 @@ class ShotTruth(msgspec.Struct, frozen=True):
 
     `onset_sample` is the first sample of the blast's rise. `start_sample` is the first sample of anything the shot
     makes: earlier only where a bullet's shock or the weapon's mechanics are heard first. `accept_samples` are other
-    places that may be called the onset (the shock of the bullet). `blast` ends where the direct sound has fallen to
-    -20 dB of its peak for good. `peak_dbfs` is the shot's own peak within 50 ms of the onset, `snr_db` that peak
-    over the rms of everything but the shots of its own burst in the 200 ms before the onset.
+    places that may be called the onset (the shock of the bullet). `blast` ends where blast wave, gas jet and second
+    pulse have fallen to -20 dB of their peak for good. `peak_dbfs` is the shot's own peak within 50 ms of the onset,
+    `snr_db` that peak over the rms of everything but the shots of its own burst in the 200 ms before the onset.
     """
 
     onset_sample: int

@@ -38,6 +38,16 @@ class Mechanism:
 
 
 @dataclass(frozen=True)
+class Roar:
+    """What swells behind the blast in most recordings: turbulent gas, scatter from everything near, added layers."""
+
+    level_db: float
+    attack_ms: float
+    decay_ms: float
+    band_hz: tuple[float, float]
+
+
+@dataclass(frozen=True)
 class Boom:
     """The low tone that a sound designer lays under the shot."""
 
@@ -67,6 +77,7 @@ class Voice:
     mechanisms: tuple[Mechanism, ...] = ()
     shock: Shock | None = None
     boom: Boom | None = None
+    roars: tuple[Roar, ...] = ()
 
 
 def draw_voice(
@@ -97,13 +108,16 @@ def draw_voice(
         jet_db=between(rng, kind.jet_db) if chance(rng, 0.85) else SILENCE_DB,
         jet_decay_ms=log_between(rng, kind.jet_decay_ms),
         jet_band_hz=(log_between(rng, (100.0, 1_500.0)), log_between(rng, (2_500.0, 16_000.0))),
-        muffle=1.0 if chance(rng, 0.4) else between(rng, kind.muffle),
-        second_pulse=(log_between(rng, (0.3, 4.0)), between(rng, (-18.0, -3.0))) if chance(rng, 0.3) else None,
+        muffle=1.0 if chance(rng, 0.6) else between(rng, kind.muffle),
+        second_pulse=(log_between(rng, (0.3, 25.0)), between(rng, (-18.0, 3.0))) if chance(rng, 0.35) else None,
         mechanisms=_draw_mechanisms(rng, kind.mechanics_db) if far_m < MECHANICS_WITHIN_M else (),
         shock=_draw_shock(rng, far_m) if shocked else None,
         boom=_draw_boom(rng) if chance(rng, 0.35) else None,
+        roars=_draw_roars(rng),
     )
-    return replace(voice, colour=CLEAN, muffle=1.0, mechanisms=(), shock=None, boom=None) if clean else voice
+    if not clean:
+        return voice
+    return replace(voice, colour=CLEAN, muffle=1.0, mechanisms=(), shock=None, boom=None, roars=())
 
 
 def varied(rng: np.random.Generator, voice: Voice) -> Voice:
@@ -142,12 +156,27 @@ def _draw_mechanisms(rng: np.random.Generator, level_db: tuple[float, float]) ->
     return tuple(sorted(before + after, key=lambda mechanism: mechanism.at_s))
 
 
+def _draw_roars(rng: np.random.Generator) -> tuple[Roar, ...]:
+    """Return up to two; real recordings reach their peak 2-20 ms after the onset more often than at it."""
+
+    def one() -> Roar:
+        low_hz = log_between(rng, (25.0, 1_500.0))
+        return Roar(
+            level_db=between(rng, (-10.0, 12.0)),
+            attack_ms=log_between(rng, (0.4, 40.0)),
+            decay_ms=log_between(rng, (4.0, 110.0)),
+            band_hz=(low_hz, min(16_000.0, low_hz * log_between(rng, (3.0, 100.0)))),
+        )
+
+    return tuple(one() for _ in range(int(rng.choice(3, p=(0.2, 0.45, 0.35)))))
+
+
 def _draw_boom(rng: np.random.Generator) -> Boom:
     stop_hz = between(rng, (32.0, 85.0))
     return Boom(
-        level_db=between(rng, (-24.0, 0.0)),
+        level_db=between(rng, (-26.0, 0.0)),
         start_hz=stop_hz * between(rng, (1.0, 2.5)),
         stop_hz=stop_hz,
         attack_ms=log_between(rng, (1.0, 25.0)),
-        decay_ms=log_between(rng, (60.0, 400.0)),
+        decay_ms=log_between(rng, (25.0, 400.0)),
     )

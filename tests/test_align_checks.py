@@ -1,0 +1,255 @@
+"""A right drive passes every check, and each way to break one is caught by the check meant for it, and measured."""
+
+from functools import cache
+
+import msgspec
+import numpy as np
+import pytest
+
+from align_films import PROFILE, RATE_HZ, Film, Held, Samples, make_film
+from blastline.align import check_files, check_timeline
+from blastline.model import Background, Check, DriveModel, Phase, Window
+from blastline.ruleset import AlignRules, rules_path
+from blastline.ruleset.files import convert, read_toml
+
+RULES = convert(read_toml(rules_path("align.toml")), AlignRules, rules_path("align.toml"))
+
+
+@cache
+def film(
+    phase: Phase = "causal", background: Background = "mute", model: DriveModel | None = None, rate_hz: int = RATE_HZ
+) -> Film:
+    return make_film(phase=phase, background=background, model=model, rate_hz=rate_hz)
+
+
+def checks_of(film: Film, phase: Phase = "causal", background: Background = "mute") -> tuple[Check, ...]:
+    return check_files(
+        film.timeline,
+        audio=film.audio,
+        drive=film.drive,
+        profile=PROFILE,
+        rules=RULES,
+        phase=phase,
+        background=background,
+    )
+
+
+def failed(checks: tuple[Check, ...]) -> set[str]:
+    return {check.name for check in checks if not check.passed}
+
+
+def figure(checks: tuple[Check, ...], name: str, event: str | None = None) -> float:
+    (measured,) = (check.measured for check in checks if check.name == name and check.event == event)
+    assert measured is not None
+    return measured
+
+
+def resampled(samples: Samples, up: int, down: int) -> Samples:
+    """Return samples at `up / down` times their rate; played at the old rate they run `down / up` times as fast."""
+    from scipy.signal import resample_poly
+
+    return np.clip(np.asarray(resample_poly(samples, up, down), dtype=np.float64), -1.0, 1.0)
+
+
+@pytest.mark.parametrize("rate_hz", [44_100, 48_000])
+@pytest.mark.parametrize("background", ["mute", "direct"])
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+def test_a_right_drive_passes(phase: Phase, background: Background, rate_hz: int) -> None:
+    right = film(phase, background, None, rate_hz)
+    assert {event.drive.model for event in right.timeline.events if event.drive} == {"filter", "constrained"}
+    checks = checks_of(right, phase, background)
+    assert failed(checks) == set()
+    assert abs(figure(checks, "drive_shift")) < 0.05
+    assert abs(figure(checks, "drive_drift")) < 0.1
+    for event in right.timeline.events:
+        lag_ms = figure(checks, "felt_lag", event.id)
+        if phase == "causal":
+            assert 0.33 < lag_ms < 0.46
+        else:
+            assert abs(lag_ms) < 1000.0 / rate_hz
+
+
+def test_a_direct_drive_is_compared_as_it_is() -> None:
+    checks = checks_of(film(model="direct"))
+    assert failed(checks) == set()
+    assert {check.name for check in checks if check.name.startswith("felt")} == set()
+    assert abs(figure(checks, "drive_lag", "shot-0002")) < 1e-3
+    assert figure(checks, "drive_correlation", "shot-0002") > 0.999
+
+
+@pytest.mark.parametrize("by", [1, 7, 480, 12_000, -3])
+@pytest.mark.parametrize(("phase", "model"), [("causal", None), ("zero", None), ("causal", "direct")])
+def test_a_displaced_drive_fails_by_its_displacement(by: int, phase: Phase, model: DriveModel | None) -> None:
+    right = film(phase, "mute", model)
+    checks = checks_of(right.with_drive(np.roll(right.drive.samples, by)), phase)
+    assert figure(checks, "drive_shift") == pytest.approx(by, abs=0.05)
+    assert "drive_shift" in failed(checks)
+    of_time = {"drive_shift", "silence_outside_windows", "felt_lag", "drive_lag", "felt_onset", "drive_onset"}
+    assert failed(checks) <= of_time
+    subject = "drive_lag" if model else "felt_lag"
+    before, after = (figure(c, subject, "shot-0003") for c in (checks_of(right, phase), checks))
+    assert after - before == pytest.approx(1000.0 * by / RATE_HZ, abs=0.002)
+
+
+def test_a_displacement_shows_where_the_background_sounds() -> None:
+    right = film("causal", "direct")
+    checks = checks_of(right.with_drive(np.roll(right.drive.samples, 12_000)), "causal", "direct")
+    assert figure(checks, "drive_shift") == pytest.approx(12_000, abs=0.05)
+    assert {"drive_shift", "sound_outside_windows"} <= failed(checks)
+
+
+@pytest.mark.parametrize(("up", "down"), [(1000, 1001), (1001, 1000), (147, 160)])
+def test_another_speed_is_measured(up: int, down: int) -> None:
+    right = film()
+    fast = resampled(right.drive.samples, up, down)
+    checks = checks_of(right.with_drive(fast))
+    assert figure(checks, "drive_speed") == pytest.approx(down / up, abs=2e-6)
+    assert {"drive_speed", "drive_drift", "frames"} <= failed(checks)
+    first, last = (right.timeline.events[at].onset_sample for at in (0, -1))
+    assert figure(checks, "drive_drift") == pytest.approx((up / down - 1) * (last - first), abs=1.0)
+    assert figure(checks, "frames") == len(fast) - len(right.drive.samples)
+
+
+def test_another_rate_is_named_and_the_timing_still_measured() -> None:
+    right = film()
+    slow = resampled(right.drive.samples, 147, 160)
+    checks = checks_of(right.with_drive(slow, 44_100))
+    assert failed(checks) == {"sample_rate"}
+    assert figure(checks, "sample_rate") == 44_100
+    assert abs(figure(checks, "drive_shift")) < 0.05
+    late = checks_of(right.with_drive(np.roll(slow, 441), 44_100))
+    assert figure(late, "drive_shift") == pytest.approx(480, abs=0.1)
+
+
+def test_an_inverted_drive_fails_by_its_correlation_alone() -> None:
+    right = film()
+    checks = checks_of(right.with_drive(-right.drive.samples))
+    assert failed(checks) == {"felt_correlation"}
+    assert figure(checks, "felt_correlation", "shot-0001") == pytest.approx(-1.0, abs=0.01)
+
+
+def test_swapped_shots_fail_and_no_others() -> None:
+    right = film()
+    drive = right.drive.samples.copy()
+    first, third = (right.timeline.events[index].window for index in (0, 2))
+    length = min(len(first.span), len(third.span))
+    held = drive[first.start : first.start + length].copy()
+    drive[first.start : first.start + length] = drive[third.start : third.start + length]
+    drive[third.start : third.start + length] = held
+    broken = [check for check in checks_of(right.with_drive(drive)) if not check.passed]
+    assert {check.event for check in broken} == {"shot-0001", "shot-0003"}
+    assert "felt_correlation" in {check.name for check in broken}
+
+
+def test_a_clipped_gain_fails_by_its_level() -> None:
+    right = film()
+    checks = checks_of(right.with_drive(np.clip(3.0 * right.drive.samples, -1.0, 1.0)))
+    assert "level_as_rendered" in failed(checks)
+    assert failed(checks) <= {"level_as_rendered", "felt_correlation", "felt_lag"}
+    assert figure(checks, "level_as_rendered", "shot-0001") == pytest.approx(20 * np.log10(3.0), abs=0.6)
+
+
+def test_more_than_the_limit_fails() -> None:
+    right = film()
+    loud = 1.25 * right.drive.samples
+    checks = checks_of(Film(right.audio, Held(loud, RATE_HZ), right.timeline))
+    assert {"drive_peak", "peak"} <= failed(checks)
+    assert figure(checks, "drive_peak") == pytest.approx(1.25, abs=1e-6)
+
+
+def test_movement_between_windows_is_counted() -> None:
+    right = film()
+    drive = right.drive.samples.copy()
+    drive[[10, 200, 287_000]] = 2.0**-23
+    checks = checks_of(right.with_drive(drive))
+    assert failed(checks) == {"silence_outside_windows"}
+    assert figure(checks, "silence_outside_windows") == 3
+
+
+def test_missing_frames_are_counted() -> None:
+    right = film()
+    checks = checks_of(right.with_drive(right.drive.samples[:-1000]))
+    assert failed(checks) == {"frames"}
+    assert figure(checks, "frames") == -1000
+
+
+@pytest.mark.parametrize("bed", [1e-4, 1e-2])
+def test_a_drive_that_begins_after_the_bang_fails(bed: float) -> None:
+    right = make_film(bed=bed)
+    event = right.timeline.events[0]
+    drive = right.drive.samples.copy()
+    drive[event.window.start : event.onset_sample + round(0.003 * RATE_HZ)] = 0.0
+    broken = [c for c in checks_of(right.with_drive(drive)) if not c.passed]
+    assert ("felt_onset", event.id) in {(c.name, c.event) for c in broken}
+    assert {c.event for c in broken} == {event.id}
+
+
+def test_a_fade_that_eats_the_attack_fails() -> None:
+    right = film()
+    first = right.timeline.events[0]
+    window = first.window
+    late = Window(window.start, window.stop, window.fade_in_samples + 96, window.fade_out_samples)
+    checks = checks_of(right.with_events(msgspec.structs.replace(first, window=late), *right.timeline.events[1:]))
+    assert failed(checks) == {"fade_in_before_onset"}
+    assert figure(checks, "fade_in_before_onset", first.id) == pytest.approx(-1.0)
+
+
+def test_vibration_before_the_bang_fails() -> None:
+    right = film()
+    event = right.timeline.events[3]
+    drive = right.drive.samples.copy()
+    early = slice(event.window.start, event.window.start + 96)
+    drive[early] += 0.5 * np.sin(2 * np.pi * 500 * np.arange(96) / RATE_HZ)
+    broken = [check for check in checks_of(right.with_drive(drive)) if not check.passed]
+    assert ("pre_echo", event.id) in {(check.name, check.event) for check in broken}
+
+
+def test_a_silent_drive_fails_by_name() -> None:
+    right = film()
+    checks = checks_of(right.with_drive(np.zeros(right.drive.frames)))
+    assert {"drive_shift", "felt_lag", "felt_correlation"} <= failed(checks)
+    assert all(check.measured is None for check in checks if check.name in ("drive_shift", "felt_lag"))
+
+
+def test_a_film_without_shots_passes_with_nothing_measured() -> None:
+    right = film()
+    still = right.with_events().with_drive(np.zeros(right.drive.frames))
+    checks = checks_of(still)
+    assert failed(checks) == set()
+    assert [check.measured for check in checks if check.name == "drive_shift"] == [None]
+
+
+def test_shots_at_both_ends_of_the_film_are_checked() -> None:
+    edge = make_film(onsets_s=(0.0, 1.0, 1.95), peaks=(0.05, 0.05, 0.05), seconds=2.0)
+    assert failed(checks_of(edge)) == set()
+
+
+def test_a_single_shot_has_no_drift() -> None:
+    single = make_film(onsets_s=(0.5,), peaks=(0.4,), seconds=1.0)
+    checks = checks_of(single.with_drive(np.roll(single.drive.samples, 1)))
+    assert figure(checks, "drive_shift") == pytest.approx(1.0, abs=0.05)
+    assert "drive_drift" not in {check.name for check in checks}
+
+
+def test_shots_of_one_window_are_checked_each_over_its_own_part() -> None:
+    onsets_s = (0.5, 0.58, 0.66, 0.74)
+    burst = make_film(onsets_s=(0.58,), peaks=(0.06,), seconds=2.0, bed=1e-3)
+    (event,) = burst.timeline.events
+    shots = [
+        msgspec.structs.replace(event, id=f"s{k}", onset_sample=event.onset_sample + round(k * 0.05 * RATE_HZ))
+        for k in range(len(onsets_s))
+    ]
+    checks = checks_of(burst.with_events(*shots))
+    assert {c.event for c in checks if c.event} == {"s0", "s1", "s2", "s3"}
+    assert "felt_lag" not in failed(checks)
+    assert "felt_correlation" not in failed(checks)
+
+
+def test_without_a_drive_the_onsets_are_sought_in_the_sound() -> None:
+    right = film()
+    assert failed(check_timeline(right.timeline, audio=right.audio, rules=RULES)) == set()
+    wrong = msgspec.structs.replace(
+        right.timeline.events[1], onset_sample=right.timeline.events[1].onset_sample - 5_000
+    )
+    moved = right.with_events(right.timeline.events[0], wrong, *right.timeline.events[2:])
+    assert failed(check_timeline(moved.timeline, audio=moved.audio, rules=RULES)) >= {"audio_rise"}

@@ -1,0 +1,66 @@
+"""Where one signal lies in another."""
+
+import numpy as np
+import pytest
+
+from align_films import Samples
+from blastline.align.correlate import find
+
+
+def rumble(seed: int, samples: int) -> Samples:
+    """Return noise below a tenth of the Nyquist frequency, exact at any fraction of a sample by its Fourier series."""
+    rng = np.random.default_rng(seed)
+    spectrum = np.zeros(samples // 2 + 1, complex)
+    spectrum[1 : samples // 20] = rng.standard_normal(samples // 20 - 1) + 1j * rng.standard_normal(samples // 20 - 1)
+    return np.fft.irfft(spectrum, samples)
+
+
+def later(signal: Samples, by: float) -> Samples:
+    phase = np.exp(-2j * np.pi * np.fft.rfftfreq(len(signal)) * by)
+    return np.fft.irfft(np.fft.rfft(signal) * phase, len(signal))
+
+
+@pytest.mark.parametrize("by", [0.0, 1.0, -3.0, 0.25, 17.6, -49.5])
+def test_a_delay_is_found_to_a_fraction_of_a_sample(by: float) -> None:
+    signal = rumble(1, 4000)
+    match = find(signal[1000:3000], later(signal, by)[900:3100])
+    assert match.lag == pytest.approx(by, abs=0.03)
+    assert match.correlation == pytest.approx(1.0, abs=0.01)
+
+
+def test_the_correlation_is_the_textbook_one() -> None:
+    pattern, other = rumble(2, 500), rumble(3, 500)
+    assert find(pattern, other).correlation == pytest.approx(
+        float(np.dot(pattern, other) / np.linalg.norm(pattern) / np.linalg.norm(other))
+    )
+
+
+def test_level_does_not_matter_and_inversion_shows() -> None:
+    signal = rumble(4, 4000)
+    match = find(signal[1000:3000], -1e-6 * later(signal, 5)[950:3050])
+    assert match.lag == pytest.approx(5.0, abs=1e-3)
+    assert match.correlation == pytest.approx(-1.0)
+
+
+def test_samples_that_do_not_count_cannot_mislead() -> None:
+    signal = rumble(5, 4000)
+    moving = later(signal, 8)
+    counts = np.ones(4000, bool)
+    counts[1500:2300] = False
+    spoilt = np.where(counts, moving, 100.0 * rumble(6, 4000))
+    match = find(signal[1000:3000], spoilt[950:3050], counts[950:3050])
+    assert match.lag == pytest.approx(8.0, abs=0.03)
+    assert match.correlation == pytest.approx(1.0, abs=1e-3)
+    assert abs(find(signal[1000:3000], spoilt[950:3050]).correlation) < 0.5
+
+
+def test_too_little_to_compare_is_no_match() -> None:
+    signal = rumble(7, 400)
+    few = np.zeros(440, bool)
+    few[200:205] = True
+    padded = np.pad(signal, 20)
+    assert find(signal, padded, few).correlation == 0.0
+    for pattern, moving in ((signal, np.zeros(440)), (np.zeros(400), padded)):
+        match = find(pattern, moving)
+        assert np.isnan(match.lag)
+        assert match.correlation == 0.0

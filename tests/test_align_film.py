@@ -1,0 +1,76 @@
+"""The pass over the whole drive, and the order of a timeline."""
+
+import numpy as np
+import pytest
+
+from align_films import Held, make_film
+from blastline.align.film import gaps, moving_spans, scan
+from blastline.align.sanity import order_faults
+from blastline.model import Event, Span, Window
+
+
+def test_gaps_and_windows_make_up_the_film() -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(50):
+        starts = rng.integers(0, 900, 6)
+        windows = [Span(int(s), int(s + n)) for s, n in zip(starts, rng.integers(1, 200, 6), strict=True)]
+        covered = np.zeros(1000, int)
+        for window in windows:
+            covered[window.start : window.stop] = 1
+        for gap in gaps(windows, 1000):
+            assert len(gap) > 0
+            covered[gap.start : gap.stop] += 2
+        assert set(covered.tolist()) <= {1, 2}
+
+
+@pytest.mark.parametrize("block", [1, 7, 999, 10_000])
+def test_block_size_changes_nothing(block: int) -> None:
+    rng = np.random.default_rng(2)
+    samples = np.where(rng.random(3000) < 0.02, rng.uniform(-1, 1, 3000), 0.0)
+    still = [Span(0, 500), Span(600, 601), Span(1200, 3000)]
+    figures = scan(Held(samples, 8000, block).blocks(), still, expected=None)
+    assert figures.frames == 3000
+    assert figures.peak == pytest.approx(np.abs(samples).max())
+    assert figures.stray == sum(np.count_nonzero(samples[s.start : s.stop]) for s in still)
+    assert moving_spans(Held(samples, 8000, block).blocks(), still=30) == moving_spans(
+        Held(samples, 8000).blocks(), still=30
+    )
+
+
+def test_movements_are_separated_by_rest() -> None:
+    samples = np.zeros(1000)
+    samples[[100, 105, 129, 400, 990]] = 0.5
+    assert moving_spans(Held(samples, 8000, 104).blocks(), still=25) == [Span(100, 130), Span(400, 401), Span(990, 991)]
+
+
+def test_dry_sound_is_compared_to_one_24_bit_step() -> None:
+    sound = np.random.default_rng(3).uniform(-1.2, 1.2, 2000)
+    written = np.clip(np.rint(sound * 2**23), -(2**23), 2**23 - 1) / 2**23
+    still = [Span(0, 2000)]
+
+    def strays(samples: np.ndarray) -> int:
+        return scan(Held(samples, 8000).blocks(), still, expected=lambda s: sound[s.start : s.stop]).stray
+
+    assert strays(written) == 0
+    written[[5, 1500]] += np.where(written[[5, 1500]] > 0, -3, 3) * 2.0**-23
+    assert strays(written) == 2
+
+
+def replaced(event: Event, **changes: object) -> Event:
+    import msgspec
+
+    return msgspec.structs.replace(event, **changes)
+
+
+def test_each_fault_of_a_timeline_counts() -> None:
+    timeline = make_film(onsets_s=(0.5, 1.0, 1.5), peaks=(0.1, 0.1, 0.1), seconds=2.0).timeline
+    frames = timeline.source.frames
+    first, second, third = timeline.events
+    assert order_faults(timeline.events, frames) == 0
+    assert order_faults((second, first, third), frames) == 1
+    assert order_faults((first, replaced(second, id=first.id), third), frames) == 1
+    window = second.window
+    assert order_faults((first, second, replaced(third, window=Window(window.start, frames + 1, 0, 0))), frames) == 2
+    assert order_faults((first, replaced(second, onset_sample=window.stop), third), frames) == 1
+    shared = (first, replaced(second, onset_sample=first.onset_sample + 100, window=first.window), third)
+    assert order_faults(shared, frames) == 0

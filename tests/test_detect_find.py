@@ -1,0 +1,148 @@
+"""The detector as a whole, on a small film: what must not change what is found."""
+
+import msgspec
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from blastline.detect import Detection, find_shots, load_verifier
+from blastline.detect.features import feature_names
+from blastline.detect.find import described, stretches
+from blastline.detect.tracks import Grid, pieces
+from blastline.detect.verify import ModelFile, compile_trees, probabilities
+from blastline.errors import RuleError
+from blastline.model import Clip
+from blastline.ruleset import load_rules, rules_path
+from blastline.synth import Scene, Truth, render_scene, truth_of
+
+RATE_HZ = 48_000
+RULES = load_rules("standard")
+VERIFIER = load_verifier(rules_path(f"verifier/{RULES.tier.verify.model}"))
+SCENE = {
+    "schema": 1,
+    "rate_hz": RATE_HZ,
+    "duration_s": 24.0,
+    "seed": 11,
+    "beds": [{"kind": "dialogue", "level_dbfs": -36.0}, {"kind": "ambience", "level_dbfs": -52.0}],
+    "shots": [
+        {"at_s": 2.0, "weapon": "rifle", "environment": "field", "distance_m": 20.0, "peak_dbfs": -3.0},
+        {"at_s": 6.5, "weapon": "pistol", "environment": "street", "distance_m": 8.0, "peak_dbfs": -6.0},
+        {
+            "at_s": 11.0,
+            "weapon": "smg",
+            "environment": "field",
+            "distance_m": 12.0,
+            "peak_dbfs": -4.0,
+            "burst": {"shots": 5, "rpm": 700.0},
+        },
+        {"at_s": 19.0, "weapon": "shotgun", "environment": "street", "distance_m": 10.0, "peak_dbfs": -3.0},
+    ],
+    "negatives": [
+        {"at_s": 4.0, "kind": "door", "peak_dbfs": -10.0},
+        {"at_s": 14.5, "kind": "clap", "peak_dbfs": -10.0},
+        {"at_s": 21.5, "kind": "tom", "peak_dbfs": -12.0},
+    ],
+}
+
+
+@pytest.fixture(scope="module")
+def film() -> tuple[NDArray[np.float32], Truth]:
+    audio = render_scene(msgspec.convert(SCENE, Scene))
+    samples = audio.read(0, audio.frames)[:, 0]
+    return np.asarray(np.round(samples * 32767.0) / 32768.0, np.float32), truth_of(audio)
+
+
+def find(samples: NDArray[np.float32], size: int = 65_536) -> Detection:
+    blocks = [Clip(samples[at : at + size, None], RATE_HZ, at) for at in range(0, samples.shape[0], size)]
+    return find_shots(blocks, rate_hz=RATE_HZ, tier=RULES.tier, verifier=VERIFIER)
+
+
+def test_every_shot_is_found_where_it_is_and_nothing_else(film: tuple[NDArray[np.float32], Truth]) -> None:
+    samples, truth = film
+    found = find(samples)
+    assert len(found.shots) == len(truth.shots) == 8
+    for shot, true in zip(found.shots, truth.shots, strict=True):
+        assert abs(shot.onset - true.onset_sample) <= 0.1 * 48
+    assert [shot.shot_in_burst for shot in found.shots] == [None, None, 1, 2, 3, 4, 5, None]
+
+
+@pytest.mark.parametrize("size", [1, 7, 4096])
+def test_the_block_size_changes_nothing(film: tuple[NDArray[np.float32], Truth], size: int) -> None:
+    samples = film[0][: (4 if size < 7 else 24) * RATE_HZ]
+    assert find(samples, size) == find(samples, samples.shape[0])
+
+
+@pytest.mark.parametrize("delay", [1, 17, 48, 96, 12_345, 1_000_003])
+def test_a_delay_delays_every_shot(film: tuple[NDArray[np.float32], Truth], delay: int) -> None:
+    samples, _ = film
+    later = find(np.concatenate([np.zeros(delay, np.float32), samples]))
+    first = find(samples)
+    assert [s.onset - delay for s in later.shots] == [s.onset for s in first.shots]
+    assert [s.span.stop - delay for s in later.shots] == [s.span.stop for s in first.shots]
+    assert [[r.delay_ms for r in s.reflections] for s in later.shots] == [
+        [r.delay_ms for r in s.reflections] for s in first.shots
+    ]
+
+
+@pytest.mark.parametrize("gain", [2.0, 0.5, -1.0, 0.125])
+def test_gain_and_polarity_move_no_onset(film: tuple[NDArray[np.float32], Truth], gain: float) -> None:
+    samples, _ = film
+    changed = find(np.asarray(gain * samples, np.float32))
+    assert [s.onset for s in changed.shots] == [s.onset for s in find(samples).shots]
+
+
+@pytest.mark.parametrize("start_ms", [0.0, 0.5])
+def test_a_film_that_starts_with_a_shot(film: tuple[NDArray[np.float32], Truth], start_ms: float) -> None:
+    samples, truth = film
+    start = truth.shots[0].onset_sample - round(start_ms * 48)
+    (first, *_) = find(samples[start:]).shots
+    assert abs(first.onset - (truth.shots[0].onset_sample - start)) <= 5
+
+
+@pytest.mark.parametrize("after_ms", [5.0, 60.0])
+def test_a_film_that_ends_inside_a_shot(film: tuple[NDArray[np.float32], Truth], after_ms: float) -> None:
+    samples, truth = film
+    frames = truth.shots[-1].onset_sample + round(after_ms * 48)
+    for shot in find(samples[:frames]).shots:
+        assert shot.onset < shot.blast.stop <= shot.span.stop <= frames
+
+
+def test_silence_dc_and_full_scale_square_hold_no_shot() -> None:
+    time = np.arange(3 * RATE_HZ)
+    square = np.where(time // 240 % 2 == 0, 1.0, -1.0)
+    for samples in (np.zeros(time.size), np.full(time.size, 0.7), square):
+        assert find(samples.astype(np.float32)).shots == ()
+
+
+def test_features_are_finite_and_named(film: tuple[NDArray[np.float32], Truth]) -> None:
+    for stretch in stretches(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
+        onsets, rows = described(stretch, Grid(RATE_HZ), RULES.tier)
+        assert rows.shape == (onsets.size, len(feature_names()))
+        assert np.isfinite(rows).all()
+    assert len(set(feature_names())) == len(feature_names())
+
+
+def test_the_runtime_walks_the_trees_as_scikit_learn_does() -> None:
+    from sklearn.ensemble import HistGradientBoostingClassifier
+
+    from blastline.study.train import exported
+
+    rng = np.random.default_rng(3)
+    rows = rng.standard_normal((600, 8))
+    labels = rows[:, 0] * rows[:, 1] + 0.3 * rng.standard_normal(600) > 0.0
+    classifier = HistGradientBoostingClassifier(max_iter=40, random_state=0).fit(rows, labels)
+    baseline, trees = exported(classifier)
+    ours = probabilities(rows, compile_trees(trees, baseline))
+    np.testing.assert_allclose(ours, classifier.predict_proba(rows)[:, 1], rtol=0.0, atol=1e-9)
+
+
+def test_a_model_of_other_features_is_refused(tmp_path: object) -> None:
+    from pathlib import Path
+
+    path = Path(str(tmp_path)) / "other.json"
+    path.write_bytes(msgspec.json.encode(ModelFile(1, ("one",), 0.0, [], {})))
+    with pytest.raises(RuleError, match=r"other\.json: features: expected the \d+ of this version, got 1"):
+        load_verifier(path)
+    path.write_text("{}")
+    with pytest.raises(RuleError, match=r"other\.json: not a verifier model"):
+        load_verifier(path)

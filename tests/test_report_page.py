@@ -1,0 +1,162 @@
+"""The report says what happened, of every shot, safely and without the network."""
+
+import html
+import re
+from functools import cache
+from html.parser import HTMLParser
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+
+from align_films import PROFILE, Film, make_film
+from blastline.model import Check, Event, Timeline
+from blastline.report import OverviewMeter, write_report
+
+VOID = {"meta", "br", "hr", "img", "input", "link"}
+
+
+class Page(HTMLParser):
+    """A page that has been read: it is an error if its elements do not nest."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(convert_charrefs=True)
+        self.open: list[str] = []
+        self.links: list[str] = []
+        self.ids: list[str] = []
+        self.tags: list[str] = []
+        self.words: list[str] = []
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        for name, value in attrs:
+            if name in ("href", "src", "xlink:href"):
+                self.links.append(value or "")
+            if name == "id":
+                self.ids.append(value or "")
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open, f"</{tag}> closes nothing"
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.words.append(data)
+
+    @property
+    def text(self) -> str:
+        return " ".join(self.words)
+
+
+@cache
+def film() -> Film:
+    return make_film(onsets_s=(0.7, 1.6, 2.9), peaks=(0.05, 0.5, 0.1), seconds=4.0)
+
+
+def written(folder: Path, film: Film, timeline: Timeline | None = None) -> str:
+    meter = OverviewMeter(film.audio.rate_hz)
+    for _ in meter.watch(film.audio.blocks()):
+        pass
+    path = folder / "report.html"
+    write_report(
+        path,
+        timeline or film.timeline,
+        overview=meter.overview(),
+        audio=film.audio,
+        drive=film.drive,
+        profile=PROFILE,
+        options={"phase": "causal"},
+    )
+    return path.read_text(encoding="utf-8")
+
+
+def passing(event: Event | None = None) -> Check:
+    return Check("felt_lag" if event else "frames", event.id if event else None, True, 0.35, 0.5, "ms")
+
+
+def test_the_page_holds_every_shot_and_nothing_from_outside(tmp_path: Path) -> None:
+    timeline = msgspec.structs.replace(film().timeline, checks=(passing(), *map(passing, film().timeline.events)))
+    text = written(tmp_path, film(), timeline)
+    page = Page(text)
+    for event in timeline.events:
+        assert f"row-{event.id}" in page.ids
+        assert f"shot-{event.id}" in page.ids
+        assert event.timecode in page.text
+    assert page.tags.count("article") == len(timeline.events)
+    assert all(link.startswith("#") for link in page.links)
+    assert {link[1:] for link in page.links} <= set(page.ids)
+    assert len(page.ids) == len(set(page.ids))
+    outside = re.sub(r'xmlns(:\w+)?="[^"]*"', "", text)
+    assert "http:" not in outside
+    assert "https:" not in outside
+    assert not re.search(r"""(src|href|url)\s*[=(]\s*["']?//""", outside)
+    assert "@import" not in outside
+    assert "Aligned." in page.text
+    assert timeline.rules_digest in page.text
+
+
+def test_failures_come_first_and_in_words(tmp_path: Path) -> None:
+    bad = Check("felt_lag", "shot-0003", False, 10.35, 0.5, "ms")
+    whole = Check("drive_shift", None, False, 480.0, 0.5, "samples")
+    timeline = msgspec.structs.replace(film().timeline, checks=(passing(), bad, whole))
+    page = Page(written(tmp_path, film(), timeline))
+    assert "Not aligned." in page.text
+    assert "2 of 3 checks failed" in page.text
+    assert page.text.index("480 samples") < page.text.index("Every shot")
+
+
+def test_hostile_names_stay_text(tmp_path: Path) -> None:
+    evil = '"><script>alert(1)</script><img src=//x onerror=y>&'
+    events = tuple(
+        msgspec.structs.replace(event, id=f"{index}{evil}", timecode=evil)
+        for index, event in enumerate(film().timeline.events)
+    )
+    source = msgspec.structs.replace(film().timeline.source, name=evil, warnings=(evil,))
+    checks = (Check(evil, events[0].id, False, 1.0, 0.5, evil), Check("felt_lag", events[1].id, True, 0.1, 0.5, "ms"))
+    rejected = (msgspec.structs.replace(film().timeline.rejections[0], reason=evil, evidence={evil: 1.0}),)
+    timeline = msgspec.structs.replace(
+        film().timeline, source=source, events=events, checks=checks, rejections=rejected, version=evil
+    )
+    text = written(tmp_path, film(), timeline)
+    page = Page(text)
+    assert page.tags.count("script") == 1
+    assert "img" not in page.tags
+    assert html.escape(evil) in text
+
+
+def test_a_film_without_shots_says_so(tmp_path: Path) -> None:
+    timeline = msgspec.structs.replace(film().timeline, events=(), rejections=(), checks=(passing(),))
+    page = Page(written(tmp_path, film(), timeline))
+    assert "No shots." in page.text
+    assert "no shots were found in this film" in page.text
+    assert page.tags.count("article") == 0
+
+
+def test_the_same_run_gives_the_same_page(tmp_path: Path) -> None:
+    one = make_film(onsets_s=(0.3,), peaks=(0.5,), seconds=1.0)
+    assert written(tmp_path, one) == written(tmp_path, one)
+
+
+@pytest.mark.parametrize("block", [1, 7, 1000, 65_536])
+def test_the_overview_does_not_depend_on_blocks(block: int) -> None:
+    from align_films import Held
+
+    samples = np.random.default_rng(1).uniform(-1, 1, 12_345)
+    meter = OverviewMeter(8000)
+    for _ in meter.watch(Held(samples, 8000, block).blocks()):
+        pass
+    overview = meter.overview()
+    expected = [np.abs(samples[at : at + overview.step]).max() for at in range(0, 12_345, overview.step)]
+    assert overview.peaks == pytest.approx(np.array(expected), abs=1e-6)
+    assert overview.columns(10).max() == pytest.approx(np.abs(samples).max(), abs=1e-6)
+    assert len(overview.columns(10)) == 10

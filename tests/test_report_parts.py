@@ -1,0 +1,94 @@
+"""The parts of the report: which shots are shown, curves that look the same, spectra, and words."""
+
+import msgspec
+import numpy as np
+import pytest
+
+from align_films import PROFILE, make_film
+from blastline import dsp
+from blastline.model import Check, Event
+from blastline.report.choice import MOST_PICTURES, pictured
+from blastline.report.overview import Overview
+from blastline.report.sounds import envelope, event_sound, spectrum_db
+from blastline.report.track import film_track
+
+
+def many(count: int) -> tuple[Event, ...]:
+    (event,) = make_film(onsets_s=(0.1,), peaks=(0.01,), seconds=0.5).timeline.events
+    return tuple(
+        msgspec.structs.replace(
+            event, id=f"s{n:03d}", onset_sample=1000 * n, confidence=0.99 - 0.001 * (n % 50), peak_dbfs=-40.0 + 0.1 * n
+        )
+        for n in range(count)
+    )
+
+
+def test_few_shots_are_all_shown() -> None:
+    events = many(MOST_PICTURES)
+    assert list(pictured(events, ())) == [event.id for event in events]
+
+
+def test_of_many_the_failed_the_unsure_and_the_strongest_are_shown() -> None:
+    events = list(many(300))
+    events[17] = msgspec.structs.replace(events[17], confidence=0.51)
+    checks = (Check("peak", "s100", False, 2.0, 1.0, ""), Check("peak", "s200", True, 0.5, 1.0, ""))
+    why = pictured(events, checks)
+    assert len(why) == MOST_PICTURES
+    assert why["s100"] == "a check failed"
+    assert why["s017"] == "among the least sure"
+    assert why["s299"] == "among the strongest"
+    assert list(why) == sorted(why)
+
+
+def test_failures_everywhere_still_leave_room_for_the_others() -> None:
+    events = many(300)
+    why = pictured(events, tuple(Check("peak", event.id, False, 2.0, 1.0, "") for event in events))
+    assert set(why.values()) == {"a check failed", "among the least sure", "among the strongest"}
+    assert len(why) == MOST_PICTURES
+
+
+@pytest.mark.parametrize("length", [1, 2, 50, 999, 20_000])
+def test_an_envelope_keeps_ends_and_extremes(length: int) -> None:
+    values = np.random.default_rng(length).standard_normal(length)
+    index, kept = envelope(values, 100)
+    assert kept == pytest.approx(values[index.astype(int)])
+    assert np.all(np.diff(index) > 0)
+    assert kept.max() == values.max()
+    if length >= 50:
+        assert kept.min() == values.min()
+    assert (index[0], index[-1]) == (0, length - 1)
+    assert len(kept) <= max(2 * 100 + 2, length if length <= 200 else 0)
+
+
+def test_a_spectrum_has_parsevals_energy() -> None:
+    rate_hz = 8000
+    noise = np.random.default_rng(1).standard_normal(4000)
+    edges_hz = np.linspace(0.0, rate_hz / 2, 41)
+    density = 10.0 ** (spectrum_db(noise, rate_hz, edges_hz) / 10.0)
+    energy = 2.0 * float(np.sum(density * np.diff(edges_hz)))
+    assert energy == pytest.approx(float(np.sum(noise**2)) / rate_hz, rel=0.01)
+
+
+def test_what_is_shown_as_felt_is_the_drive_through_the_response() -> None:
+    film = make_film(onsets_s=(0.6,), peaks=(0.05,), seconds=1.5)
+    (event,) = film.timeline.events
+    sound = event_sound(
+        event, film.timeline.events, audio=film.audio, drive=film.drive, frames=film.drive.frames, profile=PROFILE
+    )
+    whole = dsp.run_filter(dsp.digital(dsp.felt_response(PROFILE), 48_000), film.drive.samples)
+    assert sound.felt_drive == pytest.approx(whole[sound.span.start : sound.span.stop], abs=1e-9)
+    at_onset = int(np.argmin(np.abs(sound.times_ms)))
+    assert sound.span.start + at_onset == event.onset_sample
+    core = slice(at_onset, at_onset + 4800)
+    assert sound.felt_drive[core] == pytest.approx(sound.target[core], abs=0.02 * np.abs(sound.target).max())
+
+
+def test_marks_lie_where_the_shots_are() -> None:
+    film = make_film()
+    overview = Overview(960, np.full(300, 0.1, np.float32))
+    svg = film_track(film.timeline, overview, failed={"shot-0002"}, linked={"shot-0001"})
+    assert svg.count("<a ") == len(film.timeline.events)
+    assert 'href="#shot-shot-0001"' in svg
+    assert 'href="#row-shot-0002"' in svg
+    assert svg.count("a check failed") == 1
+    assert "01:00:05" in svg

@@ -1,0 +1,34 @@
+"""Scores: counted as mir_eval counts them."""
+
+import mir_eval
+import numpy as np
+import pytest
+
+from blastline.study.matching import Counts, count, match
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("window_ms", [2.0, 10.0, 50.0])
+def test_matching_is_as_large_as_mir_evals(seed: int, window_ms: float) -> None:
+    rng = np.random.default_rng(seed)
+    true_ms = np.sort(rng.uniform(0.0, 2000.0, 40))
+    found_ms = np.sort(np.concatenate([true_ms[::2] + rng.normal(0.0, 8.0, 20), rng.uniform(0.0, 2000.0, 25)]))
+    pairs = match(found_ms, true_ms, window_ms)
+    reference = mir_eval.util.match_events(true_ms / 1000.0, found_ms / 1000.0, window_ms / 1000.0)
+    assert len(pairs) == len(reference)
+    assert len({found for found, _ in pairs}) == len({true for _, true in pairs}) == len(pairs)
+    f1, precision, recall = mir_eval.onset.f_measure(true_ms / 1000.0, found_ms / 1000.0, window=window_ms / 1000.0)
+    counts = count(found_ms, true_ms, window_ms)
+    assert (counts.f1, counts.precision, counts.recall) == pytest.approx((f1, precision, recall))
+
+
+def test_nothing_to_find_and_nothing_found_is_perfect() -> None:
+    empty = np.empty(0)
+    assert count(empty, empty, 10.0) == Counts(0, 0, 0)
+    assert count(empty, empty, 10.0).f1 == 1.0
+    assert count(np.array([1.0]), empty, 10.0).precision == 0.0
+
+
+def test_what_is_forgiven_is_neither_right_nor_wrong() -> None:
+    counts = count(np.array([100.0, 108.8, 500.0]), np.array([108.8]), 2.0, forgiven_ms=[100.0])
+    assert counts == Counts(hits=1, false=1, missed=0)
