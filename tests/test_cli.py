@@ -7,19 +7,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import msgspec
 import pytest
 import typer
 
-from blastline import __version__, run
+from blastline import __version__
 from blastline.cli import app
-from blastline.cli.progress import shown_progress
 from blastline.errors import OutputError
 from blastline.export import FORMATS
-from blastline.model import Check, Timeline
 from blastline.ruleset import load_rules
 from commands import COMMAND, Ended, blastline, blastline_alone
-from timelines import timeline
 
 HEAVY = {"av", "librosa", "matplotlib", "numba", "opentimelineio", "pandas", "scipy", "sklearn", "soundfile", "soxr"}
 
@@ -183,110 +179,6 @@ def test_an_actuator_is_listed_and_shown(tmp_path: Path) -> None:
     assert [row[0] for row in rows] == sorted({row[0] for row in rows})
     assert "no such actuator profile" in blastline("actuator", "show", "none").complaint
     assert "not a folder" in blastline("actuator", "list", "--rules", tmp_path / "none").complaint
-
-
-def test_a_failed_check_is_listed_and_gives_exit_code_1(monkeypatch: pytest.MonkeyPatch) -> None:
-    failed = (Check("lag", "shot-0002", False, 0.75, 0.5, "ms"), Check("frames", None, False, None, None, "frames"))
-    found = timeline()
-    found = msgspec.structs.replace(found, checks=(*found.checks, *failed))
-    monkeypatch.setattr(run, "check", lambda *_, **__: found)
-    ended = blastline("check", "result", "--quiet")
-    assert (ended.code, ended.err) == (1, "")
-    assert ended.out.splitlines() == [
-        "failed: lag, shot-0002: 0.75 ms (limit 0.5 ms)",
-        "failed: frames, the film: not measured",
-    ]
-    assert blastline("check", "result").out.endswith("checks: 2 of 4 passed\n")
-
-
-def test_passed_checks_are_counted_and_give_exit_code_0(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "check", lambda *_, **__: timeline())
-    assert blastline("check", "result") == Ended(0, "checks: 2 of 2 passed\n", "")
-
-
-def test_a_render_is_summed_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = timeline()
-    damaged = msgspec.structs.replace(found.source, warnings=("2 samples were not numbers",))
-    made = msgspec.structs.replace(found, source=damaged)
-    asked: list[Any] = []
-
-    def render(film: Path, folder: Path, options: Any, progress: Any) -> Timeline:
-        asked.append((film, folder, options))
-        progress("listening", 1, 2)
-        progress("listening", 2, 2)
-        return made
-
-    monkeypatch.setattr(run, "render", render)
-    ended = blastline("render", "film.mkv", "-o", "out", "--format", "csv, json", "--mix", "0,2", "--stream", "1")
-    assert (ended.code, ended.out) == (0, "")
-    assert ended.err.splitlines() == [
-        "blastline: listening ...",
-        "2 shots, 1 burst",
-        "drive: 1 filter",
-        "warning: 2 samples were not numbers",
-        f"results: {Path('out', 'report.html')}",
-        "checks: 2 of 2 passed",
-    ]
-    assert blastline("render", "film.mkv", "-o", "out", "--quiet").err == ""
-    (film, folder, options), (_, _, default) = asked
-    assert (film, folder) == (Path("film.mkv"), Path("out"))
-    assert options == run.RenderOptions(formats=("csv", "json"), mix="0,2", stream=1)
-    assert default == run.RenderOptions()
-
-
-def test_every_option_of_render_arrives(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[Any] = []
-
-    def render(film: Path, folder: Path, options: Any, progress: Any) -> Timeline:
-        asked.append(options)
-        return timeline()
-
-    monkeypatch.setattr(run, "render", render)
-    options = "--quality draft --actuator own.toml --rules own --drive filter --phase zero --background direct"
-    more = "--mix lfe --stream 0 --format audacity --no-report --overwrite"
-    assert blastline("render", "film.mkv", "-o", "out", *options.split(), *more.split()).code == 0
-    [arrived] = asked
-    assert arrived == run.RenderOptions(
-        quality="draft",
-        actuator="own.toml",
-        rules=Path("own"),
-        drive="filter",
-        phase="zero",
-        background="direct",
-        mix="lfe",
-        stream=0,
-        formats=("audacity",),
-        report=False,
-        overwrite=True,
-    )
-    default = run.RenderOptions()
-    assert [name for name in vars(default) if getattr(default, name) == getattr(arrived, name)] == []
-
-
-def test_progress_away_from_a_terminal_is_a_line_per_stage(capsys: pytest.CaptureFixture[str]) -> None:
-    with shown_progress(quiet=False) as progress:
-        for stage, done in [("listening", 1), ("listening", 2), ("checking", 0)]:
-            progress(stage, done, 2)
-    assert capsys.readouterr().err == "blastline: listening ...\nblastline: checking ...\n"
-    with shown_progress(quiet=True) as progress:
-        progress("listening", 1, None)
-    assert capsys.readouterr() == ("", "")
-
-
-def test_progress_on_a_terminal_is_a_bar_with_the_time_left(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
-    monkeypatch.setenv("TERM", "xterm")
-    monkeypatch.setenv("COLUMNS", "100")
-    with shown_progress(quiet=False) as progress:
-        progress("listening", 24, None)
-        progress("listening", 24, 48)
-        progress("checking", 0, None)
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert re.search(r"listening.* 50 %.*left", err)
-    assert "checking" in err
 
 
 def test_python_m_is_the_same_command() -> None:

@@ -39,7 +39,7 @@ def test_every_kind_of_negative_is_heard_somewhere() -> None:
 @pytest.mark.parametrize("name", ["street", "indoors", "field"])
 def test_levels_spread_widely_and_mostly_above_12_db(name: str) -> None:
     levels = [item.snr_db for item in truth_of(render_scene(SCENES[name])).shots]
-    assert min(levels) < 15.0 < 30.0 < max(levels)
+    assert min(levels) < 15.0 < 28.0 < max(levels)
     assert np.mean(np.array(levels) >= 11.9) >= 0.8
 
 

@@ -1,5 +1,6 @@
 """Scenes: the same to the bit however they are read, items that leave each other alone, and truth that holds."""
 
+import itertools
 import re
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,9 @@ from blastline.synth import (
     render_scene,
     synthesise,
     truth_of,
+    write_scene,
 )
+from blastline.synth.files import BLOCK_S
 from blastline.synth.layouts import mains
 from blastline.synth.master import limited, quantised
 from blastline.synth.scene import Master
@@ -63,9 +66,8 @@ def test_blocks_of_any_size_give_the_same_bits(layout: str) -> None:
         blocks = [block for _, block in render_scene(scene).blocks(size)]
         assert np.array_equal(np.concatenate(blocks), expected)
     steps = quantised(expected, 0, master=scene.master, seed=1)
-    parts = [
-        quantised(expected[a:b], a, master=scene.master, seed=1) for a, b in ((0, 5), (5, 70_000), (70_000, 96_000))
-    ]
+    cuts = (0, 5, 65_535, 70_000, 96_000)
+    parts = [quantised(expected[a:b], a, master=scene.master, seed=1) for a, b in itertools.pairwise(cuts)]
     assert np.array_equal(np.concatenate(parts), steps)
 
 
@@ -232,6 +234,13 @@ def test_the_files_hold_the_sound_and_its_truth(tmp_path: Path) -> None:
     assert truth.shots == tuple(render_scene(load_scene(path)).shot_truths(Span(0, truth.frames)))
     with pytest.raises(OutputError, match=r"exists already"):
         synthesise(path, tmp_path / "out")
+
+
+def test_a_shot_beside_the_edge_of_a_block_is_listed_once(tmp_path: Path) -> None:
+    edge = BLOCK_S * RATE_HZ
+    frames = (edge - 1, edge, edge + 1)
+    scene = scene_of(shots=[shot(frame / RATE_HZ) for frame in frames])
+    assert [item.onset_sample for item in write_scene(scene, tmp_path).shots] == list(frames)
 
 
 @pytest.mark.parametrize(

@@ -118,6 +118,7 @@ def test_echoes_come_out_where_and_as_strong_as_the_truth_says() -> None:
     direct_m, echoes = image_echoes(axes, order=1, corner_hz=30_000.0)
     click = np.array([1.0])
     heard, listed = in_place(generator(9), click, Place(direct_m, echoes, None), rate_hz=RATE_HZ)
+    assert [echo.delay for echo in listed] == [round(echo.delay_s * RATE_HZ) for echo in echoes]
     for echo in listed:
         alone = [other for other in listed if other.delay == echo.delay]
         assert heard[echo.delay] == pytest.approx(sum(other.gain for other in alone))

@@ -1,4 +1,4 @@
-"""A bed of any length from three quarters of a minute of material: looped, each time from another place, cross-faded.
+"""A bed of any length from half a minute of material: looped, each time from another place, cross-faded.
 
     material  [~~~~~~~~~~~~~~~~]   closed into a ring: its end fades into its start
     bed       [ from a  x from b  x from c  ...     x = equal-power cross-fade
@@ -16,7 +16,7 @@ from .beds import BedKind, random_bed
 from .chance import generator
 from .tone import Samples
 
-MATERIAL_S = 45.0
+MATERIAL_S = 30.0
 SHORTEST_S = 3.0
 CROSS_FADE_S = 1.5
 

@@ -10,6 +10,9 @@ from .rooms import Place, Tail, tail_noise
 from .tone import Samples, lowpass, peak
 from .waves import noise_burst
 
+SMEAR_SPREAD = 3.8
+"""How long a smeared echo is, in times of its `smear_ms`."""
+
 
 @dataclass(frozen=True)
 class HeardEcho:
@@ -24,7 +27,12 @@ def in_place(
 ) -> tuple[Samples, tuple[HeardEcho, ...]]:
     """Return the sound with its echoes and its tail, and the echoes as they came out; the direct sound comes first."""
     top = peak(direct)
-    parts = [(0, direct)]
+    longest = max(
+        (round((echo.delay_s + SMEAR_SPREAD * 1e-3 * echo.smear_ms) * rate_hz) for echo in place.echoes), default=0
+    )
+    # added one by one: sixty copies of a long sound would fill the memory
+    total = np.zeros(len(direct) + longest + 2)
+    total[: len(direct)] = direct
     heard = []
     darker: dict[float, Samples] = {}
     for echo in place.echoes:
@@ -32,11 +40,12 @@ def in_place(
             darker[echo.corner_hz] = lowpass(direct, echo.corner_hz, rate_hz=rate_hz)
         part = _smeared(rng, darker[echo.corner_hz], echo, rate_hz=rate_hz) * echo.gain
         delay = round(echo.delay_s * rate_hz)
-        parts.append((delay, part))
+        total[delay : delay + len(part)] += part
         heard.append(HeardEcho(delay, peak(part) / top))
     if place.tail is not None:
-        parts.append((round(place.tail.start_s * rate_hz), _diffuse(fork(rng), direct, place.tail, rate_hz=rate_hz)))
-    return overlaid(parts), tuple(heard)
+        start = round(place.tail.start_s * rate_hz)
+        total = overlaid([(0, total), (start, _diffuse(fork(rng), direct, place.tail, rate_hz=rate_hz))])
+    return total, tuple(heard)
 
 
 def overlaid(parts: list[tuple[int, Samples]]) -> Samples:
@@ -54,6 +63,7 @@ def _smeared(rng: np.random.Generator, sound: Samples, echo: Echo, *, rate_hz: i
     from scipy.signal import fftconvolve
 
     spread = noise_burst(fork(rng), rate_hz, attack_ms=0.3 * echo.smear_ms, decay_ms=0.5 * echo.smear_ms)
+    spread = spread[: round(SMEAR_SPREAD * 1e-3 * echo.smear_ms * rate_hz) + 1]
     spread /= np.sqrt(np.sum(np.square(spread)))
     return np.asarray(fftconvolve(sound, spread), dtype=np.float64)
 

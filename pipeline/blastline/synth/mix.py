@@ -32,9 +32,9 @@ EARLIEST_S = 1.0
 LATEST_S = 9.0
 """A sound reaches from a second before its onset to nine seconds after; what lies beyond is cut."""
 
-TAKES = 3
+TAKES = 5
 TAKE_LENGTH_S = 600.0
-"""Every bed of a kind plays from somewhere within ten minutes of one of three takes, which are made once."""
+"""Every bed of a kind plays from somewhere within ten minutes of one of five takes, which are made once."""
 
 QUIETEST_DBFS = -70.0
 """A level given by `snr_db` counts nothing quieter than this, or the sound would vanish in a pause."""
@@ -66,8 +66,8 @@ class SceneAudio:
         self.channels = CHANNELS[scene.layout]
         self.cues = tuple(sorted(cues(scene), key=lambda cue: (cue.onset, cue.name)))
         self._onsets = np.array([cue.onset for cue in self.cues], dtype=np.int64)
-        self._bed: Callable[[BedKind, int], BedLoop] = lru_cache(maxsize=6)(self._make_bed)
-        self._sound: Callable[[int], Sound] = lru_cache(maxsize=12)(self._make_sound)
+        self._bed: Callable[[BedKind, int], BedLoop] = lru_cache(maxsize=4)(self._make_bed)
+        self._sound: Callable[[int], Sound] = lru_cache(maxsize=8)(self._make_sound)
 
     def read(self, start: int, stop: int, *, without: str | None = None) -> Samples:
         """Return the limited mix from `start` to `stop`, shape (frames, channels), without one family of cues."""
