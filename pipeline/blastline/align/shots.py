@@ -29,7 +29,7 @@ _REST = 0.01
 REFINE_MS = 0.1
 """How far the actuator's limit can bend the plain correlation's peak aside: 1.1 samples at 48 kHz was the most seen."""
 
-_EXACT = 0.95
+_EXACT = 0.98
 """Where the drive is free of its limit, a right one follows the sound at least this well (0.99 in what we rendered)."""
 
 
