@@ -1,6 +1,7 @@
 """Annotated recordings: folders with an `annotations.csv` and the sounds it lists.
 
-The columns that are read: path, source, label (gunshot or negative), sub_label, onsets_s (with semicolons), notes.
+The columns that are read: path, source, label (gunshot or negative), sub_label, duration_s, onsets_s (with
+semicolons), notes.
 """
 
 from collections.abc import Iterable
@@ -17,7 +18,7 @@ from ..soundtrack import open_soundtrack
 
 # Too like a gunshot to be a lesson in either direction: what an explosion is to a designer is not this model's to say.
 AMBIGUOUS = frozenset({"explosion", "cannon", "fire_gun", "game_battle_sfx", "cave_boom"})
-_COLUMNS = ("path", "source", "label", "sub_label", "onsets_s", "notes")
+_COLUMNS = ("path", "source", "label", "sub_label", "duration_s", "onsets_s", "notes")
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,7 @@ class Recording:
     source: str
     gunshot: bool
     sub_label: str
+    duration_s: float
     onsets_s: tuple[float, ...]
     timed: bool
 
@@ -70,6 +72,7 @@ def _read_folder(folder: Path) -> list[Recording]:
             source=row["source"],
             gunshot=row["label"] == "gunshot",
             sub_label=row["sub_label"],
+            duration_s=float(row["duration_s"]),
             onsets_s=tuple(float(onset) for onset in row["onsets_s"].split(";") if onset),
             timed="slow or two-stage" not in row["notes"],
         )

@@ -1,6 +1,7 @@
 """What the verifier learns from: endless minutes of film-like sound, synthetic and recorded, each from its own seed."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,62 +14,79 @@ RATE_HZ = 48_000
 MIX_S = 60.0
 SOUNDS_PER_MIX = 20
 LEVELS_DB = (3.0, 40.0)
+SHORTEST_BED_S = 4.0
 
 
-def synthetic_mixes(count: int, seed: int) -> Iterable[Mix]:
-    """Yield mixes of synthetic sounds alone."""
-    for child in np.random.SeedSequence(seed).spawn(count):
-        rng = np.random.default_rng(child)
-        yield mix(
-            random_bed(rng, RATE_HZ, MIX_S),
-            [_synthetic_sound(rng, shot=bool(rng.random() < 0.5)) for _ in range(SOUNDS_PER_MIX)],
-            rng=rng,
-            rate_hz=RATE_HZ,
-            levels_db=LEVELS_DB,
-        )
+Lesson = Callable[[int], Mix]
+"""Makes the lesson of a number, always the same."""
 
 
-def synthetic_films(count: int, seed: int) -> Iterable[Mix]:
-    """Yield scenes as `blastline synth` makes them: bursts, rooms and beds that change, mastered as one.
+def synthetic_mix(seed: int) -> Lesson:
+    """Return lessons of synthetic sounds over a synthetic bed."""
+    return partial(_synthetic_mix, seed)
+
+
+def synthetic_film(seed: int) -> Lesson:
+    """Return lessons that are scenes as `blastline synth` makes them: bursts, rooms, changing beds, one master.
 
     Some are cut to begin with a shot or just before it, as a reel or a trailer may.
     """
-    for number in range(count):
-        rng = np.random.default_rng([seed, number])
-        shots, negatives = int(rng.integers(0, 16)), int(rng.integers(8, 40))
-        scene = film_scene(seed * 10_000 + number, MIX_S, shots, negatives, gun_free=shots == 0, rate_hz=RATE_HZ)
-        audio = render_scene(scene)
-        truth = truth_of(audio)
-        start = 0
-        if truth.shots and rng.random() < 0.4:
-            first = truth.shots[int(rng.integers(len(truth.shots)))].onset_sample
-            start = max(0, first - int(rng.uniform(0.0, 0.3) ** 2 * RATE_HZ))
-        kept = [shot for shot in truth.shots if shot.onset_sample >= start]
-        unsure = [at - start for shot in kept for at in shot.accept_samples if at >= start]
-        unsure += [n.at_sample - start for n in truth.negatives if n.kind == "explosion" and n.at_sample >= start]
-        yield Mix(
-            samples=as_16_bit(audio.read(start, audio.frames)[:, 0]),
-            onsets=np.array([shot.onset_sample - start for shot in kept], np.intp),
-            level_db=np.array([shot.snr_db for shot in kept], np.float64),
-            unsure=np.array(unsure, np.intp),
-        )
+    return partial(_synthetic_film, seed)
 
 
-def recorded_mixes(recordings: Sequence[Recording], count: int, seed: int, synthetic: float = 0.3) -> Iterable[Mix]:
-    """Yield mixes of recordings, sources drawn evenly, with a share of synthetic sounds and beds among them."""
+def recorded_mix(recordings: Sequence[Recording], seed: int, synthetic: float = 0.3) -> Lesson:
+    """Return lessons of recordings, sources drawn evenly, with a share of synthetic sounds and beds among them."""
     shots = _by_source(r for r in recordings if r.gunshot)
     negatives = _by_source(r for r in recordings if not r.gunshot)
-    for child in np.random.SeedSequence(seed).spawn(count):
-        rng = np.random.default_rng(child)
-        sounds = []
-        for _ in range(SOUNDS_PER_MIX):
-            shot = bool(rng.random() < 0.5)
-            if rng.random() < synthetic:
-                sounds.append(_synthetic_sound(rng, shot=shot))
-            else:
-                sounds.append(_recorded_sound(_draw(shots if shot else negatives, rng), rng))
-        bed = random_bed(rng, RATE_HZ, MIX_S) if rng.random() < synthetic else _recorded_bed(recordings, rng)
-        yield mix(bed, sounds, rng=rng, rate_hz=RATE_HZ, levels_db=LEVELS_DB)
+    beds = [r for r in recordings if not r.gunshot and r.duration_s >= SHORTEST_BED_S]
+    return partial(_recorded_mix, shots, negatives, beds, seed, synthetic)
+
+
+def _synthetic_mix(seed: int, number: int) -> Mix:
+    rng = np.random.default_rng([seed, number])
+    sounds = [_synthetic_sound(rng, shot=bool(rng.random() < 0.5)) for _ in range(SOUNDS_PER_MIX)]
+    return mix(random_bed(rng, RATE_HZ, MIX_S), sounds, rng=rng, rate_hz=RATE_HZ, levels_db=LEVELS_DB)
+
+
+def _synthetic_film(seed: int, number: int) -> Mix:
+    rng = np.random.default_rng([seed, number])
+    shots, negatives = int(rng.integers(0, 24)), int(rng.integers(8, 40))
+    scene_seed = seed * 10_000 + number
+    audio = render_scene(film_scene(scene_seed, MIX_S, shots, negatives, gun_free=shots == 0, rate_hz=RATE_HZ))
+    truth = truth_of(audio)
+    start = 0
+    if truth.shots and rng.random() < 0.4:
+        first = truth.shots[int(rng.integers(len(truth.shots)))].onset_sample
+        start = max(0, first - int(rng.uniform(0.0, 0.3) ** 2 * RATE_HZ))
+    kept = [shot for shot in truth.shots if shot.onset_sample >= start]
+    unsure = [at - start for shot in kept for at in shot.accept_samples if at >= start]
+    unsure += [n.at_sample - start for n in truth.negatives if n.kind == "explosion" and n.at_sample >= start]
+    return Mix(
+        samples=as_16_bit(audio.read(start, audio.frames)[:, 0]),
+        onsets=np.array([shot.onset_sample - start for shot in kept], np.intp),
+        level_db=np.array([shot.snr_db for shot in kept], np.float64),
+        unsure=np.array(unsure, np.intp),
+    )
+
+
+def _recorded_mix(
+    shots: list[list[Recording]],
+    negatives: list[list[Recording]],
+    beds: list[Recording],
+    seed: int,
+    synthetic: float,
+    number: int,
+) -> Mix:
+    rng = np.random.default_rng([seed, number])
+    sounds = []
+    for _ in range(SOUNDS_PER_MIX):
+        shot = bool(rng.random() < 0.5)
+        if rng.random() < synthetic:
+            sounds.append(_synthetic_sound(rng, shot=shot))
+        else:
+            sounds.append(_recorded_sound(_draw(shots if shot else negatives, rng), rng))
+    bed = random_bed(rng, RATE_HZ, MIX_S) if rng.random() < synthetic or not beds else _recorded_bed(beds, rng)
+    return mix(bed, sounds, rng=rng, rate_hz=RATE_HZ, levels_db=LEVELS_DB)
 
 
 def _by_source(recordings: Iterable[Recording]) -> list[list[Recording]]:
@@ -95,15 +113,12 @@ def _recorded_sound(recording: Recording, rng: np.random.Generator) -> Sound:
     return Sound(samples, onsets)
 
 
-def _recorded_bed(recordings: Sequence[Recording], rng: np.random.Generator) -> NDArray[np.float64]:
-    """Return a bed of up to three layers, each a long recording without shots, repeated as often as needed."""
+def _recorded_bed(beds: list[Recording], rng: np.random.Generator) -> NDArray[np.float64]:
+    """Return a bed of up to three long recordings without shots, each repeated as often as needed."""
     length = int(MIX_S * RATE_HZ)
     bed = np.zeros(length)
-    negatives = [r for r in recordings if not r.gunshot]
     for _ in range(int(rng.integers(1, 4))):
-        layer = load_sound(negatives[int(rng.integers(len(negatives)))], RATE_HZ).astype(np.float64)
-        if layer.shape[0] < 4 * RATE_HZ:
-            layer = random_bed(rng, RATE_HZ, 20.0)
+        layer = load_sound(beds[int(rng.integers(len(beds)))], RATE_HZ).astype(np.float64)
         rms = float(np.sqrt(np.mean(layer**2))) or 1.0
         bed += np.resize(layer, length) / rms * rng.uniform(0.02, 0.2)
     return bed

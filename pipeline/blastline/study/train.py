@@ -6,9 +6,12 @@ the difference; the threshold comes from folds that hold out whole sources of re
 """
 
 import argparse
+import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,14 +26,14 @@ from ..detect.verify import ModelFile, Tree
 from ..model import Clip
 from ..ruleset import QualityRules, load_rules
 from .corpus import Recording, read_corpus
-from .lessons import MIX_S, RATE_HZ, recorded_mixes, synthetic_films, synthetic_mixes
+from .lessons import MIX_S, RATE_HZ, Lesson, recorded_mix, synthetic_film, synthetic_mix
 from .mixes import Mix
 
 ON_TARGET_MS, NEAR_TARGET_MS = 8.0, 20.0
 SETTINGS = {
     "max_iter": 300,
-    "learning_rate": 0.06,
-    "max_leaf_nodes": 15,
+    "learning_rate": 0.08,
+    "max_leaf_nodes": 24,
     "min_samples_leaf": 30,
     "l2_regularization": 5.0,
     "max_features": 0.3,
@@ -47,7 +50,7 @@ class Rows:
 
 
 def label_candidates(film: Mix, tier: QualityRules) -> Rows:
-    """Scan a mix and label its candidates; those next to an onset but not the nearest one are left out."""
+    """Scan a mix and label its candidates: of those near a shot's onset the nearest is right, the others left out."""
     grid = Grid(RATE_HZ)
     parts: list[NDArray[np.float64]] = []
     places: list[NDArray[np.intp]] = []
@@ -57,23 +60,27 @@ def label_candidates(film: Mix, tier: QualityRules) -> Rows:
         places.append(onsets + stretch.start)
     at = np.concatenate(places)
     rows = np.concatenate(parts)
-    if not film.onsets.size or not at.size:
-        return Rows(rows, np.zeros(at.size, bool), int(film.onsets.size))
-    gaps = np.abs(at[:, None] - film.onsets[None, :]) * (1000.0 / RATE_HZ)
     labels = np.zeros(at.size, bool)
+    if not film.onsets.size or not at.size:
+        return Rows(rows, labels, int(film.onsets.size))
+    ms = 1000.0 / RATE_HZ
+    gaps = np.abs(at[:, None] - film.onsets[None, :]) * ms
     nearest = gaps.argmin(axis=0)
     hit = gaps[nearest, np.arange(film.onsets.size)] <= ON_TARGET_MS
     labels[nearest[hit]] = True
-    blurred = np.concatenate([film.onsets, film.unsure])
-    distance_ms = np.abs(at[:, None] - blurred[None, :]).min(axis=1) * (1000.0 / RATE_HZ)
-    clear = labels | (distance_ms > NEAR_TARGET_MS)
+    places_of_interest = np.concatenate([film.onsets, film.unsure])
+    clear = labels | (np.abs(at[:, None] - places_of_interest[None, :]).min(axis=1) * ms > NEAR_TARGET_MS)
     return Rows(rows[clear], labels[clear], int((~hit).sum()))
 
 
-def gather(mixes: Iterable[Mix], tier: QualityRules) -> Rows:
-    """Return the labelled candidates of many mixes as one."""
-    rows = [label_candidates(film, tier) for film in mixes]
-    return join(rows)
+def gather(lesson: Lesson, count: int, tier: QualityRules, jobs: int) -> Rows:
+    """Return the labelled candidates of lessons 0 to `count` as one, made by `jobs` processes."""
+    with ProcessPoolExecutor(jobs) as pool:
+        return join(list(pool.map(partial(_learn, lesson, tier), range(count), chunksize=4)))
+
+
+def _learn(lesson: Lesson, tier: QualityRules, number: int) -> Rows:
+    return label_candidates(lesson(number), tier)
 
 
 def join(rows: Sequence[Rows]) -> Rows:
@@ -101,7 +108,9 @@ def exported(classifier: Any) -> tuple[float, list[Tree]]:
         trees.append(
             Tree(
                 feature=np.where(leaf, -1, nodes["feature_idx"]).tolist(),
-                threshold=np.where(leaf, 0.0, nodes["num_threshold"]).tolist(),
+                threshold=[
+                    0.0 if end else value for end, value in zip(leaf, nodes["num_threshold"].tolist(), strict=True)
+                ],
                 left=np.where(leaf, 0, nodes["left"]).tolist(),
                 right=np.where(leaf, 0, nodes["right"]).tolist(),
                 value=np.where(leaf, nodes["value"], 0.0).tolist(),
@@ -140,18 +149,24 @@ def held_out(parts: Sequence[Rows], synthetic: Rows, seed: int) -> dict[str, flo
     }
 
 
-def train(corpus: Sequence[Path], *, synthetic: int, recorded: int, folds: int, seed: int) -> ModelFile:
+def train(corpus: Sequence[Path], *, synthetic: int, recorded: int, folds: int, seed: int, jobs: int) -> ModelFile:
     """Return a verifier trained on synthetic films and mixes and, where a corpus is given, on recordings."""
     tier = load_rules("reference").tier
-    _say(f"{synthetic} synthetic mixes and as many synthetic films")
-    made = join([gather(synthetic_mixes(synthetic, seed), tier), gather(synthetic_films(synthetic, seed + 1), tier)])
+    _say(f"{synthetic} synthetic films and {synthetic // 3} synthetic mixes")
+    made = join(
+        [
+            gather(synthetic_film(seed), synthetic, tier, jobs),
+            gather(synthetic_mix(seed + 1), synthetic // 3, tier, jobs),
+        ]
+    )
     parts: list[Rows] = []
     sources = _by_fold(read_corpus(corpus), folds, seed)
     for fold, recordings in enumerate(sources):
         _say(f"mixes of recordings, part {fold + 1} of {folds}")
-        parts.append(gather(recorded_mixes(recordings, -(-recorded // folds), seed + 2 + fold), tier))
+        parts.append(gather(recorded_mix(recordings, seed + 2 + fold), -(-recorded // folds), tier, jobs))
     training: dict[str, Any] = {"command": "python -m blastline.study.train", "seed": seed, "settings": SETTINGS}
-    training |= {"synthetic_mixes": synthetic, "recorded_mixes": recorded if parts else 0, "mix_s": MIX_S}
+    training |= {"synthetic_films": synthetic, "synthetic_mixes": synthetic // 3, "minutes_each": MIX_S / 60.0}
+    training |= {"recorded_mixes": recorded if parts else 0}
     if len(parts) > 1:
         training["held_out"] = held_out(parts, made, seed)
         _say(f"on sources left out: {training['held_out']}")
@@ -165,14 +180,20 @@ def main() -> None:
     """Run from the command line."""
     parser = argparse.ArgumentParser(prog="python -m blastline.study.train", description="Train the verifier.")
     parser.add_argument("--corpus", type=Path, action="append", default=[], help="a folder with annotations.csv")
-    parser.add_argument("--synthetic", type=int, default=120, help="synthetic mixes of a minute (default: %(default)s)")
-    parser.add_argument("--recorded", type=int, default=120, help="mixes of recordings (default: %(default)s)")
+    parser.add_argument("--synthetic", type=int, default=240, help="synthetic films of a minute (default: %(default)s)")
+    parser.add_argument("--recorded", type=int, default=240, help="mixes of recordings (default: %(default)s)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (default: %(default)s)")
     parser.add_argument("--folds", type=int, default=4, help="folds that hold sources out (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("-o", "--output", type=Path, required=True)
     options = parser.parse_args()
     model = train(
-        options.corpus, synthetic=options.synthetic, recorded=options.recorded, folds=options.folds, seed=options.seed
+        options.corpus,
+        synthetic=options.synthetic,
+        recorded=options.recorded,
+        folds=options.folds,
+        seed=options.seed,
+        jobs=options.jobs,
     )
     options.output.write_bytes(msgspec.json.encode(model) + b"\n")
 
