@@ -134,9 +134,7 @@ def shot_with_echoes(delays_ms: list[float], gains: list[float]) -> tuple[NDArra
 
 def test_reflections_are_found_at_their_delay_and_level() -> None:
     samples, at = shot_with_echoes([17.5, 60.0, 175.0], [0.5, -0.4, 0.25])
-    shot = segment(
-        samples, at, film_start=0, film_stop=96_000, confidence=1.0, rate_hz=RATE_HZ, rules=TIER.segment
-    )
+    shot = segment(samples, at, film_start=0, film_stop=96_000, confidence=1.0, rate_hz=RATE_HZ, rules=TIER.segment)
     assert [r.delay_ms for r in shot.reflections] == pytest.approx([17.5, 60.0, 175.0], abs=0.05)
     levels = [20 * np.log10(g) for g in (0.5, 0.4, 0.25)]
     assert [r.level_db for r in shot.reflections] == pytest.approx(levels, abs=0.5)
@@ -150,9 +148,7 @@ def test_a_shot_at_the_end_of_what_is_known_stays_inside() -> None:
     samples, at = shot_with_echoes([], [])
     for left in (1, 2, 100):
         stop = at + left
-        shot = segment(
-            samples, at, film_start=0, film_stop=stop, confidence=1.0, rate_hz=RATE_HZ, rules=TIER.segment
-        )
+        shot = segment(samples, at, film_start=0, film_stop=stop, confidence=1.0, rate_hz=RATE_HZ, rules=TIER.segment)
         assert at < shot.span.stop <= stop
         assert at < shot.blast.stop <= stop
         assert shot.reflections == ()

@@ -262,3 +262,8 @@ def test_streams_and_channels_that_are_not_there_are_refused(tmp_path: Path) -> 
     with pytest.raises(SoundtrackError, match="does not say what its 12 channels are"):
         open_soundtrack(many)
     assert read(many, mix="11")[0].shape == (10, 1)
+
+
+def test_a_name_that_is_no_text_is_refused() -> None:
+    with pytest.raises(SoundtrackError, match="the name is not valid UTF-8; rename the file"):
+        open_soundtrack(Path("bad\udcff.wav"))

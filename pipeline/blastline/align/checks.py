@@ -39,7 +39,7 @@ def check_files(
         timeline.events, *((timing.figures, timing.lags) if timing else ((), ())), strict=True
     ):
         checks += _window_checks(event, shared.rate_hz)
-        checks += _shot_checks(shared, event, figures, lag, alone=_alone(event, timeline.events))
+        checks += _shot_checks(shared, event, figures, lag)
     return tuple(checks)
 
 
@@ -68,10 +68,6 @@ def _scan(timeline: Timeline, audio: Sound, drive: DriveFile, background: Backgr
 def _scaled(event: Event, ratio: float, spare: int) -> Span:
     window = event.window
     return Span(max(0, math.floor(window.start * ratio) - spare), math.ceil(window.stop * ratio) + spare)
-
-
-def _alone(event: Event, events: Sequence[Event]) -> bool:
-    return sum(other.window.span == event.window.span for other in events) == 1
 
 
 def _file_checks(timeline: Timeline, shared: Comparison, film: FilmFigures, background: Background) -> Iterator[Check]:
@@ -121,9 +117,7 @@ def _window_checks(event: Event, rate_hz: int) -> Iterator[Check]:
     yield Check("fade_in_before_onset", event.id, inside and margin_ms >= 0.0, margin_ms, 0.0, "ms")
 
 
-def _shot_checks(
-    shared: Comparison, event: Event, figures: ShotFigures | None, lag: float | None, *, alone: bool
-) -> Iterator[Check]:
+def _shot_checks(shared: Comparison, event: Event, figures: ShotFigures | None, lag: float | None) -> Iterator[Check]:
     """Yield the checks of a shot's drive; a `direct` one is compared as it is, any other as it is felt.
 
     A shot that is not found in the drive has no lag, and fails by that.
@@ -140,17 +134,17 @@ def _shot_checks(
     error_ms = ms_from_samples(figures.onset_error + (lag or 0.0), rate_hz)
     in_time = -rules.lead_ms - rules.onset_error_ms <= error_ms <= rules.onset_error_ms
     yield Check(f"{subject}_onset", event.id, in_time, error_ms, rules.onset_error_ms, "ms")
-    yield from _level_check(shared, event, figures, alone=alone)
+    yield from _level_check(shared, event, figures)
     allowed_db = max(rules.preecho_db, figures.intended_preecho_db + rules.preecho_margin_db)
     early_db = figures.preecho_db
     yield Check("pre_echo", event.id, early_db <= allowed_db, early_db, allowed_db, "dB of its peak")
     yield Check("peak", event.id, figures.peak <= rules.peak, figures.peak, rules.peak, "of the limit")
 
 
-def _level_check(shared: Comparison, event: Event, figures: ShotFigures, *, alone: bool) -> Iterator[Check]:
+def _level_check(shared: Comparison, event: Event, figures: ShotFigures) -> Iterator[Check]:
     if event.drive is None:
         return
-    limit_db = shared.rules.level_error_db if alone else shared.rules.shared_level_error_db
+    limit_db = shared.rules.level_error_db
     error_db = figures.level_db - event.drive.perceived_gain_db
     yield Check("level_as_rendered", event.id, abs(error_db) <= limit_db, error_db, limit_db, "dB")
 

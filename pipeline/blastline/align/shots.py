@@ -52,17 +52,17 @@ class ShotFigures:
     intended_preecho_db: float
 
 
-def part_of(event: Event, following: Event | None) -> Span:
-    """Return what belongs to a shot alone: from its onset to its window's fade-out or to the next onset.
+def part_of(event: Event, following: Event | None, *, lead: int) -> Span:
+    """Return what belongs to a shot alone: from its onset to its window's fade-out or `lead` before the next onset.
 
     window   |------------------------|
     onsets     ^         ^
-    parts      [---------)[--------)
+    parts      [-------) [---------)
     """
     window = event.window
     stop = max(window.stop - window.fade_out_samples, event.onset_sample + 1)
     if following is not None and following.onset_sample > event.onset_sample:
-        stop = min(stop, following.onset_sample)
+        stop = min(stop, max(following.onset_sample - lead, event.onset_sample + 1))
     return Span(event.onset_sample, stop)
 
 

@@ -44,7 +44,8 @@ def time_film(shared: Comparison, events: Sequence[Event], background: Backgroun
     First each shot is searched for around its own place. Where fewer than half are found there, the drive is taken
     to be displaced, and is read again from where it seems to be.
     """
-    parts = [part_of(event, after) for event, after in zip(events, [*events[1:], None], strict=True)]
+    lead = shared.samples(shared.rules.lead_ms)
+    parts = [part_of(event, after, lead=lead) for event, after in zip(events, [*events[1:], None], strict=True)]
     timing = _measure_all(shared, events, parts, Place())
     if 2 * _found(timing) >= len(events):
         return timing

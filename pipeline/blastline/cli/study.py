@@ -25,9 +25,7 @@ def detection(
     ] = None,
     corpus: Annotated[
         list[Path] | None,
-        typer.Option(
-            "--corpus", metavar="DIR", help="Recordings with an annotations.csv; repeatable."
-        ),
+        typer.Option("--corpus", metavar="DIR", help="Recordings with an annotations.csv; repeatable."),
     ] = None,
     quality: QualityOption = "standard",
     rules: RulesOption = None,

@@ -1,7 +1,7 @@
 """The detector's story: stretches of the film go by, and what is a shot in each one's core is kept."""
 
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import chain
 
@@ -11,17 +11,20 @@ from numpy.typing import NDArray
 from ..model import Clip, Rejection, Shot, Span
 from ..ruleset import QualityRules
 from ..units import samples_from_ms
+from .bandshape import band_levels, bandshape
 from .bursts import group_bursts, keep_apart
 from .features import features
+from .neighbours import neighbourhood
 from .onset import refine_onsets
 from .scan import candidate_steps
 from .segment import segment
 from .tracks import Grid, Piece, pieces
-from .verify import Verifier, probabilities
+from .verify import Verifier
 
 # A piece is about half a second. Before the core: the neighbourhood of `features`; after it: the longest decay.
 LEFT_PIECES, CORE_PIECES, RIGHT_PIECES = 8, 32, 6
 _SAME_ONSET_MS = 3.0
+_MARGIN_MS = 30.0  # an onset lies at most this far from where the scan saw its rise
 
 
 @dataclass(frozen=True)
@@ -43,6 +46,24 @@ class Stretch:
     start: int
     stop: int
     core: Span
+
+
+@dataclass(frozen=True, eq=False)
+class Described:
+    """Candidates of a stretch: onsets as indices into it, their features, and the rough shapes the gate went by."""
+
+    onsets: NDArray[np.intp]
+    rows: NDArray[np.float64]
+    sketches: NDArray[np.float64]
+
+
+Gate = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
+"""Says of each rough shape whether a closer look is worth while."""
+
+
+def let_all_pass(sketches: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Let every candidate pass, as training needs it."""
+    return np.ones(sketches.shape[0], bool)
 
 
 def find_shots(blocks: Iterable[Clip], *, rate_hz: int, tier: QualityRules, verifier: Verifier) -> Detection:
@@ -94,26 +115,42 @@ def _join(held: Iterable[Piece], start: int, left: int, core: int) -> Stretch:
     )
 
 
-def candidates(stretch: Stretch, grid: Grid, tier: QualityRules) -> NDArray[np.intp]:
-    """Return the onsets of a stretch's candidates, as indices into it, ascending."""
+def guesses(stretch: Stretch, grid: Grid, tier: QualityRules) -> NDArray[np.intp]:
+    """Return roughly where a stretch's candidates are, as indices into it, ascending."""
     steps = candidate_steps(stretch.peak, stretch.slope, stretch.bands, grid=grid, rules=tier.scan)
-    onsets = refine_onsets(stretch.samples, steps * grid.step, rate_hz=grid.rate_hz, rules=tier.onset)
-    onsets = np.unique(onsets[onsets < stretch.stop - stretch.start])
-    apart = samples_from_ms(_SAME_ONSET_MS, grid.rate_hz)
-    return onsets[np.diff(onsets, prepend=-apart) >= apart]
+    places = steps * grid.step
+    return places[places < stretch.stop - stretch.start]
 
 
-def described(stretch: Stretch, grid: Grid, tier: QualityRules) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """Return the onsets of the core's candidates, as indices into the stretch, and their features."""
-    onsets = candidates(stretch, grid, tier)
-    at = onsets + stretch.start
-    wanted = (at >= stretch.core.start) & (at < stretch.core.stop)
-    return onsets[wanted], features(stretch.samples, stretch.bands, onsets, wanted, grid=grid)
+def described(stretch: Stretch, grid: Grid, tier: QualityRules, gate: Gate) -> Described:
+    """Return what is known of the core's candidates: cheaply of all of them, in full of those the gate lets pass."""
+    places = guesses(stretch, grid, tier)
+    rough = band_levels(stretch.bands, places, grid)
+    margin = samples_from_ms(_MARGIN_MS, grid.rate_hz)
+    at = places + stretch.start
+    near = np.flatnonzero((at >= stretch.core.start - margin) & (at < stretch.core.stop + margin))
+    sketches = bandshape(rough[near])
+    passed = gate(sketches)
+    near, sketches = near[passed], sketches[passed]
+    onsets = refine_onsets(stretch.samples, places[near], rate_hz=grid.rate_hz, rules=tier.onset)
+    kept = _first_of_each(onsets, samples_from_ms(_SAME_ONSET_MS, grid.rate_hz))
+    at = onsets[kept] + stretch.start
+    kept = kept[(at >= stretch.core.start) & (at < min(stretch.core.stop, stretch.stop))]
+    standing = neighbourhood(places, rough, near[kept], grid.rate_hz)
+    levels = band_levels(stretch.bands, onsets[kept], grid)
+    rows = features(stretch.samples, levels, onsets[kept], standing, grid.rate_hz)
+    return Described(onsets[kept], rows, sketches[kept])
+
+
+def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
+    """Return the indices, in order of onset, of those that follow the one before by at least `apart`."""
+    order = np.argsort(onsets, kind="stable")
+    return order[np.diff(onsets[order], prepend=-apart) >= apart]
 
 
 def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier) -> tuple[list[Shot], list[Rejection]]:
-    onsets, rows = described(stretch, grid, tier)
-    surety = probabilities(rows, verifier)
+    found = described(stretch, grid, tier, verifier.lets_pass)
+    surety = verifier.probabilities(found.rows)
     shots = [
         segment(
             stretch.samples,
@@ -124,12 +161,12 @@ def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier
             rate_hz=grid.rate_hz,
             rules=tier.segment,
         )
-        for onset, p in zip(onsets, surety, strict=True)
+        for onset, p in zip(found.onsets, surety, strict=True)
         if p >= tier.verify.threshold
     ]
     refused = [
         Rejection(int(onset) + stretch.start, "does not sound like a shot", {"probability": float(p)})
-        for onset, p in zip(onsets, surety, strict=True)
+        for onset, p in zip(found.onsets, surety, strict=True)
         if tier.verify.report_from <= p < tier.verify.threshold
     ]
     return shots, refused

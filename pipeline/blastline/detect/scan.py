@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from ..ruleset import ScanRules
 from ..units import gain_from_db
-from .tracks import BANDS, STEPS_PER_HOP, Grid
+from .tracks import STEPS_PER_HOP, Grid
 
 
 def rises(track: NDArray[np.float32], history: int, floor: float) -> NDArray[np.float32]:
@@ -29,9 +29,11 @@ def band_rises(bands: NDArray[np.float32], history: int, floor: float) -> NDArra
     A shot under a loud dialogue still towers in the bands that the voice leaves free; two bands, since a single one
     rises with any tone. A frame overlaps its neighbours, so the history ends two frames before it, as in `rises`.
     """
-    energy = rises(bands, history, floor * floor)
-    top = np.partition(energy, BANDS - 2, axis=1)[:, BANDS - 2 :]
-    return np.asarray(np.prod(top, axis=1) ** 0.25, np.float32)
+    first = second = np.zeros(bands.shape[0], np.float32)
+    for energy in rises(bands, history, floor * floor).T:
+        second = np.maximum(second, np.minimum(first, energy))
+        first = np.maximum(first, energy)
+    return np.asarray(np.sqrt(np.sqrt(first * second)), np.float32)
 
 
 def candidate_steps(

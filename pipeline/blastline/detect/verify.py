@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RuleError
+from .bandshape import bandshape_names
 from .features import feature_names
 
 
@@ -22,19 +23,27 @@ class Tree(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     value: list[float]
 
 
-class ModelFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """`verifier/*.json`: the trees, what their features are called, and how they were trained."""
+class ForestFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Boosted trees and what their features are called, in order; the score is the baseline and a leaf of each tree."""
 
-    schema: int
     features: tuple[str, ...]
     baseline: float
     trees: list[Tree]
+
+
+class ModelFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """`verifier/*.json`: a small forest for the gate, a large one for the verdict, and how they were trained."""
+
+    schema: int
+    gate: ForestFile
+    gate_threshold: float
+    verdict: ForestFile
     training: dict[str, Any]
 
 
 @dataclass(frozen=True, eq=False)
-class Verifier:
-    """The trees as arrays (trees, nodes), ready to be walked by many candidates at once."""
+class Forest:
+    """Trees as arrays (trees, nodes), ready to be walked by many candidates at once."""
 
     feature: NDArray[np.intp]
     threshold: NDArray[np.float64]
@@ -45,6 +54,23 @@ class Verifier:
     depth: int
 
 
+@dataclass(frozen=True, eq=False)
+class Verifier:
+    """The gate, which spares most candidates a closer look, and the verdict."""
+
+    gate: Forest
+    gate_threshold: float
+    verdict: Forest
+
+    def lets_pass(self, sketches: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return whether each rough shape may be a shot's, shape (n,)."""
+        return probabilities(sketches, self.gate) >= self.gate_threshold
+
+    def probabilities(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the probability that each row of features is a shot's, shape (n,)."""
+        return probabilities(rows, self.verdict)
+
+
 def load_verifier(path: Path) -> Verifier:
     """Read a model file; RuleError where it does not fit this version's features."""
     try:
@@ -53,20 +79,21 @@ def load_verifier(path: Path) -> Verifier:
         raise RuleError(f"{path}: not a verifier model: {error}") from error
     if model.schema != 1:
         raise RuleError(f"{path}: schema = {model.schema}: expected 1")
-    if model.features != feature_names():
-        raise RuleError(
-            f"{path}: features: expected the {len(feature_names())} of this version, got {len(model.features)}"
-        )
-    return compile_trees(model.trees, model.baseline)
+    for name, expected in (("gate", bandshape_names()), ("verdict", feature_names())):
+        forest: ForestFile = getattr(model, name)
+        if forest.features != expected:
+            got = len(forest.features)
+            raise RuleError(f"{path}: {name}.features: expected the {len(expected)} of this version, got {got}")
+    return Verifier(grown(model.gate), model.gate_threshold, grown(model.verdict))
 
 
-def compile_trees(trees: list[Tree], baseline: float) -> Verifier:
+def grown(file: ForestFile) -> Forest:
     """Return the trees padded to one size; a leaf leads to itself, so that walking on changes nothing."""
-    nodes = max((len(tree.value) for tree in trees), default=1)
-    shape = (len(trees), nodes)
+    nodes = max((len(tree.value) for tree in file.trees), default=1)
+    shape = (len(file.trees), nodes)
     feature, left, right = np.zeros(shape, np.intp), np.zeros(shape, np.intp), np.zeros(shape, np.intp)
     threshold, value = np.full(shape, np.inf), np.zeros(shape)
-    for row, tree in enumerate(trees):
+    for row, tree in enumerate(file.trees):
         count = len(tree.value)
         place = np.arange(count)
         leaf = np.array(tree.feature) < 0
@@ -75,18 +102,18 @@ def compile_trees(trees: list[Tree], baseline: float) -> Verifier:
         left[row, :count] = np.where(leaf, place, tree.left)
         right[row, :count] = np.where(leaf, place, tree.right)
         value[row, :count] = tree.value
-    return Verifier(feature, threshold, left, right, value, baseline, _depth(left, right))
+    return Forest(feature, threshold, left, right, value, file.baseline, _depth(left, right))
 
 
-def probabilities(rows: NDArray[np.float64], verifier: Verifier) -> NDArray[np.float64]:
-    """Return the probability that each row of features is a shot: the logistic function of the summed leaves."""
-    trees = np.arange(verifier.value.shape[0])
+def probabilities(rows: NDArray[np.float64], forest: Forest) -> NDArray[np.float64]:
+    """Return the logistic function of the summed leaves of each row, shape (n,)."""
+    trees = np.arange(forest.value.shape[0])
     node = np.zeros((rows.shape[0], trees.size), np.intp)
     across = np.arange(rows.shape[0])[:, None]
-    for _ in range(verifier.depth):
-        goes_left = rows[across, verifier.feature[trees, node]] <= verifier.threshold[trees, node]
-        node = np.where(goes_left, verifier.left[trees, node], verifier.right[trees, node])
-    score = verifier.baseline + verifier.value[trees, node].sum(axis=1)
+    for _ in range(forest.depth):
+        goes_left = rows[across, forest.feature[trees, node]] <= forest.threshold[trees, node]
+        node = np.where(goes_left, forest.left[trees, node], forest.right[trees, node])
+    score = forest.baseline + forest.value[trees, node].sum(axis=1)
     return np.asarray(1.0 / (1.0 + np.exp(-score)), np.float64)
 
 

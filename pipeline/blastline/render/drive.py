@@ -104,15 +104,16 @@ def _drive_infos(
     reason: str,
     filters: DriveFilters,
 ) -> tuple[DriveInfo, ...]:
-    """Return for each shot its peak, up to where the next may begin, and what is felt over its span.
+    """Return for each shot its peak and what is felt, from its onset to where the drive of the next may begin.
 
     Both predictions start from rest at the window. The fidelity is against the target, the sound in the band, so
     that the delay of a causal band is not counted as a fault of the drive.
     """
     felt_drive, felt_direct = felt(drive, filters), felt(direct, filters)
     infos = []
-    for shot, start, stop in zip(shots, [0, *starts[1:]], [*starts[1:], len(drive)], strict=True):
-        core = _within(Span(shot.onset, max(shot.span.stop, shot.onset + 1)), planned)
+    ends = [*(planned.window.start + start for start in starts[1:]), planned.core.stop]
+    for shot, start, stop, end in zip(shots, [0, *starts[1:]], [*starts[1:], len(drive)], ends, strict=True):
+        core = _within(Span(shot.onset, max(end, shot.onset + 1)), planned)
         infos.append(
             DriveInfo(
                 model,

@@ -74,6 +74,11 @@ class SegmentRules(Table, frozen=True):
     shortest_ms: Positive
     longest_ms: Positive
 
+    def __post_init__(self) -> None:
+        """Refuse ranges that are empty."""
+        _ascending(self, "earliest_reflection_ms", "latest_reflection_ms")
+        _ascending(self, "shortest_ms", "longest_ms")
+
 
 class BurstRules(Table, frozen=True):
     """Which shots belong together as automatic fire, and how near each other two shots can be at all."""
@@ -81,6 +86,10 @@ class BurstRules(Table, frozen=True):
     shortest_gap_ms: Positive
     longest_gap_ms: Positive
     fewest_shots: Annotated[int, Meta(ge=2)]
+
+    def __post_init__(self) -> None:
+        """Refuse gaps between shots that no burst can have."""
+        _ascending(self, "shortest_gap_ms", "longest_gap_ms")
 
 
 class WindowRules(Table, frozen=True):
@@ -153,7 +162,6 @@ class AlignRules(Table, frozen=True):
     correlation_loss: Ratio
     least_correlation: Ratio
     level_error_db: Positive
-    shared_level_error_db: Positive
     preecho_db: Level
     preecho_margin_db: NonNegative
     preecho_guard_ms: NonNegative
@@ -202,3 +210,8 @@ def to_builtins(table: Table) -> dict[str, Any]:
     """Return a table as plain dictionaries, lists, strings and numbers."""
     plain: dict[str, Any] = msgspec.to_builtins(table)
     return plain
+
+
+def _ascending(table: Table, low: str, high: str) -> None:
+    if getattr(table, low) >= getattr(table, high):
+        raise ValueError(f"{low} = {getattr(table, low)}: expected less than {high} = {getattr(table, high)}")

@@ -189,6 +189,10 @@ def _naming(path: Path) -> Iterator[None]:
 
 def _require_file(path: Path) -> None:
     try:
+        str(path).encode("utf-8")  # what the libraries that open sound expect of a name
+    except UnicodeEncodeError as error:
+        raise SoundtrackError("the name is not valid UTF-8; rename the file") from error
+    try:
         if path.is_dir():
             raise SoundtrackError("is a folder; expected an audio file or a film")
         if not path.exists():

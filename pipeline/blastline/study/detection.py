@@ -15,7 +15,7 @@ from ..ruleset import load_rules, rules_path
 from ..soundtrack import open_soundtrack
 from ..synth import synthesise
 from .corpus import load_sound, read_corpus
-from .matching import Counts, Times, count, match
+from .matching import Counts, Times, count, match, settled
 
 WINDOWS_MS = (2.0, 10.0, 50.0)
 CLEAR_SNR_DB = 22.0
@@ -24,13 +24,17 @@ _CORPUS_RATE_HZ = 48_000
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A film with a known truth: shots and their levels; at `forgiven_ms` a detection is neither right nor wrong."""
+    """A film with a known truth: shots, their levels, and where else each may be said to begin.
+
+    At `forgiven_ms` a detection is neither right nor wrong.
+    """
 
     name: str
     path: Path | None
     clip: Clip | None
     true_ms: Times
     snr_db: Times
+    alternatives_ms: tuple[tuple[float, ...], ...] = ()
     forgiven_ms: tuple[float, ...] = ()
 
 
@@ -77,10 +81,10 @@ def scenes(folder: Path) -> Iterator[Case]:
                 clip=None,
                 true_ms=np.array([shot.onset_s * 1000.0 for shot in truth.shots]),
                 snr_db=np.array([shot.snr_db for shot in truth.shots]),
-                forgiven_ms=tuple(
-                    [at * 1000.0 / truth.rate_hz for shot in truth.shots for at in shot.accept_samples]
-                    + [each.at_s * 1000.0 for each in truth.negatives if each.kind == "explosion"]
+                alternatives_ms=tuple(
+                    tuple(at * 1000.0 / truth.rate_hz for at in shot.accept_samples) for shot in truth.shots
                 ),
+                forgiven_ms=tuple(each.at_s * 1000.0 for each in truth.negatives if each.kind == "explosion"),
             )
 
 
@@ -127,22 +131,25 @@ class _Tally:
     def add(self, case: Case, onsets: Sequence[int], rate_hz: int, frames: int) -> None:
         """Count one film's onsets."""
         found_ms = np.array(onsets, np.float64) * 1000.0 / rate_hz
+        forgiven_ms = [*case.forgiven_ms, *(at for others in case.alternatives_ms for at in others)]
         for window_ms in WINDOWS_MS:
-            self.counts[window_ms] += count(found_ms, case.true_ms, window_ms, forgiven_ms=case.forgiven_ms)
-        pairs = match(found_ms, case.true_ms, 10.0)
+            true_ms = settled(found_ms, case.true_ms, case.alternatives_ms, window_ms)
+            self.counts[window_ms] += count(found_ms, true_ms, window_ms, forgiven_ms=forgiven_ms)
+        true_ms = settled(found_ms, case.true_ms, case.alternatives_ms, 10.0)
+        pairs = match(found_ms, true_ms, 10.0)
         hit = {true for _, true in pairs}
         used = {found for found, _ in pairs}
         self.levels += [(float(level), index in hit) for index, level in enumerate(case.snr_db)]
         self.errors_ms += [
-            float(found_ms[found] - case.true_ms[true]) for found, true in pairs if not case.snr_db[true] < CLEAR_SNR_DB
+            float(found_ms[found] - true_ms[true]) for found, true in pairs if not case.snr_db[true] < CLEAR_SNR_DB
         ]
-        counts = count(found_ms, case.true_ms, 10.0, forgiven_ms=case.forgiven_ms)
+        counts = count(found_ms, true_ms, 10.0, forgiven_ms=forgiven_ms)
         minutes = frames / rate_hz / 60.0
         if not case.true_ms.size:
             self.free_minutes += minutes
             self.free_false += counts.false
         false_s = tuple(round(float(ms) / 1000.0, 4) for i, ms in enumerate(found_ms) if i not in used)
-        missed_s = tuple(round(float(ms) / 1000.0, 4) for i, ms in enumerate(case.true_ms) if i not in hit)
+        missed_s = tuple(round(float(ms) / 1000.0, 4) for i, ms in enumerate(true_ms) if i not in hit)
         self.cases.append(CaseScore(case.name, minutes, counts.hits, counts.false, counts.missed, false_s, missed_s))
 
     def score(self, quality: Quality) -> DetectionScore:

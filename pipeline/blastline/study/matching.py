@@ -63,6 +63,15 @@ def match(found_ms: Times, true_ms: Times, window_ms: float) -> list[tuple[int, 
     return pairs
 
 
+def settled(found_ms: Times, true_ms: Times, alternatives_ms: Sequence[Sequence[float]], window_ms: float) -> Times:
+    """Return the true onsets, each moved to an alternative where only that was found: a shock is heard first."""
+    settled_ms = true_ms.copy()
+    for index, others in enumerate(alternatives_ms):
+        reached = [at for at in (true_ms[index], *others) if (np.abs(found_ms - at) <= window_ms).any()]
+        settled_ms[index] = reached[0] if reached else true_ms[index]
+    return np.sort(settled_ms)
+
+
 def count(found_ms: Times, true_ms: Times, window_ms: float, *, forgiven_ms: Sequence[float] = ()) -> Counts:
     """Return the counts of a film; a found onset near one of `forgiven_ms` that matches nothing is not counted."""
     pairs = match(found_ms, true_ms, window_ms)

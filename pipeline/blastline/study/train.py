@@ -19,10 +19,11 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from ..detect.bandshape import bandshape_names
 from ..detect.features import feature_names
-from ..detect.find import described, stretches
+from ..detect.find import described, let_all_pass, stretches
 from ..detect.tracks import Grid, pieces
-from ..detect.verify import ModelFile, Tree
+from ..detect.verify import ForestFile, ModelFile, Tree
 from ..model import Clip
 from ..ruleset import QualityRules, load_rules
 from .corpus import Recording, read_corpus
@@ -40,10 +41,15 @@ SETTINGS = {
 }
 
 
+GATE_SETTINGS = SETTINGS | {"max_iter": 40, "learning_rate": 0.2, "max_leaf_nodes": 10}
+GATE_LOSS = 0.004
+
+
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Features (n, features), labels (n,) and, of the same mixes, how many shots no candidate was near."""
+    """Of n candidates: rough shapes, features and labels; and how many shots had no candidate near."""
 
+    sketches: NDArray[np.float64]
     features: NDArray[np.float64]
     labels: NDArray[np.bool_]
     missed: int
@@ -52,17 +58,14 @@ class Rows:
 def label_candidates(film: Mix, tier: QualityRules) -> Rows:
     """Scan a mix and label its candidates: of those near a shot's onset the nearest is right, the others left out."""
     grid = Grid(RATE_HZ)
-    parts: list[NDArray[np.float64]] = []
-    places: list[NDArray[np.intp]] = []
-    for stretch in stretches(pieces([Clip(film.samples[:, None], RATE_HZ)], RATE_HZ)):
-        onsets, rows = described(stretch, grid, tier)
-        parts.append(rows)
-        places.append(onsets + stretch.start)
-    at = np.concatenate(places)
-    rows = np.concatenate(parts)
+    clip = Clip(film.samples[:, None], RATE_HZ)
+    found = [(s.start, described(s, grid, tier, let_all_pass)) for s in stretches(pieces([clip], RATE_HZ))]
+    at = np.concatenate([start + each.onsets for start, each in found])
+    rows = np.concatenate([each.rows for _, each in found])
+    sketches = np.concatenate([each.sketches for _, each in found])
     labels = np.zeros(at.size, bool)
     if not film.onsets.size or not at.size:
-        return Rows(rows, labels, int(film.onsets.size))
+        return Rows(sketches, rows, labels, int(film.onsets.size))
     ms = 1000.0 / RATE_HZ
     gaps = np.abs(at[:, None] - film.onsets[None, :]) * ms
     nearest = gaps.argmin(axis=0)
@@ -70,7 +73,7 @@ def label_candidates(film: Mix, tier: QualityRules) -> Rows:
     labels[nearest[hit]] = True
     places_of_interest = np.concatenate([film.onsets, film.unsure])
     clear = labels | (np.abs(at[:, None] - places_of_interest[None, :]).min(axis=1) * ms > NEAR_TARGET_MS)
-    return Rows(rows[clear], labels[clear], int((~hit).sum()))
+    return Rows(sketches[clear], rows[clear], labels[clear], int((~hit).sum()))
 
 
 def gather(lesson: Lesson, count: int, tier: QualityRules, jobs: int) -> Rows:
@@ -86,21 +89,43 @@ def _learn(lesson: Lesson, tier: QualityRules, number: int) -> Rows:
 def join(rows: Sequence[Rows]) -> Rows:
     """Return several sets of rows as one."""
     return Rows(
+        np.concatenate([r.sketches for r in rows]),
         np.concatenate([r.features for r in rows]),
         np.concatenate([r.labels for r in rows]),
         sum(r.missed for r in rows),
     )
 
 
-def fit(rows: Rows, seed: int) -> Any:
+def fit(features: NDArray[np.float64], labels: NDArray[np.bool_], seed: int, settings: dict[str, Any]) -> Any:
     """Return a fitted scikit-learn classifier."""
     from sklearn.ensemble import HistGradientBoostingClassifier
 
-    return HistGradientBoostingClassifier(random_state=seed, **SETTINGS).fit(rows.features, rows.labels)
+    return HistGradientBoostingClassifier(random_state=seed, **settings).fit(features, labels)
 
 
-def exported(classifier: Any) -> tuple[float, list[Tree]]:
-    """Return a fitted classifier's baseline and trees, as `detect.verify` walks them."""
+def fit_gate(rows: Rows, seed: int) -> tuple[Any, float]:
+    """Return the gate's classifier and the probability below which hardly a shot lies: `GATE_LOSS` of them.
+
+    The threshold is taken from halves of the rows that the classifier was not fitted to.
+    """
+    half = np.random.default_rng(seed).random(rows.labels.size) < 0.5
+    of_shots: list[NDArray[np.float64]] = []
+    for part in (half, ~half):
+        classifier = fit(rows.sketches[part], rows.labels[part], seed, GATE_SETTINGS)
+        of_shots.append(classifier.predict_proba(rows.sketches[~part & rows.labels])[:, 1])
+    threshold = float(np.quantile(np.concatenate(of_shots), GATE_LOSS))
+    return fit(rows.sketches, rows.labels, seed, GATE_SETTINGS), threshold
+
+
+def passed(rows: Rows, gate: Any, threshold: float) -> Rows:
+    """Return the rows that the gate lets pass; a shot it holds back counts as missed."""
+    kept = gate.predict_proba(rows.sketches)[:, 1] >= threshold
+    lost = int(rows.labels[~kept].sum())
+    return Rows(rows.sketches[kept], rows.features[kept], rows.labels[kept], rows.missed + lost)
+
+
+def exported(classifier: Any, features: tuple[str, ...]) -> ForestFile:
+    """Return a fitted classifier as `detect.verify` reads it."""
     trees: list[Tree] = []
     for (predictor,) in classifier._predictors:
         nodes = predictor.nodes
@@ -116,7 +141,7 @@ def exported(classifier: Any) -> tuple[float, list[Tree]]:
                 value=np.where(leaf, nodes["value"], 0.0).tolist(),
             )
         )
-    return float(classifier._baseline_prediction.ravel()[0]), trees
+    return ForestFile(features, float(classifier._baseline_prediction.ravel()[0]), trees)
 
 
 def f1_at(probability: NDArray[np.float64], rows: Rows, threshold: float) -> float:
@@ -132,10 +157,15 @@ def held_out(parts: Sequence[Rows], synthetic: Rows, seed: int) -> dict[str, flo
     `parts` are rows of mixes whose recordings come from disjoint sets of sources.
     """
     scores: list[NDArray[np.float64]] = []
+    kept: list[Rows] = []
     for out, part in enumerate(parts):
         heard = join([synthetic, *(rows for index, rows in enumerate(parts) if index != out)])
-        scores.append(np.asarray(fit(heard, seed).predict_proba(part.features)[:, 1], np.float64))
-    every, probability = join(parts), np.concatenate(scores)
+        gate = fit_gate(heard, seed)
+        heard, tested = passed(heard, *gate), passed(part, *gate)
+        classifier = fit(heard.features, heard.labels, seed, SETTINGS)
+        scores.append(np.asarray(classifier.predict_proba(tested.features)[:, 1], np.float64))
+        kept.append(tested)
+    every, probability = join(kept), np.concatenate(scores)
     thresholds = np.linspace(0.05, 0.95, 91)
     f1 = [f1_at(probability, every, float(t)) for t in thresholds]
     best = int(np.argmax(f1))
@@ -170,10 +200,13 @@ def train(corpus: Sequence[Path], *, synthetic: int, recorded: int, folds: int, 
     if len(parts) > 1:
         training["held_out"] = held_out(parts, made, seed)
         _say(f"on sources left out: {training['held_out']}")
-    rows = join([made, *parts])
-    training |= {"candidates": int(rows.labels.size), "positives": int(rows.labels.sum()), "missed": rows.missed}
-    baseline, trees = exported(fit(rows, seed))
-    return ModelFile(schema=1, features=feature_names(), baseline=baseline, trees=trees, training=training)
+    every = join([made, *parts])
+    gate, threshold = fit_gate(every, seed)
+    rows = passed(every, gate, threshold)
+    training |= {"candidates": int(every.labels.size), "positives": int(every.labels.sum()), "missed": every.missed}
+    training |= {"passed_by_gate": int(rows.labels.size), "positives_passed": int(rows.labels.sum())}
+    verdict = exported(fit(rows.features, rows.labels, seed, SETTINGS), feature_names())
+    return ModelFile(1, exported(gate, bandshape_names()), threshold, verdict, training)
 
 
 def main() -> None:

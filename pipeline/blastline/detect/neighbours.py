@@ -1,0 +1,88 @@
+"""How a candidate stands among its neighbours: a shot towers or comes in bursts, a machine repeats itself for ever."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .bandshape import ATTACK, LOWEST_DB
+
+# how far the neighbourhood reaches, in milliseconds
+PAST_MS, FUTURE_MS = 3000.0, 1000.0
+SHAPE_SEGMENTS = 5  # attack and the 30 ms after it
+LEVEL_STEPS_DB = (-12.0, -6.0, -3.0)
+RIVAL_DB = 9.0  # a neighbour this much weaker is no rival
+ALIKE_DB, FARTHEST_DB = 5.0, 50.0
+
+
+def neighbourhood_names() -> tuple[str, ...]:
+    """Return the names of the columns of `neighbourhood`, in order."""
+    names = ["louder_past_db", "louder_future_db", "previous_ms", "next_ms"]
+    names += ["previous_db", "next_db", "likeness_previous"]
+    names += [f"{side}_within{level:g}dB" for side in ("past", "future") for level in LEVEL_STEPS_DB]
+    return (*names, "like_past", "like_future", "rhythm")
+
+
+def neighbourhood(
+    places: NDArray[np.intp], levels: NDArray[np.float64], wanted: NDArray[np.intp], rate_hz: int
+) -> NDArray[np.float64]:
+    """Return how the candidates with the indices `wanted` stand among all of the last three seconds and the next one.
+
+    `places` are the candidates' sample indices, ascending, `levels` their band levels.
+    """
+    ms = 1000.0 / rate_hz
+    attack_db = levels[:, -1, ATTACK]
+    shapes = np.maximum(levels[:, :-1, ATTACK : ATTACK + SHAPE_SEGMENTS] - attack_db[:, None, None], LOWEST_DB)
+    at_ms = places.astype(np.float64) * ms
+    gap_ms = at_ms[None, :] - at_ms[wanted, None]
+    level = attack_db[None, :] - attack_db[wanted, None]
+    before = (gap_ms < 0.0) & (gap_ms >= -PAST_MS)
+    after = (gap_ms > 0.0) & (gap_ms <= FUTURE_MS)
+    distance = _distances(shapes.reshape(places.size, shapes.shape[1] * shapes.shape[2]), wanted)
+    alike = (distance < ALIKE_DB) & (np.abs(level) < RIVAL_DB)
+    previous = _last(before & (level >= -RIVAL_DB))
+    following = _last((after & (level >= -RIVAL_DB))[:, ::-1])
+    following = np.where(following >= 0, places.size - 1 - following, -1)
+    columns = [
+        np.where(before, level, LOWEST_DB).max(axis=1, initial=LOWEST_DB),
+        np.where(after, level, LOWEST_DB).max(axis=1, initial=LOWEST_DB),
+        -_picked(gap_ms, previous, -PAST_MS),
+        _picked(gap_ms, following, FUTURE_MS),
+        _picked(level, previous, LOWEST_DB),
+        _picked(level, following, LOWEST_DB),
+        _picked(distance, previous, FARTHEST_DB),
+        *((side & (level >= bound)).sum(axis=1) for side in (before, after) for bound in LEVEL_STEPS_DB),
+        (alike & before).sum(axis=1),
+        (alike & after).sum(axis=1),
+        _rhythm(at_ms, (alike & (before | after)) | (gap_ms == 0.0)),
+    ]
+    return np.stack(columns, axis=1).astype(np.float64)
+
+
+def _distances(shapes: NDArray[np.float64], own: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Return the rms difference of every own shape to every shape, in dB."""
+    squares = np.sum(shapes**2, axis=1)
+    apart = squares[own, None] + squares[None, :] - 2.0 * shapes[own] @ shapes.T
+    return np.asarray(np.sqrt(np.maximum(apart, 0.0) / shapes.shape[1]), np.float64)
+
+
+def _last(which: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Return the last true column of each row, -1 where there is none."""
+    return np.asarray(np.where(which, np.arange(which.shape[1]), -1).max(axis=1, initial=-1), np.intp)
+
+
+def _picked(values: NDArray[np.float64], column: NDArray[np.intp], otherwise: float) -> NDArray[np.float64]:
+    """Return one value of each row, `otherwise` where the column is -1."""
+    if values.shape[1] == 0:
+        return np.full(values.shape[0], otherwise)
+    return np.where(column >= 0, values[np.arange(values.shape[0]), column], otherwise)
+
+
+def _rhythm(at_ms: NDArray[np.float64], alike: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Return how unevenly alike candidates follow each other: the spread of their gaps over the mean, 2 for few."""
+    latest = np.maximum.accumulate(np.where(alike, at_ms, -np.inf), axis=1)
+    earlier = np.concatenate([np.full((alike.shape[0], 1), -np.inf), latest[:, :-1]], axis=1)
+    counted = alike & np.isfinite(earlier)
+    gaps = np.where(counted, at_ms - np.where(counted, earlier, 0.0), 0.0)
+    count = counted.sum(axis=1)
+    mean = gaps.sum(axis=1) / np.maximum(count, 1)
+    spread = np.sqrt((np.where(counted, gaps - mean[:, None], 0.0) ** 2).sum(axis=1) / np.maximum(count, 1))
+    return np.where(count >= 3, np.minimum(2.0, spread / np.maximum(mean, 1e-9)), 2.0)

@@ -1,0 +1,148 @@
+"""The main job from end to end: what must hold whatever the film, to the bit where it can."""
+
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+import soundfile
+from numpy.typing import NDArray
+
+from blastline import run
+from blastline.model import Timeline
+from blastline.run import listening
+from blastline.synth import Scene, render_scene
+
+RATE_HZ = 48_000
+SCENE = {
+    "schema": 1,
+    "rate_hz": RATE_HZ,
+    "duration_s": 12.0,
+    "seed": 5,
+    "beds": [{"kind": "dialogue", "level_dbfs": -40.0}],
+    "shots": [
+        {"at_s": 1.5, "weapon": "rifle", "environment": "field", "distance_m": 15.0, "peak_dbfs": -3.0},
+        {
+            "at_s": 5.0,
+            "weapon": "smg",
+            "environment": "field",
+            "distance_m": 10.0,
+            "peak_dbfs": -5.0,
+            "burst": {"shots": 4, "rpm": 650.0},
+        },
+        {"at_s": 9.5, "weapon": "pistol", "environment": "street", "distance_m": 6.0, "peak_dbfs": -8.0},
+    ],
+}
+
+
+def write(path: Path, samples: NDArray[np.float64]) -> Path:
+    soundfile.write(path, samples, RATE_HZ, subtype="PCM_16")
+    return path
+
+
+def drive_of(folder: Path) -> NDArray[np.int32]:
+    samples: NDArray[np.int32] = soundfile.read(folder / "drive.wav", dtype="int32")[0]
+    return samples
+
+
+def rendered(film: Path, folder: Path, **options: object) -> tuple[Timeline, NDArray[np.int32]]:
+    timeline = run.render(film, folder, run.RenderOptions(report=False, **options))  # type: ignore[arg-type]
+    return timeline, drive_of(folder)
+
+
+@pytest.fixture(scope="module")
+def samples() -> NDArray[np.float64]:
+    audio = render_scene(msgspec.convert(SCENE, Scene))
+    return np.round(audio.read(0, audio.frames)[:, 0] * 32767.0) / 32768.0
+
+
+@pytest.fixture(scope="module")
+def film(samples: NDArray[np.float64], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(tmp_path_factory.mktemp("film") / "film.wav", samples)
+
+
+@pytest.fixture(scope="module")
+def result(film: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Timeline, NDArray[np.int32]]:
+    return rendered(film, tmp_path_factory.mktemp("result") / "out")
+
+
+def test_a_right_file_passes_every_check(result: tuple[Timeline, NDArray[np.int32]]) -> None:
+    timeline, drive = result
+    assert len(timeline.events) >= 4
+    assert [check for check in timeline.checks if not check.passed] == []
+    assert drive.size == timeline.source.frames == 12 * RATE_HZ
+
+
+def test_outside_the_windows_a_muted_drive_is_zero(result: tuple[Timeline, NDArray[np.int32]]) -> None:
+    timeline, drive = result
+    outside = np.ones(drive.size, bool)
+    for event in timeline.events:
+        outside[event.window.start : event.window.stop] = False
+        assert np.any(drive[event.window.start : event.window.stop])
+    assert not np.any(drive[outside])
+
+
+def test_outside_the_windows_a_direct_background_is_the_film(
+    samples: NDArray[np.float64], film: Path, tmp_path: Path
+) -> None:
+    timeline, drive = rendered(film, tmp_path / "out", background="direct")
+    outside = np.ones(drive.size, bool)
+    for event in timeline.events:
+        outside[event.window.start : event.window.stop] = False
+    np.testing.assert_array_equal(drive[outside], np.round(samples[outside] * 2.0**31).astype(np.int64))
+
+
+@pytest.mark.parametrize("size", [7, 4096, 12 * RATE_HZ])
+def test_the_block_size_changes_no_bit(
+    result: tuple[Timeline, NDArray[np.int32]],
+    film: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    size: int,
+) -> None:
+    monkeypatch.setattr(listening, "BLOCK", size)
+    timeline, drive = rendered(film, tmp_path / "out")
+    assert timeline == result[0]
+    np.testing.assert_array_equal(drive, result[1])
+
+
+@pytest.mark.parametrize("delay", [1, 37, 48_001])
+def test_a_delay_of_the_film_delays_events_and_drive(
+    result: tuple[Timeline, NDArray[np.int32]], samples: NDArray[np.float64], tmp_path: Path, delay: int
+) -> None:
+    film = write(tmp_path / "film.wav", np.concatenate([np.zeros(delay), samples]))
+    timeline, drive = rendered(film, tmp_path / "out")
+    assert [event.onset_sample - delay for event in timeline.events] == [e.onset_sample for e in result[0].events]
+    np.testing.assert_array_equal(drive[delay:], result[1])
+    assert not np.any(drive[:delay])
+
+
+def test_six_decibels_move_no_onset(
+    result: tuple[Timeline, NDArray[np.int32]], samples: NDArray[np.float64], tmp_path: Path
+) -> None:
+    film = write(tmp_path / "film.wav", 0.5 * samples)
+    timeline, _ = rendered(film, tmp_path / "out")
+    assert [event.onset_sample for event in timeline.events] == [event.onset_sample for event in result[0].events]
+
+
+def test_a_drive_read_again_passes_and_a_shifted_one_says_by_how_much(
+    result: tuple[Timeline, NDArray[np.int32]], film: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    rendered(film, out)
+    again = run.check(out, audio=film)
+    assert again.checks == result[0].checks
+    soundfile.write(tmp_path / "late.wav", np.roll(drive_of(out), 240), RATE_HZ, subtype="PCM_24")
+    late = run.check(out, audio=film, drive=tmp_path / "late.wav")
+    shift = next(check for check in late.checks if check.name == "drive_shift")
+    assert not shift.passed
+    assert shift.measured == pytest.approx(240.0, abs=0.1)
+
+
+def test_a_film_without_shots_gives_a_silent_drive_and_an_empty_timeline(tmp_path: Path) -> None:
+    film = write(tmp_path / "film.wav", 1e-3 * np.random.default_rng(0).standard_normal(2 * RATE_HZ))
+    timeline, drive = rendered(film, tmp_path / "out")
+    assert timeline.events == ()
+    assert all(check.passed for check in timeline.checks)
+    assert drive.size == 2 * RATE_HZ
+    assert not np.any(drive)
