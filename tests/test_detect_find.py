@@ -6,10 +6,11 @@ import pytest
 from numpy.typing import NDArray
 
 from blastline.detect import Detection, find_shots, load_verifier
+from blastline.detect.bandshape import bandshape_names
 from blastline.detect.features import feature_names
-from blastline.detect.find import described, stretches
+from blastline.detect.find import described, let_all_pass, stretches
 from blastline.detect.tracks import Grid, pieces
-from blastline.detect.verify import ModelFile, compile_trees, probabilities
+from blastline.detect.verify import ForestFile, ModelFile, grown, probabilities
 from blastline.errors import RuleError
 from blastline.model import Clip
 from blastline.ruleset import load_rules, rules_path
@@ -116,10 +117,20 @@ def test_silence_dc_and_full_scale_square_hold_no_shot() -> None:
 
 def test_features_are_finite_and_named(film: tuple[NDArray[np.float32], Truth]) -> None:
     for stretch in stretches(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
-        onsets, rows = described(stretch, Grid(RATE_HZ), RULES.tier)
-        assert rows.shape == (onsets.size, len(feature_names()))
-        assert np.isfinite(rows).all()
+        found = described(stretch, Grid(RATE_HZ), RULES.tier, let_all_pass)
+        assert found.rows.shape == (found.onsets.size, len(feature_names()))
+        assert found.sketches.shape == (found.onsets.size, len(bandshape_names()))
+        assert np.isfinite(found.rows).all()
     assert len(set(feature_names())) == len(feature_names())
+
+
+def test_what_the_gate_holds_back_changes_nothing_else(film: tuple[NDArray[np.float32], Truth]) -> None:
+    for stretch in stretches(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
+        every = described(stretch, Grid(RATE_HZ), RULES.tier, let_all_pass)
+        some = described(stretch, Grid(RATE_HZ), RULES.tier, VERIFIER.lets_pass)
+        kept = np.isin(every.onsets, some.onsets)
+        assert 0 < kept.sum() == some.onsets.size < every.onsets.size
+        np.testing.assert_allclose(every.rows[kept], some.rows, rtol=0.0, atol=1e-9)
 
 
 def test_the_runtime_walks_the_trees_as_scikit_learn_does() -> None:
@@ -131,8 +142,7 @@ def test_the_runtime_walks_the_trees_as_scikit_learn_does() -> None:
     rows = rng.standard_normal((600, 8))
     labels = rows[:, 0] * rows[:, 1] + 0.3 * rng.standard_normal(600) > 0.0
     classifier = HistGradientBoostingClassifier(max_iter=40, random_state=0).fit(rows, labels)
-    baseline, trees = exported(classifier)
-    ours = probabilities(rows, compile_trees(trees, baseline))
+    ours = probabilities(rows, grown(exported(classifier, tuple("abcdefgh"))))
     np.testing.assert_allclose(ours, classifier.predict_proba(rows)[:, 1], rtol=0.0, atol=1e-9)
 
 
@@ -140,8 +150,8 @@ def test_a_model_of_other_features_is_refused(tmp_path: object) -> None:
     from pathlib import Path
 
     path = Path(str(tmp_path)) / "other.json"
-    path.write_bytes(msgspec.json.encode(ModelFile(1, ("one",), 0.0, [], {})))
-    with pytest.raises(RuleError, match=r"other\.json: features: expected the \d+ of this version, got 1"):
+    path.write_bytes(msgspec.json.encode(ModelFile(1, ForestFile(("one",), 0.0, []), 0.0, ForestFile((), 0.0, []), {})))
+    with pytest.raises(RuleError, match=r"other\.json: gate\.features: expected the \d+ of this version, got 1"):
         load_verifier(path)
     path.write_text("{}")
     with pytest.raises(RuleError, match=r"other\.json: not a verifier model"):

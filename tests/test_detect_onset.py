@@ -1,16 +1,17 @@
 """The detector's parts: the same whatever the blocks are, and right to the sample where physics says so."""
 
+import msgspec
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from blastline.detect.bursts import group_bursts, keep_apart
+from blastline.detect.bursts import group_bursts, keep_apart, part_from_echoes
 from blastline.detect.find import stretches
 from blastline.detect.onset import refine_onsets
 from blastline.detect.scan import candidate_steps, rises
 from blastline.detect.segment import segment
 from blastline.detect.tracks import BANDS, Grid, pieces
-from blastline.model import Clip, Shot, Span
+from blastline.model import Clip, Reflection, Shot, Span
 from blastline.ruleset import load_rules
 
 RATE_HZ = 48_000
@@ -177,6 +178,15 @@ def test_bursts_are_runs_of_shots_in_the_rhythm_of_automatic_fire() -> None:
     grouped = group_bursts(shots, rate_hz=RATE_HZ, rules=TIER.bursts)
     assert [s.burst for s in grouped] == [None, 1, 1, 1, 1, None, None, 2, 2, 2]
     assert [s.shot_in_burst for s in grouped] == [None, 1, 2, 3, 4, None, None, 1, 2, 3]
+
+
+def test_the_next_shot_of_a_burst_is_no_reflection() -> None:
+    first, second = shots_at(1000, 1085)
+    echoes = tuple(Reflection(48 * ms, 48 * ms + 10, ms - 1000.0, -6.0) for ms in (1030, 1084, 1200))
+    parted = part_from_echoes(
+        [msgspec.structs.replace(first, reflections=echoes), second], rate_hz=RATE_HZ, rules=TIER.bursts
+    )
+    assert [echo.delay_ms for echo in parted[0].reflections] == [30.0, 200.0]
 
 
 def test_of_two_shots_nearer_than_any_gun_the_surer_stays() -> None:

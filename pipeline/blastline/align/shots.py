@@ -156,21 +156,26 @@ def _onset_error(shared: Comparison, heard: Heard, felt: Felt, late: int) -> flo
         rising = np.abs(signal[start : max(start, at) + attack])
         peak = float(rising.max(initial=0.0))
         if peak == 0.0:
-            return _first_move(shared, felt, onset + late)
+            return _first_move(shared, felt, onset + late, attack)
         share = max(share, 2.0 * float(np.abs(signal[max(0, at - before) : start]).max(initial=0.0)) / peak)
         rises.append((rising / peak, start - at))
     if share > _HIDDEN:
-        return _first_move(shared, felt, onset + late)
+        return _first_move(shared, felt, onset + late, attack)
     heard_rise, felt_rise = (int(np.argmax(rising >= share)) + start for rising, start in rises)
     return float(felt_rise - heard_rise)
 
 
-def _first_move(shared: Comparison, felt: Felt, onset: int) -> float:
-    """Return how many samples after an onset the drive leaves rest, 0 where it moves before."""
+def _first_move(shared: Comparison, felt: Felt, onset: int, attack: int) -> float:
+    """Return how many samples after an onset the drive leaves rest, 0 where it moves before.
+
+    Rest is judged by the attack alone: what is loud later in the window does not make a quiet attack rest.
+    """
     start = max(0, onset - shared.samples(_EARLIEST_MS))
-    moving = np.abs(felt.drive[start:])
-    first = int(np.argmax(moving > _REST * float(moving.max(initial=0.0))))
-    return float(max(0, start + first - onset))
+    moving = np.abs(felt.drive[start : max(start, onset) + attack])
+    peak = float(moving.max(initial=0.0))
+    if peak == 0.0:
+        return float(attack)
+    return float(max(0, start + int(np.argmax(moving > _REST * peak)) - onset))
 
 
 def _preechos(shared: Comparison, heard: Heard, following: Samples, late: int) -> tuple[float, float]:

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 
 import msgspec
+import numpy as np
 
 from ..model import Rejection, Shot
 from ..ruleset import BurstRules
@@ -26,6 +27,19 @@ def keep_apart(
             Rejection(loser.onset, "nearer to a surer shot than any gun fires", {"probability": loser.confidence})
         )
     return tuple(kept), tuple(dropped)
+
+
+def part_from_echoes(shots: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> tuple[Shot, ...]:
+    """Return the shots without those reflections that are shots of their own: the next one sounds like the first."""
+    near = samples_from_ms(rules.shortest_gap_ms, rate_hz) // 2
+    onsets = np.array([shot.onset for shot in shots])
+    parted: list[Shot] = []
+    for shot in shots:
+        echoes = tuple(
+            echo for echo in shot.reflections if not np.any(np.abs(onsets[onsets != shot.onset] - echo.start) < near)
+        )
+        parted.append(msgspec.structs.replace(shot, reflections=echoes))
+    return tuple(parted)
 
 
 def group_bursts(shots: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> tuple[Shot, ...]:

@@ -12,7 +12,7 @@ from ..model import Clip, Rejection, Shot, Span
 from ..ruleset import QualityRules
 from ..units import samples_from_ms
 from .bandshape import band_levels, bandshape
-from .bursts import group_bursts, keep_apart
+from .bursts import group_bursts, keep_apart, part_from_echoes
 from .features import features
 from .neighbours import neighbourhood
 from .onset import refine_onsets
@@ -75,8 +75,9 @@ def find_shots(blocks: Iterable[Clip], *, rate_hz: int, tier: QualityRules, veri
         shots += found
         rejections += refused
     kept, dropped = keep_apart(shots, rate_hz=rate_hz, rules=tier.bursts)
+    parted = part_from_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
     return Detection(
-        shots=group_bursts(kept, rate_hz=rate_hz, rules=tier.bursts),
+        shots=group_bursts(parted, rate_hz=rate_hz, rules=tier.bursts),
         rejections=tuple(sorted(chain(rejections, dropped), key=lambda r: r.at_sample)),
     )
 
