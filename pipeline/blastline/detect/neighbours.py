@@ -6,11 +6,12 @@ from numpy.typing import NDArray
 from .bandshape import ATTACK, LOWEST_DB
 
 # how far the neighbourhood reaches, in milliseconds
-PAST_MS, FUTURE_MS = 3000.0, 1000.0
+PAST_MS, FUTURE_MS = 3000.0, 2500.0
 SHAPE_SEGMENTS = 5  # attack and the 30 ms after it
 LEVEL_STEPS_DB = (-12.0, -6.0, -3.0)
 RIVAL_DB = 9.0  # a neighbour this much weaker is no rival
 ALIKE_DB, FARTHEST_DB = 5.0, 50.0
+RUN_GAP_MS = 300.0
 
 
 def neighbourhood_names() -> tuple[str, ...]:
@@ -18,7 +19,8 @@ def neighbourhood_names() -> tuple[str, ...]:
     names = ["louder_past_db", "louder_future_db", "previous_ms", "next_ms"]
     names += ["previous_db", "next_db", "likeness_previous"]
     names += [f"{side}_within{level:g}dB" for side in ("past", "future") for level in LEVEL_STEPS_DB]
-    return (*names, "like_past", "like_future", "rhythm")
+    names += ["like_past", "like_future", "rhythm", "like_previous_ms", "like_next_ms"]
+    return (*names, "run_before_ms", "run_after_ms")
 
 
 def neighbourhood(
@@ -38,6 +40,7 @@ def neighbourhood(
     after = (gap_ms > 0.0) & (gap_ms <= FUTURE_MS)
     distance = _distances(shapes.reshape(places.size, shapes.shape[1] * shapes.shape[2]), wanted)
     alike = (distance < ALIKE_DB) & (np.abs(level) < RIVAL_DB)
+    run = (alike & (before | after)) | (gap_ms == 0.0)
     previous = _last(before & (level >= -RIVAL_DB))
     following = _last((after & (level >= -RIVAL_DB))[:, ::-1])
     following = np.where(following >= 0, places.size - 1 - following, -1)
@@ -52,7 +55,8 @@ def neighbourhood(
         *((side & (level >= bound)).sum(axis=1) for side in (before, after) for bound in LEVEL_STEPS_DB),
         (alike & before).sum(axis=1),
         (alike & after).sum(axis=1),
-        _rhythm(at_ms, (alike & (before | after)) | (gap_ms == 0.0)),
+        _rhythm(at_ms, run),
+        *_run(at_ms, run, wanted),
     ]
     return np.stack(columns, axis=1).astype(np.float64)
 
@@ -86,3 +90,23 @@ def _rhythm(at_ms: NDArray[np.float64], alike: NDArray[np.bool_]) -> NDArray[np.
     mean = gaps.sum(axis=1) / np.maximum(count, 1)
     spread = np.sqrt((np.where(counted, gaps - mean[:, None], 0.0) ** 2).sum(axis=1) / np.maximum(count, 1))
     return np.where(count >= 3, np.minimum(2.0, spread / np.maximum(mean, 1e-9)), 2.0)
+
+
+def _run(
+    at_ms: NDArray[np.float64], alike: NDArray[np.bool_], own: NDArray[np.intp]
+) -> tuple[NDArray[np.float64], ...]:
+    """Return the gaps to the alike candidates before and after, and how long the run goes on in either direction.
+
+    A run ends where the next alike candidate is more than `RUN_GAP_MS` away: a burst is short, a machine goes on.
+    """
+    rows = np.arange(own.size)
+    sides = []
+    for times, which, place in ((at_ms, alike, own), (-at_ms[::-1], alike[:, ::-1], at_ms.size - 1 - own)):
+        latest = np.maximum.accumulate(np.where(which, times, -np.inf), axis=1)
+        earlier = np.concatenate([np.full((own.size, 1), -np.inf), latest[:, :-1]], axis=1)
+        starts = which & (times - earlier > RUN_GAP_MS)
+        start = np.maximum.accumulate(np.where(starts, times, -np.inf), axis=1)
+        gap = np.minimum(times[place] - earlier[rows, place], RUN_GAP_MS)
+        sides.append((gap, times[place] - start[rows, place]))
+    (gap_back, run_back), (gap_on, run_on) = sides
+    return gap_back, gap_on, run_back, run_on

@@ -50,13 +50,13 @@ def _synthetic_mix(seed: int, number: int) -> Mix:
 
 def _synthetic_film(seed: int, number: int) -> Mix:
     rng = np.random.default_rng([seed, number])
-    shots, negatives = int(rng.integers(0, 24)), int(rng.integers(8, 40))
+    shots, negatives = int(rng.integers(0, 64)), int(rng.integers(8, 40))
     scene_seed = seed * 10_000 + number
     audio = render_scene(film_scene(scene_seed, MIX_S, shots, negatives, gun_free=shots == 0, rate_hz=RATE_HZ))
     truth = truth_of(audio)
     start = 0
-    if truth.shots and rng.random() < 0.4:
-        first = truth.shots[int(rng.integers(len(truth.shots)))].onset_sample
+    if truth.shots and rng.random() < 0.3:
+        first = truth.shots[int(rng.integers(1 + len(truth.shots) // 4))].onset_sample
         start = max(0, first - int(rng.uniform(0.0, 0.3) ** 2 * RATE_HZ))
     kept = [shot for shot in truth.shots if shot.onset_sample >= start]
     unsure = [at - start for shot in kept for at in shot.accept_samples if at >= start]

@@ -32,7 +32,7 @@ from .mixes import Mix
 
 ON_TARGET_MS, NEAR_TARGET_MS = 8.0, 20.0
 SETTINGS = {
-    "max_iter": 300,
+    "max_iter": 350,
     "learning_rate": 0.08,
     "max_leaf_nodes": 24,
     "min_samples_leaf": 30,
@@ -42,7 +42,7 @@ SETTINGS = {
 
 
 GATE_SETTINGS = SETTINGS | {"max_iter": 40, "learning_rate": 0.2, "max_leaf_nodes": 10}
-GATE_LOSS = 0.004
+GATE_LOSS = 0.03
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,11 +182,11 @@ def held_out(parts: Sequence[Rows], synthetic: Rows, seed: int) -> dict[str, flo
 def train(corpus: Sequence[Path], *, synthetic: int, recorded: int, folds: int, seed: int, jobs: int) -> ModelFile:
     """Return a verifier trained on synthetic films and mixes and, where a corpus is given, on recordings."""
     tier = load_rules("reference").tier
-    _say(f"{synthetic} synthetic films and {synthetic // 3} synthetic mixes")
+    _say(f"{synthetic} synthetic films and {synthetic // 6} synthetic mixes")
     made = join(
         [
             gather(synthetic_film(seed), synthetic, tier, jobs),
-            gather(synthetic_mix(seed + 1), synthetic // 3, tier, jobs),
+            gather(synthetic_mix(seed + 1), synthetic // 6, tier, jobs),
         ]
     )
     parts: list[Rows] = []
@@ -195,7 +195,7 @@ def train(corpus: Sequence[Path], *, synthetic: int, recorded: int, folds: int, 
         _say(f"mixes of recordings, part {fold + 1} of {folds}")
         parts.append(gather(recorded_mix(recordings, seed + 2 + fold), -(-recorded // folds), tier, jobs))
     training: dict[str, Any] = {"command": "python -m blastline.study.train", "seed": seed, "settings": SETTINGS}
-    training |= {"synthetic_films": synthetic, "synthetic_mixes": synthetic // 3, "minutes_each": MIX_S / 60.0}
+    training |= {"synthetic_films": synthetic, "synthetic_mixes": synthetic // 6, "minutes_each": MIX_S / 60.0}
     training |= {"recorded_mixes": recorded if parts else 0}
     if len(parts) > 1:
         training["held_out"] = held_out(parts, made, seed)

@@ -67,7 +67,7 @@ class SceneAudio:
         self.cues = tuple(sorted(cues(scene), key=lambda cue: (cue.onset, cue.name)))
         self._onsets = np.array([cue.onset for cue in self.cues], dtype=np.int64)
         self._bed: Callable[[BedKind, int], BedLoop] = lru_cache(maxsize=4)(self._make_bed)
-        self._sound: Callable[[int], Sound] = lru_cache(maxsize=8)(self._make_sound)
+        self._sound: Callable[[int], Sound] = lru_cache(maxsize=96)(self._make_sound)
 
     def read(self, start: int, stop: int, *, without: str | None = None) -> Samples:
         """Return the limited mix from `start` to `stop`, shape (frames, channels), without one family of cues."""
