@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..ruleset import OnsetRules
 from ..units import samples_from_ms
+from .gather import gather
 
 _PREFERENCE = 2.0  # the difference also sharpens noise: it has to be clearer by this much
 _PASSES = 2  # the second starts from the first one's onset, so that the scan's grid leaves no trace
@@ -39,9 +40,7 @@ def _clearest(
     """
     search = samples_from_ms(rules.search_ms, rate_hz)
     before = search + samples_from_ms(rules.noise_ms, rate_hz)
-    index = guesses[:, None] + np.arange(-before - 1, search)
-    inside = (index >= 0) & (index < samples.shape[0])
-    wave = np.where(inside, samples[np.clip(index, 0, samples.shape[0] - 1)], 0.0).astype(np.float64)
+    wave = gather(samples, guesses - before - 1, before + 1 + search)
     plain, clear = _walk_back(wave[:, 1:], rate_hz=rate_hz, rules=rules)
     steep, sharp = _walk_back(np.diff(wave, axis=1), rate_hz=rate_hz, rules=rules)
     chosen = np.where(sharp > _PREFERENCE * clear, steep, plain)
@@ -49,8 +48,8 @@ def _clearest(
 
 
 def _walk_back(
-    wave: NDArray[np.float64], *, rate_hz: int, rules: OnsetRules
-) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    wave: NDArray[np.float32], *, rate_hz: int, rules: OnsetRules
+) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
     """Return where in each row of `wave` (noise first, then the search) the rise starts, and how it stands out."""
     noise = samples_from_ms(rules.noise_ms, rate_hz)
     quiet = max(1, samples_from_ms(rules.quiet_ms, rate_hz))
@@ -68,20 +67,19 @@ def _walk_back(
 
 def _group_start(above: NDArray[np.bool_], peak_at: NDArray[np.intp], quiet: int) -> NDArray[np.intp]:
     """Return where the group of samples above the threshold that holds the peak begins."""
-    place = np.arange(above.shape[1])
-    last = np.maximum.accumulate(np.where(above, place, -quiet - 1), axis=1)
-    earlier = np.concatenate([np.full((above.shape[0], 1), -quiet - 1), last[:, :-1]], axis=1)
-    starts = above & (place - earlier > quiet)
-    starts &= place <= peak_at[:, None]
-    return np.asarray(np.where(starts, place, 0).max(axis=1), np.intp)
+    place = np.arange(above.shape[1], dtype=np.int32)
+    last = np.maximum.accumulate(np.where(above, place, np.int32(-quiet - 1)), axis=1)
+    starts = above & (place <= peak_at[:, None])
+    starts[:, 1:] &= place[1:] - last[:, :-1] > quiet
+    return np.asarray(np.where(starts, place, np.int32(0)).max(axis=1), np.intp)
 
 
 def _rise_before(
-    magnitude: NDArray[np.float64],
+    magnitude: NDArray[np.float32],
     start: NDArray[np.intp],
     peak_at: NDArray[np.intp],
-    threshold: NDArray[np.float64],
-    peak: NDArray[np.float64],
+    threshold: NDArray[np.float32],
+    peak: NDArray[np.float32],
 ) -> NDArray[np.intp]:
     """Return how many samples before the crossing a straight rise through crossing and half-peak leaves zero."""
     place = np.arange(magnitude.shape[1])
@@ -89,7 +87,7 @@ def _rise_before(
     reached = (magnitude >= half[:, None]) & (place >= start[:, None])
     half_at = np.where(reached.any(axis=1), reached.argmax(axis=1), peak_at)
     level = magnitude[np.arange(start.size), start]
-    gained = magnitude[np.arange(start.size), half_at] - level
+    gained = (magnitude[np.arange(start.size), half_at] - level).astype(np.float64)
     run = (half_at - start).astype(np.float64)
     back = np.divide(level * run, gained, out=np.zeros_like(run), where=(gained > 0.0) & (run > 0))
     # a rise is no longer than what it took from the crossing to the half-peak and as much again

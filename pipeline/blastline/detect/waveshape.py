@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..units import samples_from_ms
+from .gather import gather
 
 WAVE_MS = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 SPECTRA_MS = ((1.0, 22.0), (22.0, 64.0), (64.0, 150.0))
@@ -41,8 +42,8 @@ def waveshape(samples: NDArray[np.float32], onsets: NDArray[np.intp], rate_hz: i
 
 def _rise(samples: NDArray[np.float32], onsets: NDArray[np.intp], rate_hz: int) -> NDArray[np.float64]:
     edges = [samples_from_ms(ms, rate_hz) for ms in WAVE_MS]
-    wave = _gather(samples, onsets, 0, edges[-1])
-    slope = np.diff(wave, axis=1, prepend=0.0)
+    wave = gather(samples, onsets, edges[-1])
+    slope = np.diff(wave, axis=1, prepend=np.float32(0.0))
     magnitude, steep = np.abs(wave), np.abs(slope)
     peak = magnitude.max(axis=1, keepdims=True) + 1e-12
     spans = [(a, max(b, a + 1)) for a, b in itertools.pairwise(edges)]
@@ -78,9 +79,10 @@ def _spectra(samples: NDArray[np.float32], onsets: NDArray[np.intp], rate_hz: in
     columns: list[NDArray[np.float64]] = []
     for start_ms, stop_ms in SPECTRA_MS:
         start, stop = samples_from_ms(start_ms, rate_hz), samples_from_ms(stop_ms, rate_hz)
-        wave = _gather(samples, onsets, start, stop) * np.hanning(stop - start)
+        wave = gather(samples, onsets + start, stop - start) * np.hanning(stop - start).astype(np.float32)
         length = next_fast_len(stop - start, real=True)
-        power = np.abs(rfft(wave, length, axis=1)) ** 2 + 1e-14
+        spectrum = rfft(wave, length, axis=1)
+        power = spectrum.real**2 + spectrum.imag**2 + np.float32(1e-14)
         hz = np.arange(power.shape[1]) * rate_hz / length
         for low, high in itertools.pairwise(SPECTRUM_EDGES_HZ):
             part = power[:, (hz >= low) & (hz < high)]
@@ -91,10 +93,3 @@ def _spectra(samples: NDArray[np.float32], onsets: NDArray[np.intp], rate_hz: in
             columns.append(10.0 * (np.log10(part).mean(axis=1) - np.log10(mean)))
             columns.append(10.0 * np.log10(part.max(axis=1) / mean))
     return np.stack(columns, axis=1) if onsets.size else np.zeros((0, len(columns)))
-
-
-def _gather(samples: NDArray[np.float32], onsets: NDArray[np.intp], start: int, stop: int) -> NDArray[np.float64]:
-    """Return `samples` from `start` to `stop` after each onset, shape (n, stop - start); zero beyond the stretch."""
-    index = onsets[:, None] + np.arange(start, stop)
-    inside = (index >= 0) & (index < samples.shape[0])
-    return np.where(inside, samples[np.clip(index, 0, samples.shape[0] - 1)], 0.0).astype(np.float64)

@@ -50,7 +50,7 @@ def _synthetic_mix(seed: int, number: int) -> Mix:
 
 def _synthetic_film(seed: int, number: int) -> Mix:
     rng = np.random.default_rng([seed, number])
-    shots, negatives = int(rng.integers(0, 64)), int(rng.integers(8, 40))
+    shots, negatives = int(rng.integers(0, 64)), int(rng.integers(8, 70))
     scene_seed = seed * 10_000 + number
     audio = render_scene(film_scene(scene_seed, MIX_S, shots, negatives, gun_free=shots == 0, rate_hz=RATE_HZ))
     truth = truth_of(audio)

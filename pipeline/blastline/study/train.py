@@ -31,6 +31,7 @@ from .lessons import MIX_S, RATE_HZ, Lesson, recorded_mix, synthetic_film, synth
 from .mixes import Mix
 
 ON_TARGET_MS, NEAR_TARGET_MS = 8.0, 20.0
+SHOCK_LEAD_MS, SHOCK_ON_TARGET_MS = 60.0, 3.0
 SETTINGS = {
     "max_iter": 350,
     "learning_rate": 0.08,
@@ -56,7 +57,10 @@ class Rows:
 
 
 def label_candidates(film: Mix, tier: QualityRules) -> Rows:
-    """Scan a mix and label its candidates: of those near a shot's onset the nearest is right, the others left out."""
+    """Scan a mix and label its candidates: of those near a shot's onset the nearest is right, the others left out.
+
+    Where the scan saw nothing there, because the shock of the bullet just before hides it, the shock is right.
+    """
     grid = Grid(RATE_HZ)
     clip = Clip(film.samples[:, None], RATE_HZ)
     found = [(s.start, described(s, grid, tier, let_all_pass)) for s in stretches(pieces([clip], RATE_HZ))]
@@ -71,9 +75,29 @@ def label_candidates(film: Mix, tier: QualityRules) -> Rows:
     nearest = gaps.argmin(axis=0)
     hit = gaps[nearest, np.arange(film.onsets.size)] <= ON_TARGET_MS
     labels[nearest[hit]] = True
+    at_ms, onsets_ms, shocks_ms = (np.asarray(x * ms, np.float64) for x in (at, film.onsets, film.unsure))
+    hit |= _label_shocks(labels, at_ms, onsets_ms[~hit], shocks_ms, onsets_ms)
     places_of_interest = np.concatenate([film.onsets, film.unsure])
     clear = labels | (np.abs(at[:, None] - places_of_interest[None, :]).min(axis=1) * ms > NEAR_TARGET_MS)
     return Rows(sketches[clear], rows[clear], labels[clear], int((~hit).sum()))
+
+
+def _label_shocks(
+    labels: NDArray[np.bool_],
+    at_ms: NDArray[np.float64],
+    missed_ms: NDArray[np.float64],
+    shocks_ms: NDArray[np.float64],
+    onsets_ms: NDArray[np.float64],
+) -> NDArray[np.bool_]:
+    """Label the candidates on the shocks of shots that were missed, and return which of all shots that settles."""
+    settled = np.zeros(onsets_ms.size, bool)
+    for onset_ms in missed_ms:
+        own = shocks_ms[(shocks_ms < onset_ms) & (shocks_ms > onset_ms - SHOCK_LEAD_MS)]
+        near = np.flatnonzero((np.abs(at_ms[:, None] - own[None, :]) <= SHOCK_ON_TARGET_MS).any(axis=1))
+        if near.size:
+            labels[near[0]] = True
+            settled |= onsets_ms == onset_ms
+    return settled
 
 
 def gather(lesson: Lesson, count: int, tier: QualityRules, jobs: int) -> Rows:
