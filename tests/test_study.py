@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from blastline.study.matching import Counts, count, match
+from blastline.study.peers import best_librosa_score
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -20,6 +21,16 @@ def test_matching_is_as_large_as_mir_evals(seed: int, window_ms: float) -> None:
     f1, precision, recall = mir_eval.onset.f_measure(true_ms / 1000.0, found_ms / 1000.0, window=window_ms / 1000.0)
     counts = count(found_ms, true_ms, window_ms)
     assert (counts.f1, counts.precision, counts.recall) == pytest.approx((f1, precision, recall))
+
+
+def test_the_peer_hears_bursts_of_noise_and_is_scored_as_we_are() -> None:
+    rng = np.random.default_rng(0)
+    samples = 1e-3 * rng.standard_normal(4 * 48_000)
+    true_ms = np.array([500.0, 1400.0, 2600.0])
+    for at in (24_000, 67_200, 124_800):
+        samples[at : at + 4800] += rng.standard_normal(4800) * np.exp(-np.arange(4800) / 900.0)
+    best = best_librosa_score([(samples.astype(np.float32), 48_000, true_ms)], (50.0,), best_at_ms=50.0)
+    assert best.counts[50.0] == Counts(hits=3, false=0, missed=0)
 
 
 def test_nothing_to_find_and_nothing_found_is_perfect() -> None:

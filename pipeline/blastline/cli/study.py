@@ -29,6 +29,9 @@ def detection(
     ] = None,
     quality: QualityOption = "standard",
     rules: RulesOption = None,
+    peer: Annotated[
+        bool, typer.Option("--peer", help="Score librosa's onset detection on the same films as well.")
+    ] = False,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every figure, film by film, as JSON.")
     ] = None,
@@ -40,7 +43,8 @@ def detection(
     import msgspec
 
     from ..errors import RuleError
-    from ..study.detection import recordings, scenes, score
+    from ..study.detection import WINDOWS_MS, heard, recordings, scenes, score
+    from ..study.peers import best_librosa_score
 
     if (fixtures is None) == (not corpus):
         raise RuleError("study detection: give either --fixtures or --corpus")
@@ -49,6 +53,11 @@ def detection(
     if output:
         output.write_bytes(msgspec.json.format(msgspec.json.encode(result), indent=1) + b"\n")
     typer.echo(_table(result))
+    if peer:
+        again = scenes(fixtures) if fixtures else recordings(corpus or [])
+        best = best_librosa_score(heard(again), WINDOWS_MS, best_at_ms=50.0)
+        f1 = ", ".join(f"{counts.f1:.3f} at {window_ms:g} ms" for window_ms, counts in best.counts.items())
+        typer.echo(f"librosa at its best threshold ({best.threshold:g}): F1 {f1}")
 
 
 def _table(score: "DetectionScore") -> str:

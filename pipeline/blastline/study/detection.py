@@ -1,12 +1,13 @@
 """How well shots are found: a quality tier over scenes and recordings with a known truth."""
 
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from ..detect import find_shots, load_verifier
 from ..errors import RuleError
@@ -116,6 +117,16 @@ def score(cases: Iterator[Case], quality: Quality, rules: Path | None = None) ->
                 found = find_shots(track.blocks(), rate_hz=track.rate_hz, tier=read.tier, verifier=verifier)
                 tally.add(case, [shot.onset for shot in found.shots], track.rate_hz, track.source().frames)
     return tally.score(quality)
+
+
+def heard(cases: Iterable[Case]) -> Iterator[tuple[NDArray[np.float32], int, Times]]:
+    """Yield each case's samples as detection hears them, their rate, and the true onsets in milliseconds."""
+    for case in cases:
+        if case.clip is not None:
+            yield np.asarray(case.clip.heard), case.clip.rate_hz, case.true_ms
+        elif case.path is not None:
+            with open_soundtrack(case.path) as track:
+                yield np.concatenate([clip.heard for clip in track.blocks()]), track.rate_hz, case.true_ms
 
 
 class _Tally:
