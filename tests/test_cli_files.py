@@ -25,9 +25,10 @@ def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def believing(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return rules that take every candidate for a shot, so that no test depends on what the verifier has learnt."""
     folder = tmp_path_factory.mktemp("rules")
+    believe = "[verify]\nthreshold = 0.0\ncompany_threshold = 0.0\nreport_from = 0.0\n"
     for quality in ("draft", "standard"):
         (folder / "quality").mkdir(exist_ok=True)
-        (folder / "quality" / f"{quality}.toml").write_text("[verify]\nthreshold = 0.0\n")
+        (folder / "quality" / f"{quality}.toml").write_text(believe)
     return folder
 
 

@@ -1,4 +1,4 @@
-"""Which shots are one, and which belong together as automatic fire."""
+"""Which shots are believed, which are one, and which belong together as automatic fire."""
 
 from collections.abc import Iterable, Sequence
 
@@ -6,8 +6,24 @@ import msgspec
 import numpy as np
 
 from ..model import Rejection, Shot
-from ..ruleset import BurstRules
-from ..units import samples_from_ms
+from ..ruleset import BurstRules, VerifyRules
+from ..units import samples_from_ms, samples_from_s
+
+
+def in_company(
+    shots: Iterable[Shot], *, rate_hz: int, rules: VerifyRules
+) -> tuple[tuple[Shot, ...], tuple[Rejection, ...]]:
+    """Return the shots that are sure or near to a sure one, and the rest: films fire in scenes."""
+    ordered = sorted(shots, key=lambda s: s.onset)
+    sure = np.array([shot.onset for shot in ordered if shot.confidence >= rules.threshold])
+    reach = samples_from_s(rules.company_s, rate_hz)
+    believed = [bool(np.any(np.abs(sure - shot.onset) <= reach)) for shot in ordered]
+    alone = (
+        Rejection(shot.onset, "alone, and not sure enough for that", {"probability": shot.confidence})
+        for shot, kept in zip(ordered, believed, strict=True)
+        if not kept
+    )
+    return tuple(shot for shot, kept in zip(ordered, believed, strict=True) if kept), tuple(alone)
 
 
 def keep_apart(

@@ -12,7 +12,7 @@ from ..model import Clip, Rejection, Shot, Span
 from ..ruleset import QualityRules
 from ..units import samples_from_ms
 from .bandshape import band_levels, bandshape
-from .bursts import group_bursts, keep_apart, part_from_echoes
+from .bursts import group_bursts, in_company, keep_apart, part_from_echoes
 from .features import features
 from .neighbours import neighbourhood
 from .onset import refine_onsets
@@ -74,11 +74,12 @@ def find_shots(blocks: Iterable[Clip], *, rate_hz: int, tier: QualityRules, veri
         found, refused = _search(stretch, Grid(rate_hz), tier, verifier)
         shots += found
         rejections += refused
-    kept, dropped = keep_apart(shots, rate_hz=rate_hz, rules=tier.bursts)
+    believed, alone = in_company(shots, rate_hz=rate_hz, rules=tier.verify)
+    kept, dropped = keep_apart(believed, rate_hz=rate_hz, rules=tier.bursts)
     parted = part_from_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
     return Detection(
         shots=group_bursts(parted, rate_hz=rate_hz, rules=tier.bursts),
-        rejections=tuple(sorted(chain(rejections, dropped), key=lambda r: r.at_sample)),
+        rejections=tuple(sorted(chain(rejections, alone, dropped), key=lambda r: r.at_sample)),
     )
 
 
@@ -163,11 +164,11 @@ def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier
             rules=tier.segment,
         )
         for onset, p in zip(found.onsets, surety, strict=True)
-        if p >= tier.verify.threshold
+        if p >= tier.verify.company_threshold
     ]
     refused = [
         Rejection(int(onset) + stretch.start, "does not sound like a shot", {"probability": float(p)})
         for onset, p in zip(found.onsets, surety, strict=True)
-        if tier.verify.report_from <= p < tier.verify.threshold
+        if tier.verify.report_from <= p < tier.verify.company_threshold
     ]
     return shots, refused

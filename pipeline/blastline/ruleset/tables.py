@@ -52,12 +52,21 @@ class OnsetRules(Table, frozen=True):
 class VerifyRules(Table, frozen=True):
     """Which model tells shots from everything else, and from which probability on it is believed.
 
-    A candidate from `report_from` up to the threshold is listed among the timeline's rejections.
+    A candidate is a shot from `threshold` on, or from `company_threshold` on where a shot of the first kind lies within
+    `company_s`: films fire in scenes. From `report_from` on it is at least listed among the timeline's rejections.
     """
 
     model: str
     threshold: Ratio
+    company_threshold: Ratio
+    company_s: NonNegative
     report_from: Ratio
+
+    def __post_init__(self) -> None:
+        """Refuse thresholds out of order."""
+        if not self.report_from <= self.company_threshold <= self.threshold:
+            order = f"{self.report_from}, {self.company_threshold}, {self.threshold}"
+            raise ValueError(f"report_from, company_threshold, threshold = {order}: expected ascending values")
 
 
 class SegmentRules(Table, frozen=True):
