@@ -92,7 +92,7 @@ def test_outside_the_windows_a_direct_background_is_the_film(
     np.testing.assert_array_equal(drive[outside], np.round(samples[outside] * 2.0**31).astype(np.int64))
 
 
-@pytest.mark.parametrize("size", [7, 4096, 12 * RATE_HZ])
+@pytest.mark.parametrize("size", [1, 7, 4096, 12 * RATE_HZ])
 def test_the_block_size_changes_no_bit(
     result: tuple[Timeline, NDArray[np.int32]],
     film: Path,
