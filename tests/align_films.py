@@ -78,7 +78,7 @@ def in_24_bits(samples: Samples) -> Samples:
     return np.clip(np.rint(samples * 2**23), -(2**23), 2**23 - 1) / 2**23
 
 
-def one_shot(seed: int, rate_hz: int, *, peak: float, length_s: float = 0.3) -> tuple[Samples, int]:
+def one_shot(seed: int, rate_hz: int, *, peak: float, tail: float = 0.1, length_s: float = 0.3) -> tuple[Samples, int]:
     """Return a Friedlander blast with one echo and a decaying noisy tail, and the echo's delay in samples."""
     rng = np.random.default_rng(seed)
     t = np.arange(round(length_s * rate_hz)) / rate_hz
@@ -88,7 +88,7 @@ def one_shot(seed: int, rate_hz: int, *, peak: float, length_s: float = 0.3) -> 
     sound = blast.copy()
     sound[delay:] += 0.5 * blast[: len(t) - delay]
     rumble = dsp.run_filter(dsp.digital(dsp.band(PROFILE), rate_hz), rng.standard_normal(len(t)))
-    sound += 0.1 * rumble / np.std(rumble) * np.exp(-t / 0.08)
+    sound += tail * rumble / np.std(rumble) * np.exp(-t / 0.08)
     return peak * sound / np.abs(sound).max(), delay
 
 
@@ -102,14 +102,23 @@ def make_film(
     background: Background = "mute",
     model: DriveModel | None = None,
     bed: float = 1e-4,
+    rumble: float = 0.0,
+    tail: float = 0.1,
+    level_db: float = 0.0,
     seed: int = 0,
 ) -> Film:
-    """Return a film of single shots; those whose compensated drive exceeds the limit get a constrained one."""
+    """Return a film of single shots; those whose compensated drive exceeds the limit get a constrained one.
+
+    The bed is white noise and, by `rumble`, noise in the band of vibration; both are rms. Peaks over 1 are clipped.
+    """
     rng = np.random.default_rng(seed)
     audio = bed * rng.standard_normal(round(seconds * rate_hz))
+    if rumble:
+        felt_bed = dsp.run_filter(dsp.digital(dsp.band(PROFILE), rate_hz), rng.standard_normal(len(audio)))
+        audio += rumble * felt_bed / np.std(felt_bed)
     echoes = []
     for index, (onset_s, peak) in enumerate(zip(onsets_s, peaks, strict=True)):
-        sound, delay = one_shot(seed * 1000 + index, rate_hz, peak=peak)
+        sound, delay = one_shot(seed * 1000 + index, rate_hz, peak=peak, tail=tail)
         onset = round(onset_s * rate_hz)
         sound = sound[: len(audio) - onset]
         audio[onset : onset + len(sound)] += sound
@@ -120,14 +129,16 @@ def make_film(
     for index, onset_s in enumerate(onsets_s):
         onset = round(onset_s * rate_hz)
         window = window_around(onset, len(audio), rate_hz)
-        wet, how = make_drive(audio, window, onset, rate_hz=rate_hz, phase=phase, model=model)
-        weights = np.ones(len(window.span))
-        weights[: window.fade_in_samples] = dsp.fade(window.fade_in_samples)
-        weights[len(weights) - window.fade_out_samples :] = dsp.fade(window.fade_out_samples)[::-1]
+        wet, how = make_drive(audio, window, onset, rate_hz=rate_hz, phase=phase, model=model, level_db=level_db)
         inside = slice(window.start, window.stop)
-        drive[inside] = dsp.cross_fade(drive[inside], wet, weights)
-        events.append(_event(index, audio, drive, window, onset, echoes[index], rate_hz, how))
-    timeline = Timeline(
+        drive[inside] = dsp.cross_fade(drive[inside], wet, weights_of(window))
+        events.append(event_of(index, audio, drive, window, onset, echoes[index], rate_hz, how))
+    return Film(Held(audio, rate_hz), Held(in_24_bits(drive), rate_hz), timeline_of(audio, events, rate_hz))
+
+
+def timeline_of(audio: Samples, events: list[Event], rate_hz: int) -> Timeline:
+    """Return the timeline of a film's events."""
+    return Timeline(
         schema=SCHEMA,
         version="0",
         quality="standard",
@@ -138,7 +149,6 @@ def make_film(
         rejections=(Rejection(rate_hz // 4, "probability", {"probability": 0.21}),),
         checks=(),
     )
-    return Film(Held(audio, rate_hz), Held(in_24_bits(drive), rate_hz), timeline)
 
 
 def window_around(onset: int, frames: int, rate_hz: int) -> Window:
@@ -149,8 +159,23 @@ def window_around(onset: int, frames: int, rate_hz: int) -> Window:
     return Window(start, stop, max(0, onset - guard - start), min(fade_out, stop - onset - 1))
 
 
+def weights_of(window: Window) -> Samples:
+    """Return the weight of a window's drive over the window."""
+    weights = np.ones(len(window.span))
+    weights[: window.fade_in_samples] = dsp.fade(window.fade_in_samples)
+    weights[len(weights) - window.fade_out_samples :] = dsp.fade(window.fade_out_samples)[::-1]
+    return weights
+
+
 def make_drive(
-    audio: Samples, window: Window, onset: int, *, rate_hz: int, phase: Phase, model: DriveModel | None
+    audio: Samples,
+    window: Window,
+    onset: int,
+    *,
+    rate_hz: int,
+    phase: Phase,
+    model: DriveModel | None,
+    level_db: float = 0.0,
 ) -> tuple[Samples, DriveModel]:
     """Return the drive inside a window before its fades: the compensator's, or a limited one where that exceeds 1."""
     if model == "direct":
@@ -168,18 +193,18 @@ def make_drive(
         target = dsp.run_filter(back, dsp.run_filter(back, piece)[::-1])[::-1][inside]
         first = dsp.run_filter(dsp.digital(dsp.inverse(PROFILE) * half, rate_hz), piece)
         wet = dsp.run_filter(back, first[::-1])[::-1][inside]
-    if np.abs(wet).max() <= 1.0:
-        return wet, "filter"
-    return limited(target, onset - round(1e-3 * rate_hz) - window.start, rate_hz), "constrained"
+    level = 10.0 ** (level_db / 20.0)
+    if level * np.abs(wet).max() <= 1.0:
+        return level * wet, "filter"
+    return limited(level * target, onset - round(1e-3 * rate_hz) - window.start, rate_hz), "constrained"
 
 
-def limited(target: Samples, first: int, rate_hz: int, iterations: int = 150) -> Samples:
-    """Return the drive within the limit, 0 before index `first`, that is felt most like the target (FISTA)."""
+def limited(target: Samples, first: int, rate_hz: int, *, stop: int | None = None, iterations: int = 150) -> Samples:
+    """Return the drive within the limit, 0 outside `first` to `stop`, that is felt most like the target (FISTA)."""
     from scipy import fft
 
     size = fft.next_fast_len(2 * len(target), real=True)
-    impulse = dsp.run_filter(dsp.digital(dsp.felt_response(PROFILE), rate_hz), np.eye(1, len(target))[0])
-    response = fft.rfft(impulse, size)
+    response = fft.rfft(_impulse(len(target), rate_hz), size)
     step = 1.0 / float(np.max(np.abs(response) ** 2))
     drive = ahead = np.zeros(len(target))
     momentum = 1.0
@@ -188,18 +213,33 @@ def limited(target: Samples, first: int, rate_hz: int, iterations: int = 150) ->
         slope = fft.irfft(np.conj(response) * fft.rfft(error, size), size)[: len(target)]
         after = np.clip(ahead - step * slope, -1.0, 1.0)
         after[: max(0, first)] = 0.0
+        after[len(target) if stop is None else stop :] = 0.0
         following = (1.0 + (1.0 + 4.0 * momentum**2) ** 0.5) / 2.0
         ahead, drive = after + (momentum - 1.0) / following * (after - drive), after
         momentum = following
     return np.asarray(drive, dtype=np.float64)
 
 
-def _event(
-    index: int, audio: Samples, drive: Samples, window: Window, onset: int, delay: int, rate_hz: int, how: DriveModel
+def _impulse(samples: int, rate_hz: int) -> Samples:
+    return dsp.run_filter(dsp.digital(dsp.felt_response(PROFILE), rate_hz), np.eye(1, samples)[0])
+
+
+def event_of(
+    index: int,
+    audio: Samples,
+    drive: Samples,
+    window: Window,
+    onset: int,
+    delay: int,
+    rate_hz: int,
+    how: DriveModel,
+    *,
+    stop: int | None = None,
 ) -> Event:
+    """Return the event of a shot whose drive, over the film, is compared up to `stop`, or to its window's fade-out."""
     blast = Span(onset, onset + round(4e-3 * rate_hz))
     echo = Reflection(onset + delay, onset + delay + len(blast), 1000.0 * delay / rate_hz, -6.0)
-    core = slice(onset - window.start, window.stop - window.fade_out_samples - window.start)
+    core = slice(onset - window.start, (stop or window.stop - window.fade_out_samples) - window.start)
     felt_sections = dsp.digital(dsp.felt_response(PROFILE), rate_hz)
     felt, plain = (dsp.run_filter(felt_sections, s[window.start : window.stop])[core] for s in (drive, audio))
     band = dsp.run_filter(dsp.digital(dsp.band(PROFILE), rate_hz), audio[window.start : window.stop])[core]

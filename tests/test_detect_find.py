@@ -6,11 +6,10 @@ import pytest
 from numpy.typing import NDArray
 
 from blastline.detect import Detection, find_shots, load_verifier
-from blastline.detect.bandshape import bandshape_names
 from blastline.detect.features import feature_names
 from blastline.detect.find import described, let_all_pass, stretches
 from blastline.detect.tracks import Grid, pieces
-from blastline.detect.verify import ForestFile, ModelFile, grown, probabilities
+from blastline.detect.verify import SCHEMA, ForestFile, ModelFile, SieveFile, grown, probabilities
 from blastline.errors import RuleError
 from blastline.model import Clip, Shot
 from blastline.ruleset import load_rules, rules_path
@@ -18,7 +17,7 @@ from blastline.synth import Scene, Truth, render_scene, truth_of
 
 RATE_HZ = 48_000
 RULES = load_rules("standard")
-VERIFIER = load_verifier(rules_path(f"verifier/{RULES.tier.verify.model}"))
+VERIFIER = load_verifier(rules_path(f"verifier/{RULES.tier.verify.model}"), networks=RULES.tier.verify.networks)
 SCENE = {
     "schema": 1,
     "rate_hz": RATE_HZ,
@@ -127,17 +126,17 @@ def test_silence_and_a_full_scale_square_hold_no_shot() -> None:
 
 def test_features_are_finite_and_named(film: tuple[NDArray[np.float32], Truth]) -> None:
     for stretch in stretches(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
-        found = described(stretch, Grid(RATE_HZ), RULES.tier, let_all_pass)
+        found = described(stretch, Grid(RATE_HZ), RULES.tier, gate=let_all_pass, screen=let_all_pass)
         assert found.rows.shape == (found.onsets.size, len(feature_names()))
-        assert found.sketches.shape == (found.onsets.size, len(bandshape_names()))
         assert np.isfinite(found.rows).all()
     assert len(set(feature_names())) == len(feature_names())
 
 
-def test_what_the_gate_holds_back_changes_nothing_else(film: tuple[NDArray[np.float32], Truth]) -> None:
+def test_what_the_sieves_hold_back_changes_nothing_else(film: tuple[NDArray[np.float32], Truth]) -> None:
     for stretch in stretches(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
-        every = described(stretch, Grid(RATE_HZ), RULES.tier, let_all_pass)
-        some = described(stretch, Grid(RATE_HZ), RULES.tier, VERIFIER.lets_pass)
+        every = described(stretch, Grid(RATE_HZ), RULES.tier, gate=let_all_pass, screen=let_all_pass)
+        gate, screen = VERIFIER.gate.lets_pass, VERIFIER.screen.lets_pass
+        some = described(stretch, Grid(RATE_HZ), RULES.tier, gate=gate, screen=screen)
         kept = np.isin(every.onsets, some.onsets)
         assert 0 < kept.sum() == some.onsets.size < every.onsets.size
         np.testing.assert_allclose(every.rows[kept], some.rows, rtol=0.0, atol=1e-9)
@@ -146,7 +145,7 @@ def test_what_the_gate_holds_back_changes_nothing_else(film: tuple[NDArray[np.fl
 def test_the_runtime_walks_the_trees_as_scikit_learn_does() -> None:
     from sklearn.ensemble import HistGradientBoostingClassifier
 
-    from blastline.study.train import exported
+    from blastline.study.sieves import exported
 
     rng = np.random.default_rng(3)
     rows = rng.standard_normal((600, 8))
@@ -160,9 +159,18 @@ def test_a_model_of_other_features_is_refused(tmp_path: object) -> None:
     from pathlib import Path
 
     path = Path(str(tmp_path)) / "other.json"
-    path.write_bytes(msgspec.json.encode(ModelFile(1, ForestFile(("one",), 0.0, []), 0.0, ForestFile((), 0.0, []), {})))
-    with pytest.raises(RuleError, match=r"other\.json: gate\.features: expected the \d+ of this version, got 1"):
-        load_verifier(path)
+    sieve = SieveFile(0.0, ForestFile(("one",), 0.0, []))
+    path.write_bytes(msgspec.json.encode(ModelFile(SCHEMA, sieve, sieve, [], {})))
+    with pytest.raises(
+        RuleError, match=r"other\.json: gate\.forest\.features: expected the \d+ of this version, got 1"
+    ):
+        load_verifier(path, networks=0)
     path.write_text("{}")
     with pytest.raises(RuleError, match=r"other\.json: not a verifier model"):
-        load_verifier(path)
+        load_verifier(path, networks=0)
+
+
+def test_a_tier_that_asks_for_more_networks_than_there_are_is_refused() -> None:
+    path = rules_path(f"verifier/{RULES.tier.verify.model}")
+    with pytest.raises(RuleError, match=r"networks: expected at least 99, as \[verify\] asks, got \d"):
+        load_verifier(path, networks=99)

@@ -92,6 +92,14 @@ def test_outside_the_windows_a_direct_background_is_the_film(
     np.testing.assert_array_equal(drive[outside], np.round(samples[outside] * 2.0**31).astype(np.int64))
 
 
+@pytest.mark.parametrize("options", [{"phase": "zero"}, {"background": "direct"}, {"drive": "filter"}])
+def test_checking_later_finds_what_rendering_found(film: Path, tmp_path: Path, options: dict[str, str]) -> None:
+    timeline, _ = rendered(film, tmp_path / "out", **options)
+    again = run.check(tmp_path / "out", audio=film)
+    assert again == timeline
+    assert (again.phase, again.background) == (options.get("phase", "causal"), options.get("background", "mute"))
+
+
 @pytest.mark.parametrize("size", [1, 7, 4096, 12 * RATE_HZ])
 def test_the_block_size_changes_no_bit(
     result: tuple[Timeline, NDArray[np.int32]],

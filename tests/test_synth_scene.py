@@ -23,6 +23,7 @@ from blastline.synth import (
     truth_of,
     write_scene,
 )
+from blastline.synth.apart import MARGIN_DB, stands_out_db
 from blastline.synth.files import BLOCK_S
 from blastline.synth.layouts import mains
 from blastline.synth.master import limited, quantised
@@ -130,6 +131,48 @@ def test_a_burst_keeps_its_rate() -> None:
     steady = np.arange(30) * RATE_HZ * 60 / 900
     assert np.abs(late - steady).max() <= 0.05 * RATE_HZ * 60 / 900 + 1
     assert np.std(late - steady) > 5.0
+
+
+@pytest.mark.parametrize("environment", ["hall", "indoors", "street", "field", "far"])
+@pytest.mark.parametrize("weapon", ["smg", "lmg", "suppressed"])
+def test_every_shot_of_a_burst_stands_out_of_the_ones_before(weapon: str, environment: str) -> None:
+    burst = {"shots": 9, "rpm": 1_100.0, "jitter": 0.02}
+    for at_s in (1.0, 1.25):
+        scene = scene_of(
+            rate_hz=48_000, shots=[shot(at_s, weapon=weapon, environment=environment, burst=burst, peak_dbfs=-15.0)]
+        )
+        audio = render_scene(scene)
+        samples = audio.read(0, audio.frames)[:, 0]
+        shots = truth_of(audio).shots
+        margins = [
+            max(
+                stands_out_db(samples, at, rate_hz=48_000) for at in (s.onset_sample, *s.accept_samples, s.start_sample)
+            )
+            for s in shots[1:]
+        ]
+        assert np.median(margins) >= MARGIN_DB[0] - 3.0  # gas and scatter differ from shot to shot
+
+
+def test_a_step_stands_out_by_its_height_in_the_waveform_or_its_slope() -> None:
+    low = np.sin(2.0 * np.pi * 50.0 * np.arange(9_600) / 48_000)
+    step = np.where(np.arange(9_600) < 4_800, 0.1, 1.0) * np.sign(low)
+    assert stands_out_db(step, 4_800, rate_hz=48_000) == pytest.approx(20.0, abs=0.1)
+    click = low.copy()
+    click[4_800:4_900] += 0.1
+    assert stands_out_db(low, 4_800, rate_hz=48_000) < 1.0
+    assert stands_out_db(click, 4_800, rate_hz=48_000) > 20.0
+    assert stands_out_db(0.01 * click, 4_800, rate_hz=48_000) == pytest.approx(
+        stands_out_db(click, 4_800, rate_hz=48_000)
+    )
+
+
+def test_a_mixer_turns_down_what_would_only_distort() -> None:
+    loud = {"kind": "ambience", "level_dbfs": -10.0}
+    asked = whole(scene_of(beds=[loud], shots=[shot(3.0, snr_db=40.0)]))
+    held = whole(scene_of(beds=[loud], shots=[shot(3.0, snr_db=12.4)]))
+    assert peak(asked - held) < 0.05
+    freed = whole(scene_of(beds=[loud], shots=[shot(3.0, snr_db=40.0)], master={"drive_db": 40.0}))
+    assert rms(freed[3 * RATE_HZ :]) > 1.2 * rms(asked[3 * RATE_HZ :])
 
 
 def test_another_rate_keeps_the_times() -> None:

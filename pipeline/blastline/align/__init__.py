@@ -4,8 +4,9 @@
     each shot   window whole, attack on time, lag, likeness, level and pre-echo of what is felt
 
 What is felt is predicted: the drive through H, the response of actuator and skin. It is compared with the sound in the
-band of vibration. Where the actuator is at its limit no drive can follow the sound; `free_ms` away from there a right
-one follows it almost exactly, which makes displacement by a single sample visible even in saturated shots.
+band of vibration. Where the actuator is at its limit no drive can follow the sound, and so the drive is compared with
+what is due of it (`due`): that makes displacement by a single sample, a late start and a pre-echo visible even in
+saturated shots. A check that cannot tell passes, with nothing measured.
 """
 
 from .checks import check_files, check_timeline

@@ -46,8 +46,8 @@ def find(pattern: NDArray[np.float64], moving: NDArray[np.float64], counts: NDAr
     scale = np.sqrt(np.where(enough, shared * felt, 1.0))
     correlation = np.where(enough, product / scale, 0.0)
     best = int(np.argmax(np.abs(correlation)))
-    if correlation[best] == 0.0:
-        return NO_MATCH
+    if correlation[best] == 0.0 or not enough[max(0, best - 1) : best + 2].all():
+        return NO_MATCH  # beside a lag at which too little counts, the largest need not be the peak
     return Match(best - search + _vertex(np.abs(correlation), best), float(np.clip(correlation[best], -1.0, 1.0)))
 
 

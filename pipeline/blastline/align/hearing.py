@@ -1,22 +1,14 @@
 """A shot's sound in the band of vibration, and what is felt of the drive that belongs to it."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import dsp
-from ..model import Event, Phase, Span
-from ..ruleset import ActuatorProfile, AlignRules
-from ..units import samples_from_ms
-from .sounds import Place, Sound, drive_at, stretch_of
-
-Samples = NDArray[np.float64]
-
-_SETTLE_MS = 250.0
-"""Filters run this long before what is compared: eight time constants of a 5 Hz high-pass."""
+from ..model import Event, Span
+from .comparison import Comparison, Samples
+from .sounds import Place, drive_at, stretch_of
 
 _FFT_GRAIN = 15 * 2**10
 """Transforms come in few sizes, so that the band's response is computed a few times in a film."""
@@ -25,46 +17,18 @@ _AT_LIMIT = 0.995
 """A drive sample of this share of the limit is taken as limited: interpolated and quantised ones miss it a little."""
 
 
-@dataclass(frozen=True, eq=False)
-class Comparison:
-    """What the checks of every shot share: films, rules, and the actuator's filters at the soundtrack's rate."""
+@dataclass(frozen=True)
+class Part:
+    """What belongs to a shot alone.
 
-    audio: Sound
-    drive: Sound
-    rules: AlignRules
-    phase: Phase
-    felt: Samples
-    band: Samples
-    band_gains: Callable[[int], Samples]
+    `opens` says that the shot is the first of its window, `followed` that it is not the last. `since` is from where on
+    the drive before it is known, by the window or by the shot before.
+    """
 
-    @property
-    def rate_hz(self) -> int:
-        """Return the rate at which everything is compared, the soundtrack's."""
-        return self.audio.rate_hz
-
-    def samples(self, duration_ms: float) -> int:
-        """Return a duration in samples."""
-        return samples_from_ms(duration_ms, self.rate_hz)
-
-    def shown_to_actuator(self, samples: Samples) -> Samples:
-        """Return samples through H backwards in time: what of them a drive, sample for sample, can do about."""
-        return dsp.run_filter(self.felt, samples[::-1])[::-1]
-
-
-def compare(audio: Sound, drive: Sound, *, profile: ActuatorProfile, rules: AlignRules, phase: Phase) -> Comparison:
-    """Return what the checks of every shot share."""
-    rate_hz = audio.rate_hz
-    band = dsp.band(profile)
-
-    @lru_cache(maxsize=64)
-    def band_gains(size: int) -> Samples:
-        frequencies_hz = np.asarray(np.fft.rfftfreq(size, 1.0 / rate_hz), dtype=np.float64)
-        if phase == "zero":
-            return np.abs(dsp.half_band(profile).at(frequencies_hz)) ** 2
-        return np.abs(band.at(frequencies_hz))
-
-    felt = dsp.digital(dsp.felt_response(profile), rate_hz)
-    return Comparison(audio, drive, rules, phase, felt, dsp.digital(band, rate_hz), band_gains)
+    span: Span
+    opens: bool
+    followed: bool
+    since: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +36,8 @@ class Heard:
     """The sound of a shot in the band of vibration, over `span`, of which `core` holds the shot itself.
 
     `intended` has the delay that the drive is meant to have, `undelayed` none; `direct` is what direct conversion
-    would make felt.
+    would make felt. `wet` is the drive of an open window if nothing limited it, None where nothing asks for it: in the
+    window of a `solved` drive before the second shot. `weights` blends it with the drive of the `background`.
     """
 
     span: Span
@@ -80,6 +45,10 @@ class Heard:
     intended: Samples
     undelayed: Samples
     direct: Samples
+    background: Samples
+    wet: Samples | None
+    weights: Samples
+    solved: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,23 +71,50 @@ def is_direct(event: Event) -> bool:
     return event.drive is not None and event.drive.model == "direct"
 
 
-def hear(shared: Comparison, event: Event, part: Span, *, margin: int) -> Heard:
+def is_solved(event: Event) -> bool:
+    """Return whether a shot's drive is to be the best within the limit; of one of unknown making that is assumed."""
+    return event.drive is None or event.drive.model == "constrained"
+
+
+def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
     """Return the sound of a shot over its part and `margin` samples on either side."""
-    settle = shared.samples(_SETTLE_MS)
-    span = Span(part.start - margin, part.stop + margin)
+    settle = shared.settle
+    span = Span(part.span.start - margin, part.span.stop + margin)
     audio = stretch_of(shared.audio, Span(span.start - settle, span.stop + settle))
     kept = slice(settle, settle + len(span))
     undelayed = _without_delay(shared, audio)[kept]
     intended = undelayed
     if shared.phase == "causal" and not is_direct(event):
         intended = dsp.run_filter(shared.band, audio[: kept.stop])[kept]
-    direct = dsp.run_filter(shared.felt, np.clip(audio[: kept.stop], -1.0, 1.0))[kept]
-    return Heard(span, slice(margin, margin + len(part)), intended, undelayed, direct)
+    dry, wet = np.clip(audio, -1.0, 1.0), None
+    if is_direct(event):
+        wet = dry[kept]
+    elif not (part.opens and is_solved(event)):
+        wet = shared.compensated(audio)[kept]
+    return Heard(
+        span,
+        slice(margin, margin + len(part.span)),
+        intended,
+        undelayed,
+        direct=dsp.run_filter(shared.felt, dry[: kept.stop])[kept],
+        background=dry[kept] if shared.background == "direct" else np.zeros(len(span)),
+        wet=wet,
+        weights=_weights(event, span),
+        solved=is_solved(event),
+    )
+
+
+def _weights(event: Event, span: Span) -> Samples:
+    """Return the weight of the window's drive over a span, up to the fade-out, which no check compares."""
+    window = event.window
+    at = np.arange(span.start, span.stop) - window.start
+    fade = np.concatenate([[0.0], dsp.fade(window.fade_in_samples), [1.0]])
+    return np.asarray(fade[np.clip(at + 1, 0, len(fade) - 1)], dtype=np.float64)
 
 
 def feel(shared: Comparison, event: Event, span: Span, *, place: Place) -> Felt:
     """Return what is felt over a span of the film, with the drive read from where `place` says."""
-    settle = shared.samples(_SETTLE_MS)
+    settle = shared.settle
     wide = Span(span.start - settle, span.stop + settle)
     drive, written = drive_at(shared.drive, wide, rate_hz=shared.rate_hz, place=place)
     kept = slice(settle, settle + len(span))

@@ -1,30 +1,19 @@
 """The figures of one shot: what is felt against what is heard, wherever the drive has put it."""
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..model import Event, Span
-from ..units import SILENCE_DB, db_from_gain
+from ..units import db_from_gain
+from .attack import late_start, preecho
+from .comparison import Comparison, Samples
 from .correlate import Match, find
-from .hearing import Comparison, Felt, Heard, Samples, feel, hear, is_direct
+from .due import Shown, readings, show
+from .hearing import Felt, Heard, Part, feel, hear, is_direct
 from .sounds import Place
-
-_BEFORE_MS = 20.0
-"""Where a pre-echo is looked for; what precedes a shot by more is not heard or felt as part of it."""
-
-_EARLIEST_MS = 5.0
-"""How long before the onset a felt attack is looked for."""
-
-_ATTACK_MS = 12.0
-"""The longest blast of the segmentation: the attack's peak lies within."""
-
-_HIDDEN = 0.7
-"""A rise that needs more than this share of its peak to stand out of what precedes it is hidden."""
-
-_REST = 0.01
-"""A drive below this share of its peak is at rest."""
 
 REFINE_MS = 0.1
 """How far the actuator's limit can bend the plain correlation's peak aside: 1.1 samples at 48 kHz was the most seen."""
@@ -46,24 +35,28 @@ class ShotFigures:
     exact: bool
     delay: float
     peak: float
-    onset_error: float
+    late_start: float | None
     level_db: float
-    preecho_db: float
-    intended_preecho_db: float
+    preecho_db: float | None
+    due_preecho_db: float
 
 
-def part_of(event: Event, following: Event | None, *, lead: int) -> Span:
-    """Return what belongs to a shot alone: from its onset to its window's fade-out or `lead` before the next onset.
+def parts_of(events: Sequence[Event], *, lead: int) -> tuple[Part, ...]:
+    """Return for each shot what lies between its onset and its window's fade-out or `lead` before the next onset.
 
     window   |------------------------|
     onsets     ^         ^
     parts      [-------) [---------)
     """
-    window = event.window
-    stop = max(window.stop - window.fade_out_samples, event.onset_sample + 1)
-    if following is not None and following.onset_sample > event.onset_sample:
-        stop = min(stop, max(following.onset_sample - lead, event.onset_sample + 1))
-    return Span(event.onset_sample, stop)
+    parts = []
+    for before, event, after in zip([None, *events[:-1]], events, [*events[1:], None], strict=True):
+        stop = whole = max(event.window.stop - event.window.fade_out_samples, event.onset_sample + 1)
+        if after is not None and after.onset_sample > event.onset_sample:
+            stop = min(whole, max(after.onset_sample - lead, event.onset_sample + 1))
+        opens = before is None or before.window != event.window
+        since = event.window.start if before is None or opens else before.onset_sample - lead
+        parts.append(Part(Span(event.onset_sample, stop), opens, stop < whole, since))
+    return tuple(parts)
 
 
 def likeness_limit(shared: Comparison, event: Event) -> float:
@@ -77,59 +70,93 @@ def likeness_limit(shared: Comparison, event: Event) -> float:
     return max(rules.least_correlation, event.drive.fidelity - rules.correlation_loss)
 
 
-def measure(shared: Comparison, event: Event, part: Span, *, place: Place) -> ShotFigures | None:
+def measure(shared: Comparison, event: Event, part: Part, *, place: Place) -> ShotFigures | None:
     """Return a shot's figures, with the drive read from where `place` says and searched for around there.
 
     None where soundtrack or drive are silent.
     """
     search = shared.samples(shared.rules.search_ms)
-    heard = hear(shared, event, part, margin=search)
-    felt = feel(shared, event, heard.span, place=place)
+    heard = hear(shared, event, part, margin=max(search, shared.memory))
     core = heard.core
     pattern = slice(core.start, min(core.stop, core.start + shared.samples(shared.rules.longest_ms)))
+    felt = feel(shared, event, heard.span, place=place)
     match = find(heard.intended[pattern], felt.following[pattern.start - search : pattern.stop + search])
     if math.isnan(match.lag):
         return None
-    refined = None if is_direct(event) else _refined(shared, heard, felt, pattern, match)
-    match = refined or match
-    late = round(match.lag) if abs(match.correlation) >= likeness_limit(shared, event) else 0
-    vibration = felt.vibration[core.start + late : core.stop + late]
-    preecho, own_preecho = _preechos(shared, heard, felt.following, late)
+    match, exact, felt, shown = _refined(shared, event, part, heard, felt, pattern=pattern, match=match, place=place)
+    known = readings(shared, heard, felt, shown)
+    early_db, due_early_db = preecho(shared, event, part, heard, felt, known)
     return ShotFigures(
         match,
-        exact=refined is not None or is_direct(event),
+        exact=exact,
         delay=_delay(heard, pattern, search),
         peak=felt.peak,
-        onset_error=_onset_error(shared, heard, felt, late),
-        level_db=db_from_gain(_rms(vibration)) - db_from_gain(_rms(heard.direct[core])),
-        preecho_db=preecho,
-        intended_preecho_db=own_preecho,
+        late_start=late_start(shared, heard, felt, known),
+        level_db=db_from_gain(_rms(felt.vibration[core])) - db_from_gain(_rms(heard.direct[core])),
+        preecho_db=early_db,
+        due_preecho_db=due_early_db,
     )
 
 
-def locate(shared: Comparison, event: Event, part: Span, *, place: Place, search: int) -> Match:
+def locate(shared: Comparison, event: Event, part: Part, *, place: Place, search: int) -> Match:
     """Return where the drive holds a shot, within `search` samples of where `place` says."""
-    part = Span(part.start, min(part.stop, part.start + shared.samples(shared.rules.longest_ms)))
-    heard = hear(shared, event, part, margin=0)
-    felt = feel(shared, event, Span(part.start - search, part.stop + search), place=place)
+    start, longest = part.span.start, shared.samples(shared.rules.longest_ms)
+    short = replace(part, span=Span(start, min(part.span.stop, start + longest)))
+    heard = hear(shared, event, short, margin=0)
+    felt = feel(shared, event, Span(start - search, short.span.stop + search), place=place)
     return find(heard.intended, felt.following)
 
 
-def _refined(shared: Comparison, heard: Heard, felt: Felt, pattern: slice, match: Match) -> Match | None:
-    """Return the match with the lag that the actuator's limit cannot bend; None where the limit leaves too little.
+def _refined(
+    shared: Comparison,
+    event: Event,
+    part: Part,
+    heard: Heard,
+    here: Felt,
+    *,
+    pattern: slice,
+    match: Match,
+    place: Place,
+) -> tuple[Match, bool, Felt, Shown]:
+    """Return the match, whether it is exact, and the drive read anew from there, `here` where that is the same.
+
+    Where the match is too poor to be believed, or where the limit alone may have bent it aside, the drive is read from
+    the shot's own place.
+    """
+
+    def read(late: int) -> tuple[Felt, Shown]:
+        there = Place(place.stretch, place.shift + late * place.stretch)
+        felt = feel(shared, event, heard.span, place=there) if late else here
+        return felt, show(shared, heard, felt)
+
+    believed = abs(match.correlation) >= likeness_limit(shared, event)
+    late = round(match.lag) if believed else 0
+    felt, shown = read(late)
+    exact = is_direct(event)
+    if not exact:
+        stop = min(pattern.stop, heard.core.stop - (shared.memory if part.followed else 0))
+        bend = _bend(shared, shown, felt, slice(pattern.start, stop))
+        if bend is not None:
+            match, exact = Match(late + bend, match.correlation), True
+    settled = round(match.lag) if believed and (exact or abs(match.lag) > shared.samples(REFINE_MS)) else 0
+    if settled != late:
+        felt, shown = read(settled)
+    return match, exact, felt, shown
+
+
+def _bend(shared: Comparison, shown: Shown, felt: Felt, pattern: slice) -> float | None:
+    """Return the lag that the actuator's limit cannot bend; None where the limit leaves too little.
 
     A drive u that makes |H u - t| least within its limit has, wherever it is free of it, no slope left to descend:
-    H'(H u - t) = 0. So H'H u and H't are one and the same at these samples, and only at the right lag.
+    H'(H u - t) = 0. So H'H u and H't are one and the same at these samples, and only at the right lag. The pattern
+    ends before H is asked for the next shot, of which the drive does not know.
     """
-    late, reach = round(match.lag), max(4, shared.samples(REFINE_MS))
-    around = slice(max(0, pattern.start + late - reach), pattern.stop + late + reach)
-    sound, vibration = (shared.shown_to_actuator(signal) for signal in (heard.intended, felt.following))
-    if len(vibration[around]) != pattern.stop - pattern.start + 2 * reach:
+    reach = max(4, shared.samples(REFINE_MS))
+    if pattern.stop <= pattern.start:
         return None
-    at_limit = find(sound[pattern], vibration[around], felt.free[around])
-    if at_limit.correlation < _EXACT or abs(at_limit.lag) >= reach:
-        return None
-    return Match(late + at_limit.lag, match.correlation)
+    around = slice(pattern.start - reach, pattern.stop + reach)
+    at_limit = find(shown.intended[pattern], shown.felt[around], felt.free[around])
+    return at_limit.lag if at_limit.correlation >= _EXACT and abs(at_limit.lag) < reach else None
 
 
 def _delay(heard: Heard, pattern: slice, search: int) -> float:
@@ -137,59 +164,6 @@ def _delay(heard: Heard, pattern: slice, search: int) -> float:
     if heard.intended is heard.undelayed:
         return 0.0
     return find(heard.undelayed[pattern], heard.intended[pattern.start - search : pattern.stop + search]).lag
-
-
-def _onset_error(shared: Comparison, heard: Heard, felt: Felt, late: int) -> float:
-    """Return how many samples later the felt attack rises than the heard one.
-
-    Both rise when they first exceed the same share of their own peaks: a tenth, or twice what precedes the attack.
-    Where noise hides the rise, it is how much too late the drive begins to move at all.
-    """
-    onset, before = heard.core.start, shared.samples(_BEFORE_MS)
-    attack = max(1, min(shared.samples(_ATTACK_MS), heard.core.stop - onset))
-    share, rises = 0.1, []
-    for signal, at, early in (
-        (heard.intended, onset, shared.samples(shared.rules.lead_ms)),
-        (felt.following, onset + late, shared.samples(_EARLIEST_MS)),
-    ):
-        start = max(0, at - early)
-        rising = np.abs(signal[start : max(start, at) + attack])
-        peak = float(rising.max(initial=0.0))
-        if peak == 0.0:
-            return _first_move(shared, felt, onset + late, attack)
-        share = max(share, 2.0 * float(np.abs(signal[max(0, at - before) : start]).max(initial=0.0)) / peak)
-        rises.append((rising / peak, start - at))
-    if share > _HIDDEN:
-        return _first_move(shared, felt, onset + late, attack)
-    heard_rise, felt_rise = (int(np.argmax(rising >= share)) + start for rising, start in rises)
-    return float(felt_rise - heard_rise)
-
-
-def _first_move(shared: Comparison, felt: Felt, onset: int, attack: int) -> float:
-    """Return how many samples after an onset the drive leaves rest, 0 where it moves before.
-
-    Rest is judged by the attack alone: what is loud later in the window does not make a quiet attack rest.
-    """
-    start = max(0, onset - shared.samples(_EARLIEST_MS))
-    moving = np.abs(felt.drive[start : max(start, onset) + attack])
-    peak = float(moving.max(initial=0.0))
-    if peak == 0.0:
-        return float(attack)
-    return float(max(0, start + int(np.argmax(moving > _REST * peak)) - onset))
-
-
-def _preechos(shared: Comparison, heard: Heard, following: Samples, late: int) -> tuple[float, float]:
-    """Return the level before a shot against its own peak, of what is felt and of what was intended.
-
-    The latter holds what the sound itself has there, and what a zero-phase band rings before a bang.
-    """
-    guard, before = shared.samples(shared.rules.preecho_guard_ms), shared.samples(_BEFORE_MS)
-    levels = []
-    for signal, onset in ((following, heard.core.start + late), (heard.intended, heard.core.start)):
-        peak = float(np.abs(signal[max(0, onset) : heard.core.stop]).max(initial=0.0))
-        early = float(np.abs(signal[max(0, onset - before) : max(0, onset - guard)]).max(initial=0.0))
-        levels.append(db_from_gain(early / peak) if peak > 0.0 else SILENCE_DB)
-    return levels[0], levels[1]
 
 
 def _rms(samples: Samples) -> float:

@@ -6,10 +6,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..model import Background, Event, Span
+from ..model import Event
+from .comparison import Comparison
 from .film import moving_spans
-from .hearing import Comparison
-from .shots import ShotFigures, likeness_limit, locate, measure, part_of
+from .hearing import Part
+from .shots import ShotFigures, likeness_limit, locate, measure, parts_of
 from .sounds import Place
 
 _PROBES = 24
@@ -38,18 +39,17 @@ class Timing:
     lags: tuple[float | None, ...]
 
 
-def time_film(shared: Comparison, events: Sequence[Event], background: Background) -> Timing:
+def time_film(shared: Comparison, events: Sequence[Event]) -> Timing:
     """Return where the drive holds every shot.
 
     First each shot is searched for around its own place. Where fewer than half are found there, the drive is taken
     to be displaced, and is read again from where it seems to be.
     """
-    lead = shared.samples(shared.rules.lead_ms)
-    parts = [part_of(event, after, lead=lead) for event, after in zip(events, [*events[1:], None], strict=True)]
+    parts = parts_of(events, lead=shared.samples(shared.rules.lead_ms))
     timing = _measure_all(shared, events, parts, Place())
     if 2 * _found(timing) >= len(events):
         return timing
-    for guess in _guesses(shared, events, parts, background):
+    for guess in _guesses(shared, events, parts):
         elsewhere = _measure_all(shared, events, parts, _whole(guess, events))
         if _found(elsewhere) > max(_found(timing), len(events) // 2):
             return elsewhere
@@ -66,7 +66,7 @@ def _found(timing: Timing) -> int:
     return sum(lag is not None for lag in timing.lags)
 
 
-def _measure_all(shared: Comparison, events: Sequence[Event], parts: Sequence[Span], read: Place) -> Timing:
+def _measure_all(shared: Comparison, events: Sequence[Event], parts: Sequence[Part], read: Place) -> Timing:
     """Return the timing with the drive read from one place; the line goes through exact lags where there are enough."""
     figures = tuple(measure(shared, event, part, place=read) for event, part in zip(events, parts, strict=True))
     lags: list[float | None] = []
@@ -97,10 +97,10 @@ def _line(found: Sequence[tuple[float, float]]) -> Place:
     return Place(1.0 + slope, float(np.median(lags - slope * samples)))
 
 
-def _guesses(shared: Comparison, events: Sequence[Event], parts: Sequence[Span], background: Background) -> list[Place]:
+def _guesses(shared: Comparison, events: Sequence[Event], parts: Sequence[Part]) -> list[Place]:
     """Return where a displaced drive may lie: by the pattern of its windows, and by its shots one after the other."""
     guesses = []
-    if background == "mute":
+    if shared.background == "mute":
         pattern = _by_windows(shared, events)
         guesses += [pattern] if pattern else []
     probes = _by_probes(shared, events, parts)
@@ -119,7 +119,7 @@ def _by_windows(shared: Comparison, events: Sequence[Event]) -> Place | None:
     return _line([(start, span.start * ratio - start) for start, span in zip(merged, moving, strict=True)])
 
 
-def _by_probes(shared: Comparison, events: Sequence[Event], parts: Sequence[Span]) -> Place | None:
+def _by_probes(shared: Comparison, events: Sequence[Event], parts: Sequence[Part]) -> Place | None:
     """Return the line through shots found one after the other, each expected where the earlier ones point."""
     chosen = np.unique(np.linspace(0, len(events) - 1, min(_PROBES, len(events))).round().astype(int))
     found: list[tuple[float, float]] = []

@@ -16,6 +16,7 @@ from .bursts import group_bursts, in_company, keep_apart, part_from_echoes
 from .features import features
 from .neighbours import neighbourhood
 from .onset import refine_onsets
+from .picture import pictures
 from .scan import candidate_steps
 from .segment import segment
 from .tracks import Grid, Piece, pieces
@@ -50,20 +51,19 @@ class Stretch:
 
 @dataclass(frozen=True, eq=False)
 class Described:
-    """Candidates of a stretch: onsets as indices into it, their features, and the rough shapes the gate went by."""
+    """Candidates of a stretch: onsets as indices into it, ascending, and their features."""
 
     onsets: NDArray[np.intp]
     rows: NDArray[np.float64]
-    sketches: NDArray[np.float64]
 
 
-Gate = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
-"""Says of each rough shape whether a closer look is worth while."""
+Test = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
+"""Says of each row of a table whether its candidate is worth a closer look."""
 
 
-def let_all_pass(sketches: NDArray[np.float64]) -> NDArray[np.bool_]:
+def let_all_pass(rows: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Let every candidate pass, as training needs it."""
-    return np.ones(sketches.shape[0], bool)
+    return np.ones(rows.shape[0], bool)
 
 
 def find_shots(blocks: Iterable[Clip], *, rate_hz: int, tier: QualityRules, verifier: Verifier) -> Detection:
@@ -124,8 +124,11 @@ def guesses(stretch: Stretch, grid: Grid, tier: QualityRules) -> NDArray[np.intp
     return places[places < stretch.stop - stretch.start]
 
 
-def described(stretch: Stretch, grid: Grid, tier: QualityRules, gate: Gate) -> Described:
-    """Return what is known of the core's candidates: cheaply of all of them, in full of those the gate lets pass."""
+def described(stretch: Stretch, grid: Grid, tier: QualityRules, *, gate: Test, screen: Test) -> Described:
+    """Return the core's candidates that pass the gate, by their rough shapes, and the screen, by all features.
+
+    The onset of those that are left is found to the sample.
+    """
     places = guesses(stretch, grid, tier)
     rough = band_levels(stretch.bands, places, grid)
     margin = samples_from_ms(_MARGIN_MS, grid.rate_hz)
@@ -134,14 +137,14 @@ def described(stretch: Stretch, grid: Grid, tier: QualityRules, gate: Gate) -> D
     sketches = bandshape(rough[near])
     passed = gate(sketches)
     near, sketches = near[passed], sketches[passed]
+    rows = features(sketches, neighbourhood(places, rough, near, grid.rate_hz))
+    passed = screen(rows)
+    near, rows = near[passed], rows[passed]
     onsets = refine_onsets(stretch.samples, places[near], rate_hz=grid.rate_hz, rules=tier.onset)
     kept = _first_of_each(onsets, samples_from_ms(_SAME_ONSET_MS, grid.rate_hz))
     at = onsets[kept] + stretch.start
     kept = kept[(at >= stretch.core.start) & (at < min(stretch.core.stop, stretch.stop))]
-    standing = neighbourhood(places, rough, near[kept], grid.rate_hz)
-    levels = band_levels(stretch.bands, onsets[kept], grid)
-    rows = features(stretch.samples, levels, onsets[kept], standing, grid.rate_hz)
-    return Described(onsets[kept], rows, sketches[kept])
+    return Described(onsets[kept], rows[kept])
 
 
 def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
@@ -150,9 +153,16 @@ def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
     return order[np.diff(onsets[order], prepend=-apart) >= apart]
 
 
+def _surety(stretch: Stretch, found: Described, grid: Grid, verifier: Verifier) -> NDArray[np.float64]:
+    """Return the probability of each candidate: the screen's where there is no network."""
+    if not verifier.networks:
+        return verifier.screen.probabilities(found.rows)
+    return verifier.probabilities(found.rows, pictures(stretch.samples, found.onsets, grid.rate_hz))
+
+
 def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier) -> tuple[list[Shot], list[Rejection]]:
-    found = described(stretch, grid, tier, verifier.lets_pass)
-    surety = verifier.probabilities(found.rows)
+    found = described(stretch, grid, tier, gate=verifier.gate.lets_pass, screen=verifier.screen.lets_pass)
+    surety = _surety(stretch, found, grid, verifier)
     shots = [
         segment(
             stretch.samples,

@@ -1,4 +1,7 @@
-"""The verifier: gradient-boosted trees, trained offline (`study.train`) and shipped as a readable JSON file."""
+"""The verifier: two sieves of boosted trees and the networks that judge what is left.
+
+Trained offline (`study.train`) and shipped as one readable JSON file.
+"""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +14,12 @@ from numpy.typing import NDArray
 from ..errors import RuleError
 from .bandshape import bandshape_names
 from .features import feature_names
+from .network import Network, NetworkFile, log_odds, wired
+from .picture import Pictures
+
+SCHEMA = 2
+SCREEN_SHARE = 1.0 / 3.0
+"""How much the screen's odds weigh beside the networks': on sources never heard F1 .69 with it, .66 without."""
 
 
 class Tree(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -31,13 +40,20 @@ class ForestFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     trees: list[Tree]
 
 
+class SieveFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A forest and the probability below which it drops a candidate."""
+
+    threshold: float
+    forest: ForestFile
+
+
 class ModelFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """`verifier/*.json`: a small forest for the gate, a large one for the verdict, and how they were trained."""
+    """`verifier/*.json`: the sieves, the networks, and how they were trained."""
 
     schema: int
-    gate: ForestFile
-    gate_threshold: float
-    verdict: ForestFile
+    gate: SieveFile
+    screen: SieveFile
+    networks: list[NetworkFile]
     training: dict[str, Any]
 
 
@@ -58,36 +74,58 @@ class Forest:
 
 
 @dataclass(frozen=True, eq=False)
-class Verifier:
-    """The gate, which spares most candidates a closer look, and the verdict."""
+class Sieve:
+    """A forest that drops candidates below its threshold."""
 
-    gate: Forest
-    gate_threshold: float
-    verdict: Forest
+    forest: Forest
+    threshold: float
 
-    def lets_pass(self, sketches: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Return whether each rough shape may be a shot's, shape (n,)."""
-        return probabilities(sketches, self.gate) >= self.gate_threshold
+    def lets_pass(self, rows: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return whether each row may be a shot's, shape (n,)."""
+        return self.probabilities(rows) >= self.threshold
 
     def probabilities(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the probability that each row of features is a shot's, shape (n,)."""
-        return probabilities(rows, self.verdict)
+        """Return the probability that each row is a shot's, shape (n,)."""
+        return probabilities(rows, self.forest)
 
 
-def load_verifier(path: Path) -> Verifier:
-    """Read a model file; RuleError where it does not fit this version's features."""
+@dataclass(frozen=True, eq=False)
+class Verifier:
+    """The gate, by rough shapes; the screen, by shape and neighbourhood; and the networks, which also see pictures."""
+
+    gate: Sieve
+    screen: Sieve
+    networks: tuple[Network, ...]
+
+    def probabilities(self, rows: NDArray[np.float64], shown: Pictures) -> NDArray[np.float64]:
+        """Return the probability that each candidate is a shot, shape (n,): of two parts networks, one part screen.
+
+        Trees and networks err in different places. To four digits: beyond them the sums depend on how many
+        candidates are judged together.
+        """
+        by_screen = score(rows, self.screen.forest)
+        by_networks = np.mean([log_odds(network, rows, shown) for network in self.networks], axis=0)
+        odds = (1.0 - SCREEN_SHARE) * by_networks + SCREEN_SHARE * by_screen
+        return np.asarray(np.round(1.0 / (1.0 + np.exp(-odds)), 4), np.float64)
+
+
+def load_verifier(path: Path, *, networks: int) -> Verifier:
+    """Read a model file; RuleError where it does not fit this version's features or has fewer networks than asked."""
     try:
         model = msgspec.json.decode(path.read_bytes(), type=ModelFile)
     except (OSError, msgspec.DecodeError) as error:
         raise RuleError(f"{path}: not a verifier model: {error}") from error
-    if model.schema != 1:
-        raise RuleError(f"{path}: schema = {model.schema}: expected 1")
-    for name, expected in (("gate", bandshape_names()), ("verdict", feature_names())):
-        forest: ForestFile = getattr(model, name)
-        if forest.features != expected:
-            got = len(forest.features)
-            raise RuleError(f"{path}: {name}.features: expected the {len(expected)} of this version, got {got}")
-    return Verifier(grown(model.gate), model.gate_threshold, grown(model.verdict))
+    if model.schema != SCHEMA:
+        raise RuleError(f"{path}: schema = {model.schema}: expected {SCHEMA}")
+    for name, expected in (("gate", bandshape_names()), ("screen", feature_names())):
+        sieve: SieveFile = getattr(model, name)
+        if sieve.forest.features != expected:
+            got = len(sieve.forest.features)
+            raise RuleError(f"{path}: {name}.forest.features: expected the {len(expected)} of this version, got {got}")
+    if len(model.networks) < networks:
+        raise RuleError(f"{path}: networks: expected at least {networks}, as [verify] asks, got {len(model.networks)}")
+    gate, screen = (Sieve(grown(sieve.forest), sieve.threshold) for sieve in (model.gate, model.screen))
+    return Verifier(gate, screen, tuple(wired(network) for network in model.networks[:networks]))
 
 
 def grown(file: ForestFile) -> Forest:
@@ -111,7 +149,12 @@ def grown(file: ForestFile) -> Forest:
 
 
 def probabilities(rows: NDArray[np.float64], forest: Forest) -> NDArray[np.float64]:
-    """Return the logistic function of the summed leaves of each row, shape (n,)."""
+    """Return the logistic function of each row's score, shape (n,)."""
+    return np.asarray(1.0 / (1.0 + np.exp(-score(rows, forest))), np.float64)
+
+
+def score(rows: NDArray[np.float64], forest: Forest) -> NDArray[np.float64]:
+    """Return the summed leaves of each row, the log-odds of a shot, shape (n,)."""
     trees, nodes = forest.value.shape
     place = np.broadcast_to(np.arange(trees) * nodes, (rows.shape[0], trees))
     first = np.arange(rows.shape[0])[:, None] * rows.shape[1]
@@ -119,8 +162,7 @@ def probabilities(rows: NDArray[np.float64], forest: Forest) -> NDArray[np.float
     for _ in range(forest.depth):
         goes_left = laid_flat.take(first + forest.feature.take(place)) <= forest.threshold.take(place)
         place = np.where(goes_left, forest.left.take(place), forest.right.take(place))
-    score = forest.baseline + forest.value.take(place).sum(axis=1)
-    return np.asarray(1.0 / (1.0 + np.exp(-score)), np.float64)
+    return np.asarray(forest.baseline + forest.value.take(place).sum(axis=1), np.float64)
 
 
 def _depth(left: NDArray[np.intp], right: NDArray[np.intp]) -> int:

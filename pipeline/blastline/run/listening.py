@@ -47,7 +47,9 @@ def detect(
 
 def listen(track: Soundtrack, rules: Rules, progress: Progress, meter: OverviewMeter | None = None) -> Listened:
     """Decode the film once and return its shots and their windows; `meter` watches as it goes by."""
-    verifier = load_verifier(rules_path(f"verifier/{rules.tier.verify.model}", rules.overlay))
+    verifier = load_verifier(
+        rules_path(f"verifier/{rules.tier.verify.model}", rules.overlay), networks=rules.tier.verify.networks
+    )
     blocks = told(track.blocks(BLOCK), progress, track.expected_frames)
     heard = meter.watch(blocks) if meter else blocks
     found = find_shots(heard, rate_hz=track.rate_hz, tier=rules.tier, verifier=verifier)

@@ -69,7 +69,9 @@ def render(film: Path, folder: Path, options: RenderOptions, progress: Progress 
             meter = OverviewMeter(track.rate_hz)
             heard = listen(track, rules, progress, meter)
             drives = _write_drive(hidden / DRIVE_NAME, heard, setup)
-            timeline = assemble(heard, rules, drives, setup.actuator)
+            timeline = msgspec.structs.replace(
+                assemble(heard, rules, drives, setup.actuator), phase=options.phase, background=options.background
+            )
             with open_soundtrack(hidden / DRIVE_NAME) as drive:
                 timeline = checked(timeline, track, drive, setup)
                 if options.report:

@@ -106,7 +106,8 @@ def recordings(folders: Sequence[Path]) -> Iterator[Case]:
 def score(cases: Iterator[Case], quality: Quality, rules: Path | None = None) -> DetectionScore:
     """Run the detector over each case and return its scores."""
     read = load_rules(quality, rules)
-    verifier = load_verifier(rules_path(f"verifier/{read.tier.verify.model}", rules))
+    asked = read.tier.verify
+    verifier = load_verifier(rules_path(f"verifier/{asked.model}", rules), networks=asked.networks)
     tally = _Tally()
     for case in cases:
         if case.clip is not None:

@@ -1,12 +1,22 @@
 """What the verifier learns from: endless minutes of film-like sound, synthetic and recorded, each from its own seed."""
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..synth import film_scene, random_bed, random_negative, random_shot, render_scene, truth_of
+from ..synth import (
+    ShotTruth,
+    film_scene,
+    random_bed,
+    random_negative,
+    random_shot,
+    render_scene,
+    stands_out_db,
+    truth_of,
+)
 from .corpus import Recording, load_sound
 from .mixes import Mix, Sound, as_16_bit, mix
 
@@ -15,6 +25,8 @@ MIX_S = 60.0
 SOUNDS_PER_MIX = 20
 LEVELS_DB = (3.0, 40.0)
 SHORTEST_BED_S = 4.0
+DROWNED_DB = 3.0
+"""A shot that stands out by less teaches nothing: it counts neither way."""
 
 
 Lesson = Callable[[int], Mix]
@@ -34,6 +46,11 @@ def synthetic_film(seed: int) -> Lesson:
     return partial(_synthetic_film, seed)
 
 
+def gun_free_film(seed: int) -> Lesson:
+    """Return lessons that are scenes without a gun, full of what could be taken for one."""
+    return partial(_gun_free_film, seed)
+
+
 def recorded_mix(recordings: Sequence[Recording], seed: int, synthetic: float = 0.3) -> Lesson:
     """Return lessons of recordings, sources drawn evenly, with a share of synthetic sounds and beds among them."""
     shots = _by_source(r for r in recordings if r.gunshot)
@@ -45,7 +62,16 @@ def recorded_mix(recordings: Sequence[Recording], seed: int, synthetic: float = 
 def _synthetic_mix(seed: int, number: int) -> Mix:
     rng = np.random.default_rng([seed, number])
     sounds = [_synthetic_sound(rng, shot=bool(rng.random() < 0.5)) for _ in range(SOUNDS_PER_MIX)]
-    return mix(random_bed(rng, RATE_HZ, MIX_S), sounds, rng=rng, rate_hz=RATE_HZ, levels_db=LEVELS_DB)
+    return _mixed(random_bed(rng, RATE_HZ, MIX_S), sounds, rng)
+
+
+def _gun_free_film(seed: int, number: int) -> Mix:
+    rng = np.random.default_rng([seed, number])
+    scene = film_scene(seed * 10_000 + number, MIX_S, 0, int(rng.integers(20, 110)), gun_free=True, rate_hz=RATE_HZ)
+    audio = render_scene(scene)
+    unsure = [each.at_sample for each in truth_of(audio).negatives if each.kind == "explosion"]
+    none = np.zeros(0, np.intp)
+    return Mix(as_16_bit(audio.read(0, audio.frames)[:, 0]), none, np.zeros(0), np.array(unsure, np.intp))
 
 
 def _synthetic_film(seed: int, number: int) -> Mix:
@@ -61,12 +87,28 @@ def _synthetic_film(seed: int, number: int) -> Mix:
     kept = [shot for shot in truth.shots if shot.onset_sample >= start]
     unsure = [at - start for shot in kept for at in shot.accept_samples if at >= start]
     unsure += [n.at_sample - start for n in truth.negatives if n.kind == "explosion" and n.at_sample >= start]
-    return Mix(
+    film = Mix(
         samples=as_16_bit(audio.read(start, audio.frames)[:, 0]),
         onsets=np.array([shot.onset_sample - start for shot in kept], np.intp),
         level_db=np.array([shot.snr_db for shot in kept], np.float64),
         unsure=np.array(unsure, np.intp),
     )
+    return without_drowned(film, [[at - start for at in _first_heard(shot)] for shot in kept])
+
+
+def _first_heard(shot: ShotTruth) -> tuple[int, ...]:
+    return (shot.start_sample, *shot.accept_samples, shot.onset_sample)
+
+
+def without_drowned(film: Mix, places: Sequence[Iterable[int]]) -> Mix:
+    """Return a mix in which a shot that hardly stands out of what is before it counts neither way.
+
+    `places` are, for each shot, where it may be heard first: its onset, a bullet's shock, a bolt.
+    """
+    margins_db = [max(stands_out_db(film.samples, at, rate_hz=RATE_HZ) for at in each if at >= 0) for each in places]
+    heard = np.array(margins_db, np.float64) >= DROWNED_DB
+    unsure = np.concatenate([film.unsure, film.onsets[~heard]])
+    return replace(film, onsets=film.onsets[heard], level_db=film.level_db[heard], unsure=unsure)
 
 
 def _recorded_mix(
@@ -86,7 +128,12 @@ def _recorded_mix(
         else:
             sounds.append(_recorded_sound(_draw(shots if shot else negatives, rng), rng))
     bed = random_bed(rng, RATE_HZ, MIX_S) if rng.random() < synthetic or not beds else _recorded_bed(beds, rng)
-    return mix(bed, sounds, rng=rng, rate_hz=RATE_HZ, levels_db=LEVELS_DB)
+    return _mixed(bed, sounds, rng)
+
+
+def _mixed(bed: NDArray[np.float64], sounds: list[Sound], rng: np.random.Generator) -> Mix:
+    film = mix(bed, sounds, rng=rng, rate_hz=RATE_HZ, levels_db=LEVELS_DB)
+    return without_drowned(film, [[onset] for onset in film.onsets.tolist()])
 
 
 def _by_source(recordings: Iterable[Recording]) -> list[list[Recording]]:

@@ -1,19 +1,21 @@
 """Train the verifier: `python -m blastline.study.train --corpus DIR [--corpus DIR ...] -o rules/verifier/shots.json`.
 
-Mixes of synthetic shots and negatives, and of recordings where a corpus is given, are scanned as a film is; each
-candidate that lies on a shot's onset is a positive, every other one a negative. Histogram gradient boosting learns
-the difference; the threshold comes from folds that hold out whole sources of recordings.
+    lessons (films, mixes, mixes of recordings) --> candidates --> gate --> screen --> pictures of the rest --> networks
+
+Candidates on a shot's onset are positives, all others negatives. Some films, and with `--hold-out` a part of the
+sources of recordings, are never learnt from; what the file scores on them is written into it.
 """
 
 import argparse
 import os
 import sys
+import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import msgspec
 import numpy as np
@@ -21,241 +23,209 @@ from numpy.typing import NDArray
 
 from ..detect.bandshape import bandshape_names
 from ..detect.features import feature_names
-from ..detect.find import described, let_all_pass, stretches
-from ..detect.tracks import Grid, pieces
-from ..detect.verify import ForestFile, ModelFile, Tree
-from ..model import Clip
-from ..ruleset import QualityRules, load_rules
+from ..detect.network import wired
+from ..detect.picture import Pictures, pictures
+from ..detect.verify import SCHEMA, ModelFile, Sieve, SieveFile, Verifier, grown
+from ..ruleset import load_rules
+from .candidates import Candidates, best_f1, candidates, joined
 from .corpus import Recording, read_corpus
-from .lessons import MIX_S, RATE_HZ, Lesson, recorded_mix, synthetic_film, synthetic_mix
+from .lessons import MIX_S, RATE_HZ, Lesson, gun_free_film, recorded_mix, synthetic_film, synthetic_mix
 from .mixes import Mix
+from .networks import SETTINGS, Examples, as_examples, fit_network
+from .sieves import GATE_SETTINGS, SCREEN_SETTINGS, fit_sieve
 
-ON_TARGET_MS, NEAR_TARGET_MS = 8.0, 20.0
-SHOCK_LEAD_MS, SHOCK_ON_TARGET_MS = 60.0, 3.0
-SETTINGS = {
-    "max_iter": 350,
-    "learning_rate": 0.08,
-    "max_leaf_nodes": 24,
-    "min_samples_leaf": 30,
-    "l2_regularization": 5.0,
-    "max_features": 0.3,
-}
+_Thing = TypeVar("_Thing")
 
-
-GATE_SETTINGS = SETTINGS | {"max_iter": 40, "learning_rate": 0.2, "max_leaf_nodes": 10}
-GATE_LOSS = 0.03
+FOLDS = 4
+FOLD_SEED = 7  # the parts are the same for every training seed
+FILMS_PER_MIX = 6
+GUN_FREE_SHARE = 0.4  # so many films without a gun come to each film with some
+TESTED_EVERY = 12  # of the films one in so many is held out
+GATE_LOSS, SCREEN_LOSS = 0.01, 0.025
 
 
-@dataclass(frozen=True, eq=False)
-class Rows:
-    """Of n candidates: rough shapes, features and labels; and how many shots had no candidate near."""
+@dataclass(frozen=True)
+class Course:
+    """Lessons of one kind: how they are made, how many, and whether they are learnt from or only tested on."""
 
-    sketches: NDArray[np.float64]
-    features: NDArray[np.float64]
-    labels: NDArray[np.bool_]
-    missed: int
+    name: str
+    lesson: Lesson
+    count: int
+    tested_every: int
 
-
-def label_candidates(film: Mix, tier: QualityRules) -> Rows:
-    """Scan a mix and label its candidates: of those near a shot's onset the nearest is right, the others left out.
-
-    Where the scan saw nothing there, because the shock of the bullet just before hides it, the shock is right.
-    """
-    grid = Grid(RATE_HZ)
-    clip = Clip(film.samples[:, None], RATE_HZ)
-    found = [(s.start, described(s, grid, tier, let_all_pass)) for s in stretches(pieces([clip], RATE_HZ))]
-    at = np.concatenate([start + each.onsets for start, each in found])
-    rows = np.concatenate([each.rows for _, each in found])
-    sketches = np.concatenate([each.sketches for _, each in found])
-    labels = np.zeros(at.size, bool)
-    if not film.onsets.size or not at.size:
-        return Rows(sketches, rows, labels, int(film.onsets.size))
-    ms = 1000.0 / RATE_HZ
-    gaps = np.abs(at[:, None] - film.onsets[None, :]) * ms
-    nearest = gaps.argmin(axis=0)
-    hit = gaps[nearest, np.arange(film.onsets.size)] <= ON_TARGET_MS
-    labels[nearest[hit]] = True
-    at_ms, onsets_ms, shocks_ms = (np.asarray(x * ms, np.float64) for x in (at, film.onsets, film.unsure))
-    hit |= _label_shocks(labels, at_ms, onsets_ms[~hit], shocks_ms, onsets_ms)
-    places_of_interest = np.concatenate([film.onsets, film.unsure])
-    clear = labels | (np.abs(at[:, None] - places_of_interest[None, :]).min(axis=1) * ms > NEAR_TARGET_MS)
-    return Rows(sketches[clear], rows[clear], labels[clear], int((~hit).sum()))
+    def tested(self, number: int) -> bool:
+        """Return whether a lesson is held out."""
+        return bool(self.tested_every) and number % self.tested_every == 0
 
 
-def _label_shocks(
-    labels: NDArray[np.bool_],
-    at_ms: NDArray[np.float64],
-    missed_ms: NDArray[np.float64],
-    shocks_ms: NDArray[np.float64],
-    onsets_ms: NDArray[np.float64],
-) -> NDArray[np.bool_]:
-    """Label the candidates on the shocks of shots that were missed, and return which of all shots that settles."""
-    settled = np.zeros(onsets_ms.size, bool)
-    for onset_ms in missed_ms:
-        own = shocks_ms[(shocks_ms < onset_ms) & (shocks_ms > onset_ms - SHOCK_LEAD_MS)]
-        near = np.flatnonzero((np.abs(at_ms[:, None] - own[None, :]) <= SHOCK_ON_TARGET_MS).any(axis=1))
-        if near.size:
-            labels[near[0]] = True
-            settled |= onsets_ms == onset_ms
-    return settled
+@dataclass(frozen=True)
+class Kept:
+    """A lesson in the work folder."""
+
+    path: Path
+    course: str
+    tested: bool
 
 
-def gather(lesson: Lesson, count: int, tier: QualityRules, jobs: int) -> Rows:
-    """Return the labelled candidates of lessons 0 to `count` as one, made by `jobs` processes."""
-    with ProcessPoolExecutor(jobs) as pool:
-        return join(list(pool.map(partial(_learn, lesson, tier), range(count), chunksize=4)))
+def courses(corpus: Sequence[Path], *, synthetic: int, recorded: int, seed: int, hold_out: int | None) -> list[Course]:
+    """Return the courses of a training run; the recordings' sources are parted into `FOLDS`."""
+    made = [
+        Course("film", synthetic_film(seed), synthetic, TESTED_EVERY),
+        Course("gun-free", gun_free_film(seed + 50), round(GUN_FREE_SHARE * synthetic), 0),
+        Course("mix", synthetic_mix(seed + 1), synthetic // FILMS_PER_MIX, 0),
+    ]
+    for fold, recordings in enumerate(by_fold(read_corpus(corpus), FOLDS, FOLD_SEED) if recorded else ()):
+        lesson = recorded_mix(recordings, seed + 2 + fold)
+        made.append(Course(f"recorded-{fold}", lesson, -(-recorded // FOLDS), 1 if fold == hold_out else 0))
+    return made
 
 
-def _learn(lesson: Lesson, tier: QualityRules, number: int) -> Rows:
-    return label_candidates(lesson(number), tier)
+def keep_lessons(work: Path, course: Course, pool: ProcessPoolExecutor) -> list[Kept]:
+    """Make the lessons of a course as files, unless the work folder has them already."""
+    work.mkdir(parents=True, exist_ok=True)
+    paths = list(pool.map(partial(_keep, work, course.name, course.lesson), range(course.count), chunksize=2))
+    return [Kept(path, course.name, course.tested(number)) for number, path in enumerate(paths)]
 
 
-def join(rows: Sequence[Rows]) -> Rows:
-    """Return several sets of rows as one."""
-    return Rows(
-        np.concatenate([r.sketches for r in rows]),
-        np.concatenate([r.features for r in rows]),
-        np.concatenate([r.labels for r in rows]),
-        sum(r.missed for r in rows),
+def _keep(work: Path, name: str, lesson: Lesson, number: int) -> Path:
+    path = work / f"{name}-{number:05d}.npz"
+    if not path.exists():
+        film = lesson(number)
+        samples = np.round(film.samples * 32768.0).astype(np.int16)
+        unfinished = path.with_suffix(".part.npz")
+        np.savez(unfinished, samples=samples, onsets=film.onsets, level_db=film.level_db, unsure=film.unsure)
+        unfinished.rename(path)
+    return path
+
+
+def _load(path: Path) -> Mix:
+    with np.load(path) as kept:
+        samples = kept["samples"].astype(np.float32) / np.float32(32768.0)
+        return Mix(samples, kept["onsets"], kept["level_db"], kept["unsure"])
+
+
+def _listen(item: tuple[int, Kept]) -> Candidates:
+    """Return the candidates of a lesson, numbered."""
+    return candidates(_load(item[1].path), load_rules("reference").tier, item[0])
+
+
+def _look(item: tuple[Path, NDArray[np.intp]]) -> Pictures:
+    """Return the pictures of candidates of a lesson."""
+    return pictures(_load(item[0]).samples, item[1], RATE_HZ)
+
+
+def look(every: Candidates, kept: Sequence[Kept], pool: ProcessPoolExecutor) -> Examples:
+    """Return the pictures of candidates with their features and labels; they are in order of lessons."""
+    numbers = np.unique(every.lesson).tolist()
+    wanted = [(kept[number].path, every.onsets[every.lesson == number]) for number in numbers]
+    halves = [as_examples(shown, every.rows, every.shots) for shown in pool.map(_look, wanted, chunksize=4)]
+    near, wide = (np.concatenate([getattr(half, name) for half in halves]) for name in ("near", "wide"))
+    return Examples(near, wide, every.rows, every.shots)
+
+
+def sieved(every: Candidates, gate: SieveFile, screen: SieveFile) -> Candidates:
+    """Return the candidates that pass gate and screen."""
+    rows = every.rows.astype(np.float64)
+    sketches = rows[:, : len(bandshape_names())]
+    passed = Sieve(grown(gate.forest), gate.threshold).lets_pass(sketches)
+    passed[passed] = Sieve(grown(screen.forest), screen.threshold).lets_pass(rows[passed])
+    return every.taken(passed)
+
+
+def fit_sieves(learnt: Candidates, seed: int) -> tuple[SieveFile, SieveFile]:
+    """Return the gate, fitted to the rough shapes, and the screen, fitted to all features of what passes the gate."""
+    names = bandshape_names()
+    gate = fit_sieve(
+        learnt.rows[:, : len(names)], learnt.shots, names=names, loss=GATE_LOSS, settings=GATE_SETTINGS, seed=seed
     )
+    sketches = learnt.rows[:, : len(names)].astype(np.float64)
+    past = learnt.taken(Sieve(grown(gate.forest), gate.threshold).lets_pass(sketches))
+    screen = fit_sieve(
+        past.rows, past.shots, names=feature_names(), loss=SCREEN_LOSS, settings=SCREEN_SETTINGS, seed=seed
+    )
+    return gate, screen
 
 
-def fit(features: NDArray[np.float64], labels: NDArray[np.bool_], seed: int, settings: dict[str, Any]) -> Any:
-    """Return a fitted scikit-learn classifier."""
-    from sklearn.ensemble import HistGradientBoostingClassifier
-
-    return HistGradientBoostingClassifier(random_state=seed, **settings).fit(features, labels)
-
-
-def fit_gate(rows: Rows, seed: int) -> tuple[Any, float]:
-    """Return the gate's classifier and the probability below which hardly a shot lies: `GATE_LOSS` of them.
-
-    The threshold is taken from halves of the rows that the classifier was not fitted to.
-    """
-    half = np.random.default_rng(seed).random(rows.labels.size) < 0.5
-    of_shots: list[NDArray[np.float64]] = []
-    for part in (half, ~half):
-        classifier = fit(rows.sketches[part], rows.labels[part], seed, GATE_SETTINGS)
-        of_shots.append(classifier.predict_proba(rows.sketches[~part & rows.labels])[:, 1])
-    threshold = float(np.quantile(np.concatenate(of_shots), GATE_LOSS))
-    return fit(rows.sketches, rows.labels, seed, GATE_SETTINGS), threshold
-
-
-def passed(rows: Rows, gate: Any, threshold: float) -> Rows:
-    """Return the rows that the gate lets pass; a shot it holds back counts as missed."""
-    kept = gate.predict_proba(rows.sketches)[:, 1] >= threshold
-    lost = int(rows.labels[~kept].sum())
-    return Rows(rows.sketches[kept], rows.features[kept], rows.labels[kept], rows.missed + lost)
-
-
-def exported(classifier: Any, features: tuple[str, ...]) -> ForestFile:
-    """Return a fitted classifier as `detect.verify` reads it."""
-    trees: list[Tree] = []
-    for (predictor,) in classifier._predictors:
-        nodes = predictor.nodes
-        leaf = nodes["is_leaf"].astype(bool)
-        trees.append(
-            Tree(
-                feature=np.where(leaf, -1, nodes["feature_idx"]).tolist(),
-                threshold=[
-                    0.0 if end else value for end, value in zip(leaf, nodes["num_threshold"].tolist(), strict=True)
-                ],
-                left=np.where(leaf, 0, nodes["left"]).tolist(),
-                right=np.where(leaf, 0, nodes["right"]).tolist(),
-                value=np.where(leaf, nodes["value"], 0.0).tolist(),
-            )
-        )
-    return ForestFile(features, float(classifier._baseline_prediction.ravel()[0]), trees)
-
-
-def f1_at(probability: NDArray[np.float64], rows: Rows, threshold: float) -> float:
-    """Return F1 over candidates, a shot without a candidate counted as missed."""
-    taken = probability >= threshold
-    hits = int((taken & rows.labels).sum())
-    return 2.0 * hits / max(1, int(taken.sum()) + int(rows.labels.sum()) + rows.missed)
-
-
-def held_out(parts: Sequence[Rows], synthetic: Rows, seed: int) -> dict[str, float]:
-    """Return F1 on recordings of sources that training did not hear, and the threshold at which it is best.
-
-    `parts` are rows of mixes whose recordings come from disjoint sets of sources.
-    """
-    scores: list[NDArray[np.float64]] = []
-    kept: list[Rows] = []
-    for out, part in enumerate(parts):
-        heard = join([synthetic, *(rows for index, rows in enumerate(parts) if index != out)])
-        gate = fit_gate(heard, seed)
-        heard, tested = passed(heard, *gate), passed(part, *gate)
-        classifier = fit(heard.features, heard.labels, seed, SETTINGS)
-        scores.append(np.asarray(classifier.predict_proba(tested.features)[:, 1], np.float64))
-        kept.append(tested)
-    every, probability = join(kept), np.concatenate(scores)
-    thresholds = np.linspace(0.05, 0.95, 91)
-    f1 = [f1_at(probability, every, float(t)) for t in thresholds]
-    best = int(np.argmax(f1))
-    ceiling = 1.0 - every.missed / (every.missed + int(every.labels.sum()))
+def score(model: ModelFile, tested: Candidates, kept: Sequence[Kept], pool: ProcessPoolExecutor) -> dict[str, Any]:
+    """Return the best F1 on candidates that were held out, by the screen alone and by one to all networks."""
+    left = sieved(tested, model.gate, model.screen)
+    seen = look(left, kept, pool)
+    shown = Pictures(seen.near.astype(np.float32), seen.wide.astype(np.float32))
+    rows = left.rows.astype(np.float64)
+    gate, screen = (Sieve(grown(sieve.forest), sieve.threshold) for sieve in (model.gate, model.screen))
+    networks = tuple(wired(network) for network in model.networks)
+    f1 = [best_f1(screen.probabilities(rows), left)[0]]
+    for count in range(len(networks)):
+        f1.append(best_f1(Verifier(gate, screen, networks[: count + 1]).probabilities(rows, shown), left)[0])
     return {
-        "folds": len(parts),
-        "f1": round(f1[best], 4),
-        "threshold": round(float(thresholds[best]), 2),
-        "f1_at_half": round(f1_at(probability, every, 0.5), 4),
-        "candidate_recall": round(ceiling, 4),
+        "shots": int(left.shots.sum()) + left.missed,
+        "missed": left.missed,
+        "f1_by_networks": [round(each, 4) for each in f1],
     }
 
 
-def train(corpus: Sequence[Path], *, synthetic: int, recorded: int, folds: int, seed: int, jobs: int) -> ModelFile:
-    """Return a verifier trained on synthetic films and mixes and, where a corpus is given, on recordings."""
-    tier = load_rules("reference").tier
-    _say(f"{synthetic} synthetic films and {synthetic // 6} synthetic mixes")
-    made = join(
-        [
-            gather(synthetic_film(seed), synthetic, tier, jobs),
-            gather(synthetic_mix(seed + 1), synthetic // 6, tier, jobs),
-        ]
-    )
-    parts: list[Rows] = []
-    sources = _by_fold(read_corpus(corpus), folds, seed)
-    for fold, recordings in enumerate(sources):
-        _say(f"mixes of recordings, part {fold + 1} of {folds}")
-        parts.append(gather(recorded_mix(recordings, seed + 2 + fold), -(-recorded // folds), tier, jobs))
-    training: dict[str, Any] = {"command": "python -m blastline.study.train", "seed": seed, "settings": SETTINGS}
-    training |= {"synthetic_films": synthetic, "synthetic_mixes": synthetic // 6, "minutes_each": MIX_S / 60.0}
-    training |= {"recorded_mixes": recorded if parts else 0}
-    if len(parts) > 1:
-        training["held_out"] = held_out(parts, made, seed)
-        _say(f"on sources left out: {training['held_out']}")
-    every = join([made, *parts])
-    gate, threshold = fit_gate(every, seed)
-    rows = passed(every, gate, threshold)
-    training |= {"candidates": int(every.labels.size), "positives": int(every.labels.sum()), "missed": every.missed}
-    training |= {"passed_by_gate": int(rows.labels.size), "positives_passed": int(rows.labels.sum())}
-    verdict = exported(fit(rows.features, rows.labels, seed, SETTINGS), feature_names())
-    return ModelFile(1, exported(gate, bandshape_names()), threshold, verdict, training)
+def train(every: Sequence[Course], work: Path, *, networks: int, seed: int, jobs: int) -> ModelFile:
+    """Return a verifier trained on the courses."""
+    with ProcessPoolExecutor(jobs) as pool:
+        kept = [each for course in every for each in _said(keep_lessons(work, course, pool), course.name)]
+        numbered = list(enumerate(kept))
+        learnt = joined(list(pool.map(_listen, [item for item in numbered if not item[1].tested], chunksize=4)))
+        _say(f"{learnt.shots.size} candidates to learn from, {int(learnt.shots.sum())} of them shots")
+        gate, screen = fit_sieves(learnt, seed)
+        left = sieved(learnt, gate, screen)
+        _say(f"{left.shots.size} of them pass gate and screen, {int(left.shots.sum())} of them shots")
+        examples = look(left, kept, pool)
+        judges = [_said(fit_network(examples, seed + number), f"network {number + 1}") for number in range(networks)]
+        training: dict[str, Any] = {
+            "command": "python -m blastline.study.train",
+            "seed": seed,
+            "minutes_each": MIX_S / 60.0,
+            "lessons": {course.name: course.count for course in every},
+            "candidates": int(learnt.shots.size),
+            "shots": int(learnt.shots.sum()),
+            "shots_without_candidate": learnt.missed,
+            "passed": int(left.shots.size),
+            "shots_passed": int(left.shots.sum()),
+            "gate": GATE_SETTINGS | {"loss": GATE_LOSS},
+            "screen": SCREEN_SETTINGS | {"loss": SCREEN_LOSS},
+            "networks": SETTINGS,
+        }
+        model = ModelFile(SCHEMA, gate, screen, judges, training)
+        scores = {}
+        for name in {each.course: None for each in kept if each.tested}:
+            tested = [item for item in numbered if item[1].tested and item[1].course == name]
+            scores[name] = score(model, joined(list(pool.map(_listen, tested, chunksize=4))), kept, pool)
+    _say(f"held out: {scores}")
+    return msgspec.structs.replace(model, training=training | {"held_out": scores})
 
 
 def main() -> None:
     """Run from the command line."""
     parser = argparse.ArgumentParser(prog="python -m blastline.study.train", description="Train the verifier.")
     parser.add_argument("--corpus", type=Path, action="append", default=[], help="a folder with annotations.csv")
-    parser.add_argument("--synthetic", type=int, default=240, help="synthetic films of a minute (default: %(default)s)")
+    parser.add_argument("--synthetic", type=int, default=600, help="synthetic films of a minute (default: %(default)s)")
     parser.add_argument("--recorded", type=int, default=240, help="mixes of recordings (default: %(default)s)")
+    parser.add_argument("--networks", type=int, default=3, help="how many networks (default: %(default)s)")
+    parser.add_argument("--hold-out", type=int, choices=range(FOLDS), help="test on this fold of the sources")
+    parser.add_argument("--work", type=Path, help="keep the lessons in this folder, and use what it has")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (default: %(default)s)")
-    parser.add_argument("--folds", type=int, default=4, help="folds that hold sources out (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("-o", "--output", type=Path, required=True)
     options = parser.parse_args()
-    model = train(
+    every = courses(
         options.corpus,
         synthetic=options.synthetic,
-        recorded=options.recorded,
-        folds=options.folds,
+        recorded=options.recorded if options.corpus else 0,
         seed=options.seed,
-        jobs=options.jobs,
+        hold_out=options.hold_out,
     )
+    with tempfile.TemporaryDirectory(prefix="blastline-") as made:
+        work = options.work or Path(made)
+        model = train(every, work, networks=options.networks, seed=options.seed, jobs=options.jobs)
     options.output.write_bytes(msgspec.json.encode(model) + b"\n")
 
 
-def _by_fold(recordings: Sequence[Recording], folds: int, seed: int) -> list[list[Recording]]:
+def by_fold(recordings: Sequence[Recording], folds: int, seed: int) -> list[list[Recording]]:
     """Return recordings in parts that share no source, each with sources of shots and of negatives; none for none."""
     armed = {r.source for r in recordings if r.gunshot}
     parts: list[list[Recording]] = [[] for _ in range(folds)]
@@ -267,8 +237,15 @@ def _by_fold(recordings: Sequence[Recording], folds: int, seed: int) -> list[lis
     return [part for part in parts if part]
 
 
+def _said(thing: _Thing, what: str) -> _Thing:
+    """Say that a thing is there, and return it."""
+    _say(what)
+    return thing
+
+
 def _say(message: str) -> None:
     sys.stderr.write(message + "\n")
+    sys.stderr.flush()
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 """Physical gunshots, film beds and scenes, with exact truth: for fixtures, demonstrations, training and studies."""
 
+from .apart import stands_out_db
 from .beds import BED_KINDS, BedKind, random_bed
 from .files import render_scene, synthesise, truth_of, write_scene
 from .film import film_scene
@@ -27,6 +28,7 @@ __all__ = [
     "random_negative",
     "random_shot",
     "render_scene",
+    "stands_out_db",
     "synthesise",
     "truth_of",
     "write_scene",

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from ..units import samples_from_s
-from .chance import generator
+from .apart import MARGIN_DB, told_apart
+from .chance import between, generator
 from .scene import NegativeItem, Scene, ShotItem
 from .voices import Voice, draw_voice
 
@@ -37,7 +38,7 @@ def cues(scene: Scene) -> Iterator[Cue]:
 
 
 def voice_of(scene: Scene, item: ShotItem, family: str) -> Voice:
-    """Return the weapon that a shot's item describes; what it leaves out is drawn."""
+    """Return the weapon that a shot's item describes; what it leaves out is drawn, and a burst's shots stay apart."""
     voice = draw_voice(
         generator(scene.seed, family),
         item.weapon,
@@ -45,11 +46,15 @@ def voice_of(scene: Scene, item: ShotItem, family: str) -> Voice:
         distance_m=item.distance_m,
         clean=item.recording == "clean",
     )
-    return replace(
+    voice = replace(
         voice,
         rise_ms=voice.rise_ms if item.rise_ms is None else item.rise_ms,
         positive_ms=voice.positive_ms if item.positive_ms is None else item.positive_ms,
     )
+    if item.burst is None:
+        return voice
+    rng = generator(scene.seed, "apart", family)
+    return told_apart(rng, voice, spacing_s=60.0 / item.burst.rpm, margin_db=between(rng, MARGIN_DB))
 
 
 def _shots(scene: Scene, item: ShotItem, burst: int) -> Iterator[Cue]:

@@ -8,7 +8,7 @@ changes nothing.
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import msgspec
 import numpy as np
@@ -26,6 +26,7 @@ from .scene import BedItem, NegativeItem, Scene, ShotItem
 from .shots import PEAK_WITHIN_S, fire
 from .tone import Samples, lowpass, peak, rms
 from .truth import NegativeTruth, ShotTruth, moved
+from .voices import Voice
 
 BACKGROUND_S = 0.2
 EARLIEST_S = 1.0
@@ -67,6 +68,7 @@ class SceneAudio:
         self.cues = tuple(sorted(cues(scene), key=lambda cue: (cue.onset, cue.name)))
         self._onsets = np.array([cue.onset for cue in self.cues], dtype=np.int64)
         self._bed: Callable[[BedKind, int], BedLoop] = lru_cache(maxsize=4)(self._make_bed)
+        self._voice: Callable[[ShotItem, str], Voice] = lru_cache(maxsize=8)(partial(voice_of, scene))
         self._sound: Callable[[int], Sound] = lru_cache(maxsize=96)(self._make_sound)
 
     def read(self, start: int, stop: int, *, without: str | None = None) -> Samples:
@@ -157,7 +159,7 @@ class SceneAudio:
         rng = generator(self.scene.seed, cue.name)
         gains = sound_gains(generator(self.scene.seed, "pan", cue.family), self.scene.layout)
         if isinstance(item, ShotItem):
-            samples, truth = fire(rng, self.rate_hz, voice_of(self.scene, item, cue.family))
+            samples, truth = fire(rng, self.rate_hz, self._voice(item, cue.family))
             lead = truth.onset_sample
             placed: ShotTruth | None = moved(truth, cue.onset - lead, rate_hz=self.rate_hz)
         else:
@@ -178,7 +180,8 @@ class SceneAudio:
                 if isinstance(self.cues[index].item, NegativeItem):
                     _add(under, self._sound(index), span.start, rate_hz=self.rate_hz)
         level = rms(mains(limited(under, self.scene.master)))
-        return max(level, gain_from_db(QUIETEST_DBFS)) * gain_from_db(item.snr_db)
+        hottest = gain_from_db(self.scene.master.ceiling_dbfs + self.scene.master.drive_db)
+        return min(max(level, gain_from_db(QUIETEST_DBFS)) * gain_from_db(item.snr_db), hottest)
 
 
 def _add(total: Samples, sound: Sound, start: int, *, rate_hz: int) -> None:

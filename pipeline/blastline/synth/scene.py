@@ -96,10 +96,15 @@ class RandomItems(Item, frozen=True, kw_only=True):
 
 
 class Master(Item, frozen=True, kw_only=True):
-    """The last link: a limiter without memory that bends above `knee_db` under its ceiling, and the file's bits."""
+    """The last link: a limiter without memory that bends above `knee_db` under its ceiling, and the file's bits.
+
+    A sound whose `snr_db` asks for a peak more than `drive_db` over the ceiling is turned down to that, as a mixer
+    would: what goes further only distorts.
+    """
 
     ceiling_dbfs: Annotated[float, Meta(ge=-40.0, le=0.0)] = -1.0
     knee_db: Annotated[float, Meta(gt=0.0, le=40.0)] = 4.0
+    drive_db: Annotated[float, Meta(ge=0.0, le=80.0)] = 3.0
     bits: Literal[16, 24] = 16
     dither: bool = True
 

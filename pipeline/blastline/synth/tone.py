@@ -73,7 +73,7 @@ def compress(samples: Samples, *, threshold: float, ratio: float, release_ms: fl
     return np.asarray(samples * np.exp(over * (1.0 / ratio - 1.0)), dtype=np.float64)
 
 
-def peak(samples: Samples) -> float:
+def peak(samples: NDArray[np.floating]) -> float:
     """Return the largest magnitude; 0 for nothing."""
     return float(np.max(np.abs(samples), initial=0.0))
 

@@ -1,0 +1,128 @@
+"""What the checks of every shot share: both films, the rules, and the actuator as it acts on them."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import dsp
+from ..model import Background, Phase
+from ..ruleset import ActuatorProfile, AlignRules
+from ..units import samples_from_ms
+from .sounds import Sound
+
+Samples = NDArray[np.float64]
+
+_SETTLE_S = (0.25, 1.0)
+"""Filters run at least and at most this long before what is compared; between, five of their slowest time constants."""
+
+_FADED = 1e-3
+"""H has forgotten what is left with this share."""
+
+_LOWEST_HZ = 1.0
+"""Where the search for the greatest response begins."""
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Films, rules, and the actuator's filters at the soundtrack's rate.
+
+    `compensated` makes of a sound the drive that is felt like it where nothing limits it. `step` is 1 / max |H|^2: so
+    long a step down the slope of |H u - t|^2 / 2 never overshoots. `settle` is how many samples the filters run before
+    what is compared, `memory` how many H remembers.
+    """
+
+    audio: Sound
+    drive: Sound
+    rules: AlignRules
+    phase: Phase
+    background: Background
+    felt: Samples
+    band: Samples
+    band_gains: Callable[[int], Samples]
+    compensated: Callable[[Samples], Samples]
+    step: float
+    settle: int
+    memory: int
+
+    @property
+    def rate_hz(self) -> int:
+        """Return the rate at which everything is compared, the soundtrack's."""
+        return self.audio.rate_hz
+
+    def samples(self, duration_ms: float) -> int:
+        """Return a duration in samples."""
+        return samples_from_ms(duration_ms, self.rate_hz)
+
+    def shown_to_actuator(self, samples: Samples) -> Samples:
+        """Return samples through H backwards in time: what of them a drive, sample for sample, can do about."""
+        return dsp.run_filter(self.felt, samples[::-1])[::-1]
+
+
+def compare(
+    audio: Sound,
+    drive: Sound,
+    *,
+    profile: ActuatorProfile,
+    rules: AlignRules,
+    phase: Phase,
+    background: Background,
+) -> Comparison:
+    """Return what the checks of every shot share."""
+    rate_hz = audio.rate_hz
+    response, compensator = dsp.felt_response(profile), dsp.compensator(profile)
+    frequencies_hz = np.geomspace(_LOWEST_HZ, rate_hz / 2.0, 2048)
+    shortest_s, longest_s = _SETTLE_S
+    settle_s = max(shortest_s, 5.0 * _slowest_s(np.concatenate([response.poles, compensator.poles]), longest_s / 5.0))
+    return Comparison(
+        audio,
+        drive,
+        rules,
+        phase,
+        background,
+        felt=dsp.digital(response, rate_hz),
+        band=dsp.digital(dsp.band(profile), rate_hz),
+        band_gains=_band_gains(profile, rate_hz, phase),
+        compensated=_compensation(profile, rate_hz, phase),
+        step=1.0 / float(np.max(np.abs(response.at(frequencies_hz)) ** 2)),
+        settle=round(settle_s * rate_hz),
+        memory=round(-math.log(_FADED) * _slowest_s(response.poles, shortest_s) * rate_hz),
+    )
+
+
+def _band_gains(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Callable[[int], Samples]:
+    """Return what gives the magnitude of the band's response for a transform of so many samples."""
+    band, half = dsp.band(profile), dsp.half_band(profile)
+
+    @lru_cache(maxsize=64)
+    def gains(size: int) -> Samples:
+        frequencies_hz = np.asarray(np.fft.rfftfreq(size, 1.0 / rate_hz), dtype=np.float64)
+        return np.abs(half.at(frequencies_hz)) ** 2 if phase == "zero" else np.abs(band.at(frequencies_hz))
+
+    return gains
+
+
+def _compensation(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Callable[[Samples], Samples]:
+    """Return what makes a drive of a sound: designed at its first use, for a direct drive does without."""
+
+    @lru_cache(maxsize=1)
+    def sections() -> tuple[Samples, Samples | None]:
+        if phase == "causal":
+            return dsp.digital(dsp.compensator(profile), rate_hz), None
+        half = dsp.half_band(profile)
+        return dsp.digital(dsp.inverse(profile) * half, rate_hz), dsp.digital(half, rate_hz)
+
+    def compensated(samples: Samples) -> Samples:
+        forwards, backwards = sections()
+        drive = dsp.run_filter(forwards, samples)
+        return drive if backwards is None else dsp.run_filter(backwards, drive[::-1])[::-1]
+
+    return compensated
+
+
+def _slowest_s(poles_rad_s: NDArray[np.complex128], most_s: float) -> float:
+    """Return the longest time constant of some poles, at most so much."""
+    return 1.0 / max(float(np.min(-poles_rad_s.real)), 1.0 / most_s)

@@ -1,0 +1,126 @@
+"""The drive that is due around an onset, sample for sample.
+
+An actuator at its limit is not felt in the shape of the sound, so that no two places on them can be told to be the
+same. But what its drive has to do is known:
+
+    until a window's first shot    the background fades out; a drive without a solver fades in over it
+    direct, filter                 the sound, the compensator's output
+    constrained                    what a step down the slope of |H u - t| within the limit leads to: from the best
+                                   drive it leads nowhere, however far H u stays from t
+
+H remembers a few milliseconds, so that the last tells of each moment by itself.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import dsp
+from .comparison import Comparison, Samples
+from .hearing import Felt, Heard
+
+ATTACK_MS = 12.0
+"""The longest blast of the segmentation: the attack's peak lies within."""
+
+MISSING = 0.5
+"""A drive does what is due where no more than this share of it is missing: 0.2 in right ones, 1 at rest."""
+
+_LONG = 16.0
+"""A step so many times the safe one makes up at once for what is missing where |H| is a quarter of its most."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """What is intended and what is felt, both through H backwards: as much of them as a drive can do about."""
+
+    intended: Samples
+    felt: Samples
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """The drive that is due in the open window, from the shot's lead on, if it was rendered at a level."""
+
+    level: float
+    due: Samples
+
+
+def show(shared: Comparison, heard: Heard, felt: Felt) -> Shown:
+    """Return what a drive can do about: not what the opening of its window leaves ringing, which no drive makes up."""
+    wet = _unsolved(heard, 1.0 if heard.solved else _level_of_wet(shared, heard, felt))
+    left = _opening(heard, wet) - wet
+    vibration = felt.vibration - dsp.run_filter(shared.felt, left) if left.any() else felt.vibration
+    return Shown(shared.shown_to_actuator(heard.intended), shared.shown_to_actuator(vibration))
+
+
+def readings(shared: Comparison, heard: Heard, felt: Felt, shown: Shown) -> tuple[Reading, ...]:
+    """Return what may be due, each reading of it borne out by the drive after the attack; none where nothing is.
+
+    A solved drive may have been rendered at the level of the sound or at the one that is measured, H'H u against H't
+    where the drive is free of its limit. The latter tells little where little is free.
+    """
+    if not heard.solved:
+        level = _level_of_wet(shared, heard, felt)
+        return (Reading(level, _unsolved(heard, level)),)
+    rest = _rest(shared, heard)
+    free = np.flatnonzero(felt.free[rest]) + rest.start
+    limit, found = shared.rules.peak, []
+    for level in (1.0, _level(shown.intended[free], shown.felt[free])):
+        slope = level * shown.intended - shown.felt
+        due = np.clip(felt.drive + _LONG * shared.step * slope, -limit, limit)
+        if _energy((due - felt.drive)[rest]) <= MISSING**2 * _energy(due[rest]):
+            found.append(Reading(level, due))
+    return tuple(found)
+
+
+def due_before_window(heard: Heard, reading: Reading | None) -> Samples:
+    """Return the drive that is due up to the first shot of a window; where it is solved, at no level."""
+    return _opening(heard, np.zeros(len(heard.span)) if heard.solved or reading is None else reading.due)
+
+
+def due_before_next(shared: Comparison, heard: Heard, felt: Felt, reading: Reading, *, stop: int) -> Samples:
+    """Return the drive that is due up to sample `stop` of a span, where that of a further shot of the window begins.
+
+    A solver does not know what comes: it expects its drive to ring on as the compensator's would.
+    """
+    if not heard.solved or heard.wet is None:
+        return reading.due
+    limit, early = shared.rules.peak, np.arange(len(heard.span)) < stop
+    drive, first_guess = np.where(early, felt.drive, 0.0), np.where(early, reading.level * heard.wet, 0.0)
+    rings = dsp.run_filter(shared.felt, np.clip(first_guess, -limit, limit))
+    wanted = np.where(early, reading.level * heard.intended, rings)
+    vibration = felt.vibration - dsp.run_filter(shared.felt, felt.drive - drive)
+    return np.clip(drive + shared.step * shared.shown_to_actuator(wanted - vibration), -limit, limit)
+
+
+def _unsolved(heard: Heard, level: float) -> Samples:
+    """Return the drive of an open window without a solver; rest, where there is one."""
+    return np.zeros(len(heard.span)) if heard.solved or heard.wet is None else level * heard.wet
+
+
+def _opening(heard: Heard, wet: Samples) -> Samples:
+    return dsp.cross_fade(heard.background, wet, heard.weights)
+
+
+def _rest(shared: Comparison, heard: Heard) -> slice:
+    """Return the part of a shot after its attack, up to where the next begins to be asked for; none of a short."""
+    start = min(heard.core.stop, heard.core.start + shared.samples(ATTACK_MS))
+    return slice(start, max(start, heard.core.stop - shared.memory))
+
+
+def _level_of_wet(shared: Comparison, heard: Heard, felt: Felt) -> float:
+    if heard.wet is None:
+        return 1.0
+    rest = _rest(shared, heard)
+    where = rest if rest.stop > rest.start else heard.core
+    return _level(heard.wet[where], felt.drive[where])
+
+
+def _level(intended: Samples, given: Samples) -> float:
+    """Return the factor that brings a signal nearest to another; 1 where there is nothing of it."""
+    own = _energy(intended)
+    return float(np.sum(intended * given)) / own if own > 0.0 else 1.0
+
+
+def _energy(samples: Samples) -> float:
+    return float(np.sum(samples**2))

@@ -1,0 +1,112 @@
+"""A small convolutional network over a candidate's pictures and features, evaluated in numpy.
+
+    near picture --conv--conv--conv--conv--+
+    wide picture --conv--conv--conv--conv--+--dense--dense--dense--> log-odds of a shot
+    features ------------------------------+
+
+Trained offline (`study.train`); what normalises while training is folded into the weights.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import msgspec
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from .picture import Pictures
+
+Values = NDArray[np.float32]
+
+KERNEL = 3
+PICTURE_SCALE_DB = 15.0
+"""A picture's levels enter as level / 15 dB + 1: within about one around zero."""
+
+FEATURE_LIMIT = 4.0
+"""Features enter as deviations in spreads, no further out than this."""
+
+
+class LayerFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A layer's weights, row after row, and biases; `stride` 0 for a dense layer, else of a 3 x 3 convolution.
+
+    A dense layer's weights are (inputs, outputs), a convolution's (input channels * 9, outputs).
+    """
+
+    stride: int
+    weights: list[list[float]]
+    biases: list[float]
+
+
+class NetworkFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The layers of a network in order, and the mean and spread of each feature."""
+
+    means: list[float]
+    spreads: list[float]
+    near: list[LayerFile]
+    wide: list[LayerFile]
+    head: list[LayerFile]
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """A layer as arrays."""
+
+    stride: int
+    weights: Values
+    biases: Values
+
+
+@dataclass(frozen=True, eq=False)
+class Network:
+    """A network as arrays."""
+
+    means: NDArray[np.float64]
+    spreads: NDArray[np.float64]
+    near: tuple[Layer, ...]
+    wide: tuple[Layer, ...]
+    head: tuple[Layer, ...]
+
+
+def wired(file: NetworkFile) -> Network:
+    """Return the network that a file describes."""
+    return Network(
+        np.array(file.means), np.array(file.spreads), *(_layers(part) for part in (file.near, file.wide, file.head))
+    )
+
+
+def log_odds(network: Network, rows: NDArray[np.float64], shown: Pictures) -> NDArray[np.float64]:
+    """Return the logarithm of the odds that each candidate is a shot, shape (n,)."""
+    if not rows.shape[0]:
+        return np.zeros(0)
+    parts = [
+        _convolved(picture / np.float32(PICTURE_SCALE_DB) + np.float32(1.0), layers)
+        for picture, layers in ((shown.near, network.near), (shown.wide, network.wide))
+    ]
+    known = np.clip((rows - network.means) / network.spreads, -FEATURE_LIMIT, FEATURE_LIMIT).astype(np.float32)
+    values = np.concatenate([*parts, known], axis=1)
+    for layer in network.head[:-1]:
+        values = np.maximum(values @ layer.weights + layer.biases, 0.0)
+    last = network.head[-1]
+    return np.asarray((values @ last.weights + last.biases)[:, 0], np.float64)
+
+
+def _layers(files: Sequence[LayerFile]) -> tuple[Layer, ...]:
+    return tuple(Layer(f.stride, np.array(f.weights, np.float32), np.array(f.biases, np.float32)) for f in files)
+
+
+def _convolved(pictures: Values, layers: Sequence[Layer]) -> Values:
+    """Return pictures (n, frames, bands) after the layers, laid flat: (n, frames * bands * channels)."""
+    values = pictures[..., None]
+    for layer in layers:
+        values = np.maximum(_convolve(values, layer), 0.0)
+    return values.reshape(values.shape[0], -1)
+
+
+def _convolve(values: Values, layer: Layer) -> Values:
+    """Return a 3 x 3 convolution of (n, frames, bands, channels) over zeros at the edges, every `stride` places."""
+    padded = np.pad(values, ((0, 0), (1, 1), (1, 1), (0, 0)))
+    windows = sliding_window_view(padded, (KERNEL, KERNEL), axis=(1, 2))[:, :: layer.stride, :: layer.stride]
+    count, frames, bands = windows.shape[:3]
+    flat = windows.reshape(count * frames * bands, -1)
+    return np.asarray(flat @ layer.weights + layer.biases, np.float32).reshape(count, frames, bands, -1)

@@ -1,0 +1,99 @@
+"""A candidate as two pictures: how its spectrum goes on, near in milliseconds and wide over half a second.
+
+              onset
+    near  ....|..................     24 frames 1 ms apart, of 4 ms each, 20 bands, from 6 ms before to 17 ms after
+    wide  ........|.............      64 frames 8 ms apart, of 20 ms each, 32 bands, from 160 ms before to 344 after
+
+Levels are in dB against the candidate's own attack, so that a film's gain changes nothing.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..units import samples_from_ms
+from .gather import gather
+
+FLOOR = 1e-11
+"""Power of a sine of -110 dBFS: beneath the rounding of 16 bits."""
+
+LOWEST_DB, HIGHEST_DB = -60.0, 30.0
+_AT_ONCE = 8  # candidates whose frames are worked on together: they fit in the cache
+
+
+@dataclass(frozen=True)
+class Raster:
+    """How a picture is taken: frames and bands, the first frame's start against the onset, all in ms and Hz."""
+
+    frames: int
+    bands: int
+    start_ms: float
+    hop_ms: float
+    window_ms: float
+    low_hz: float
+    high_hz: float
+
+
+NEAR = Raster(frames=24, bands=20, start_ms=-7.0, hop_ms=1.0, window_ms=4.0, low_hz=150.0, high_hz=18_000.0)
+WIDE = Raster(frames=64, bands=32, start_ms=-165.0, hop_ms=8.0, window_ms=20.0, low_hz=40.0, high_hz=17_000.0)
+
+ATTACK = slice(6, 12)
+"""The near frames that hear the attack."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pictures:
+    """The pictures of n candidates: `near` (n, frames, bands) and `wide`, in dB against the attack, float32."""
+
+    near: NDArray[np.float32]
+    wide: NDArray[np.float32]
+
+
+def pictures(samples: NDArray[np.float32], onsets: NDArray[np.intp], rate_hz: int) -> Pictures:
+    """Return the pictures of candidates whose onsets are indices into `samples`; beyond its ends is silence."""
+    near, wide = _levels(samples, onsets, NEAR, rate_hz), _levels(samples, onsets, WIDE, rate_hz)
+    attack = near[:, ATTACK].mean(axis=2).max(axis=1, initial=-np.inf)[:, None, None]
+    return Pictures(np.clip(near - attack, LOWEST_DB, HIGHEST_DB), np.clip(wide - attack, LOWEST_DB, HIGHEST_DB))
+
+
+def _levels(
+    samples: NDArray[np.float32], onsets: NDArray[np.intp], raster: Raster, rate_hz: int
+) -> NDArray[np.float32]:
+    """Return the mean power of each band in each frame, in dB, shape (n, frames, bands)."""
+    from scipy.fft import rfft
+
+    window, bands = _kernels(raster, rate_hz)
+    size = 2 * (bands.shape[0] - 1)
+    starts = [samples_from_ms(raster.start_ms + raster.hop_ms * frame, rate_hz) for frame in range(raster.frames)]
+    levels = np.empty((onsets.size, raster.frames, raster.bands), np.float32)
+    for first in range(0, onsets.size, _AT_ONCE):
+        some = onsets[first : first + _AT_ONCE]
+        frames = gather(samples, (some[:, None] + np.array(starts)).ravel(), window.size) * window
+        spectra = rfft(frames, size, axis=1)
+        power = np.square(spectra.real) + np.square(spectra.imag)
+        levels[first : first + _AT_ONCE] = (power @ bands).reshape(some.size, raster.frames, raster.bands)
+    return np.asarray(10.0 * np.log10(levels + np.float32(FLOOR)), np.float32)
+
+
+@cache
+def _kernels(raster: Raster, rate_hz: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return the window, and the bands' triangular weights on the bins, scaled so that a full-scale sine has power 1.
+
+    Bands above what the rate can hold are silent.
+    """
+    count = samples_from_ms(raster.window_ms, rate_hz)
+    size = 1 << (count - 1).bit_length()
+    window = np.hanning(count + 2)[1:-1]
+    hz = np.arange(size // 2 + 1) * rate_hz / size
+    edges = np.geomspace(raster.low_hz, raster.high_hz, raster.bands + 2)
+    rising = (hz[:, None] - edges[:-2]) / (edges[1:-1] - edges[:-2])
+    falling = (edges[2:] - hz[:, None]) / (edges[2:] - edges[1:-1])
+    weights = np.maximum(0.0, np.minimum(rising, falling))
+    nearest = np.abs(hz[:, None] - edges[1:-1]).argmin(axis=0)
+    between = weights.sum(axis=0) <= 0.0  # a band narrower than the bins takes the nearest one
+    weights[nearest[between], np.flatnonzero(between)] = 1.0
+    weights /= weights.sum(axis=0)
+    weights[:, edges[1:-1] > 0.48 * rate_hz] = 0.0
+    return (window * (2.0 / window.sum())).astype(np.float32), weights.astype(np.float32)

@@ -1,0 +1,184 @@
+"""The networks that judge candidates: trained with PyTorch, exported for `detect.network`.
+
+Every convolution and the first dense layer are batch-normalised while training; the export folds that into the weights.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from ..detect.network import FEATURE_LIMIT, KERNEL, PICTURE_SCALE_DB, LayerFile, NetworkFile
+from ..detect.picture import NEAR, WIDE, Pictures, Raster
+
+# output channels and stride of each convolution
+NEAR_LAYERS = ((16, 1), (24, 2), (48, 2), (48, 2))
+WIDE_LAYERS = ((16, 2), (32, 2), (48, 2), (64, 2))
+HIDDEN = 96
+SETTINGS: dict[str, Any] = {
+    "epochs": 10,
+    "batch": 256,
+    "learning_rate": 2e-3,
+    "weight_decay": 1e-2,
+    "dropout": 0.3,
+    "tilt": 0.4,
+    "picture_noise": 0.1,
+    "feature_noise": 0.05,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Examples:
+    """What networks learn from: pictures (half precision, to save memory), features and whether a shot."""
+
+    near: NDArray[np.float16]
+    wide: NDArray[np.float16]
+    rows: NDArray[np.float32]
+    shots: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Judge:
+    """The network while it is trained: the layers over each picture, and those over what comes out of them."""
+
+    near: nn.Sequential
+    wide: nn.Sequential
+    head: nn.Sequential
+
+    def odds(self, near: Tensor, wide: Tensor, rows: Tensor) -> Tensor:
+        """Return the log-odds of a shot, shape (n,), of scaled pictures and of features in their spreads."""
+        seen = [part(picture[:, None]) for part, picture in ((self.near, near), (self.wide, wide))]
+        flat = [values.permute(0, 2, 3, 1).flatten(1) for values in seen]
+        return self.head(torch.cat([*flat, rows], dim=1))[:, 0]
+
+    def parts(self) -> nn.ModuleList:
+        """Return everything that is trained."""
+        return nn.ModuleList([self.near, self.wide, self.head])
+
+
+def new_judge(features: int, dropout: float) -> Judge:
+    """Return a network with random weights."""
+    near, near_values = _convolutions(NEAR, NEAR_LAYERS)
+    wide, wide_values = _convolutions(WIDE, WIDE_LAYERS)
+    head = nn.Sequential(
+        nn.Dropout(dropout),
+        nn.Linear(near_values + wide_values + features, HIDDEN),
+        nn.BatchNorm1d(HIDDEN),
+        nn.ReLU(),
+        nn.Dropout(dropout),
+        nn.Linear(HIDDEN, HIDDEN),
+        nn.ReLU(),
+        nn.Dropout(dropout),
+        nn.Linear(HIDDEN, 1),
+    )
+    return Judge(near, wide, head)
+
+
+def fit_network(examples: Examples, seed: int, settings: dict[str, Any] = SETTINGS) -> NetworkFile:
+    """Return a network trained on the examples; the same seed on the same machine gives the same network."""
+    torch.manual_seed(seed)
+    means = examples.rows.mean(axis=0, dtype=np.float64)
+    spreads = examples.rows.std(axis=0, dtype=np.float64) + 1e-6
+    limited = np.clip((examples.rows - means) / spreads, -FEATURE_LIMIT, FEATURE_LIMIT).astype(np.float32)
+    rows, truth = torch.from_numpy(limited), torch.from_numpy(examples.shots.astype(np.float32))
+    near, wide = torch.from_numpy(examples.near), torch.from_numpy(examples.wide)
+    judge = new_judge(rows.shape[1], settings["dropout"])
+    batches = max(1, truth.shape[0] // settings["batch"])
+    optimiser = torch.optim.AdamW(
+        judge.parts().parameters(), lr=settings["learning_rate"], weight_decay=settings["weight_decay"]
+    )
+    pace = torch.optim.lr_scheduler.OneCycleLR(
+        optimiser, settings["learning_rate"], total_steps=settings["epochs"] * batches
+    )
+    judge.parts().train()
+    for _ in range(settings["epochs"]):
+        for some in torch.randperm(truth.shape[0])[: batches * settings["batch"]].chunk(batches):
+            odds = judge.odds(
+                _coloured(near[some], settings),
+                _coloured(wide[some], settings),
+                rows[some] + settings["feature_noise"] * torch.randn(len(some), rows.shape[1]),
+            )
+            loss = nn.functional.binary_cross_entropy_with_logits(odds, truth[some])
+            optimiser.zero_grad()
+            loss.backward()
+            optimiser.step()
+            pace.step()
+    judge.parts().eval()
+    return exported(judge, means, spreads)
+
+
+def exported(judge: Judge, means: NDArray[np.float64], spreads: NDArray[np.float64]) -> NetworkFile:
+    """Return a trained network as `detect.network` reads it, its numbers to five digits."""
+    dense = [layer for layer in judge.head if isinstance(layer, nn.Linear)]
+    norm = next(layer for layer in judge.head if isinstance(layer, nn.BatchNorm1d))
+    head = [(dense[0].weight, dense[0].bias, norm), (dense[1].weight, dense[1].bias, None)]
+    head.append((dense[2].weight, dense[2].bias, None))
+    return NetworkFile(
+        means=_short(means),
+        spreads=_short(spreads),
+        near=_convolution_files(judge.near),
+        wide=_convolution_files(judge.wide),
+        head=[_layer(0, weight, bias, norm) for weight, bias, norm in head],
+    )
+
+
+def as_examples(shown: Pictures, rows: NDArray[np.float32], shots: NDArray[np.bool_]) -> Examples:
+    """Return the examples of some candidates."""
+    return Examples(shown.near.astype(np.float16), shown.wide.astype(np.float16), rows, shots)
+
+
+def _convolutions(raster: Raster, layers: tuple[tuple[int, int], ...]) -> tuple[nn.Sequential, int]:
+    """Return the convolutions over a picture, and how many values come out of them."""
+    parts: list[nn.Module] = []
+    channels, height, width = 1, raster.frames, raster.bands
+    for outputs, stride in layers:
+        parts += [
+            nn.Conv2d(channels, outputs, KERNEL, stride=stride, padding=1, bias=False),
+            nn.BatchNorm2d(outputs),
+            nn.ReLU(),
+        ]
+        channels, height, width = outputs, -(-height // stride), -(-width // stride)
+    return nn.Sequential(*parts), channels * height * width
+
+
+def _coloured(picture: Tensor, settings: dict[str, Any]) -> Tensor:
+    """Return pictures as the network takes them, half of them tilted as another microphone would, with some noise."""
+    levels = picture.float() / PICTURE_SCALE_DB + 1.0
+    count, _, bands = levels.shape
+    tilt = torch.linspace(-0.5, 0.5, bands) * torch.randn(count, 1, 1) * settings["tilt"]
+    tilted = tilt * (torch.rand(count, 1, 1) < 0.5)
+    return levels + tilted + settings["picture_noise"] * torch.randn_like(levels)
+
+
+def _convolution_files(part: nn.Sequential) -> list[LayerFile]:
+    layers = list(part)
+    return [
+        _layer(_stride(conv), conv.weight, None, norm)
+        for conv, norm in zip(layers[::3], layers[1::3], strict=True)
+        if isinstance(conv, nn.Conv2d) and isinstance(norm, nn.BatchNorm2d)
+    ]
+
+
+def _stride(conv: nn.Conv2d) -> int:
+    return int(conv.stride[0])
+
+
+def _layer(stride: int, weight: Tensor, bias: Tensor | None, norm: nn.BatchNorm1d | nn.BatchNorm2d | None) -> LayerFile:
+    """Return a layer with its normalisation folded in: y = g (w x + b - m) / s + c."""
+    weights = weight.detach().double().flatten(1)
+    biases = bias.detach().double() if bias is not None else torch.zeros(weights.shape[0], dtype=torch.float64)
+    if norm is not None:
+        assert norm.running_var is not None
+        assert norm.running_mean is not None
+        gain = norm.weight.detach().double() / torch.sqrt(norm.running_var.double() + norm.eps)
+        weights = weights * gain[:, None]
+        biases = (biases - norm.running_mean.double()) * gain + norm.bias.detach().double()
+    rows: list[NDArray[np.float64]] = list(weights.T.numpy())
+    return LayerFile(stride, [_short(row) for row in rows], _short(biases.numpy()))
+
+
+def _short(values: NDArray[np.float64]) -> list[float]:
+    return [float(f"{value:.5g}") for value in values.tolist()]

@@ -1,0 +1,66 @@
+"""Boosted trees that drop hopeless candidates: fitted with scikit-learn, exported for `detect.verify`."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..detect.verify import ForestFile, SieveFile, Tree
+
+_COMMON = {
+    "min_samples_leaf": 30,
+    "l2_regularization": 5.0,
+    "max_features": 0.3,
+    "early_stopping": False,
+}
+GATE_SETTINGS = _COMMON | {"max_iter": 40, "learning_rate": 0.2, "max_leaf_nodes": 10}
+SCREEN_SETTINGS = _COMMON | {"max_iter": 120, "learning_rate": 0.12, "max_leaf_nodes": 20}
+
+
+def fit_sieve(
+    rows: NDArray[np.float32],
+    shots: NDArray[np.bool_],
+    *,
+    names: tuple[str, ...],
+    loss: float,
+    settings: dict[str, Any],
+    seed: int,
+) -> SieveFile:
+    """Return trees and the probability below which no more than a share `loss` of the shots lies.
+
+    The threshold is taken from halves of the rows that the trees were not fitted to.
+    """
+    half = np.random.default_rng(seed).random(shots.size) < 0.5
+    of_shots: list[NDArray[np.float64]] = []
+    for part in (half, ~half):
+        classifier = fit(rows[part], shots[part], settings, seed)
+        of_shots.append(classifier.predict_proba(rows[~part & shots])[:, 1])
+    threshold = float(np.quantile(np.concatenate(of_shots), loss))
+    return SieveFile(threshold, exported(fit(rows, shots, settings, seed), names))
+
+
+def fit(rows: NDArray[np.float32], shots: NDArray[np.bool_], settings: dict[str, Any], seed: int) -> Any:
+    """Return histogram gradient boosting fitted to the rows."""
+    from sklearn.ensemble import HistGradientBoostingClassifier
+
+    return HistGradientBoostingClassifier(random_state=seed, **settings).fit(rows, shots)
+
+
+def exported(classifier: Any, features: tuple[str, ...]) -> ForestFile:
+    """Return a fitted classifier as `detect.verify` reads it."""
+    trees: list[Tree] = []
+    for (predictor,) in classifier._predictors:
+        nodes = predictor.nodes
+        leaf = nodes["is_leaf"].astype(bool)
+        trees.append(
+            Tree(
+                feature=np.where(leaf, -1, nodes["feature_idx"]).tolist(),
+                threshold=[
+                    0.0 if end else value for end, value in zip(leaf, nodes["num_threshold"].tolist(), strict=True)
+                ],
+                left=np.where(leaf, 0, nodes["left"]).tolist(),
+                right=np.where(leaf, 0, nodes["right"]).tolist(),
+                value=np.where(leaf, nodes["value"], 0.0).tolist(),
+            )
+        )
+    return ForestFile(features, float(classifier._baseline_prediction.ravel()[0]), trees)

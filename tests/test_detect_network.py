@@ -1,0 +1,180 @@
+"""Pictures and the networks that judge them: against independent transforms, and against PyTorch where it is there."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from blastline.detect.network import (
+    FEATURE_LIMIT,
+    PICTURE_SCALE_DB,
+    Layer,
+    LayerFile,
+    Network,
+    NetworkFile,
+    log_odds,
+    wired,
+)
+from blastline.detect.picture import ATTACK, HIGHEST_DB, LOWEST_DB, NEAR, WIDE, Pictures, pictures
+
+RATE_HZ = 48_000
+
+
+def bang(rate_hz: int, at_s: float = 1.0, seconds: float = 2.0) -> NDArray[np.float32]:
+    """Return a decaying burst of tones from 100 Hz to 7 kHz over faint ones: the same sound at every rate."""
+    time = np.arange(round(seconds * rate_hz)) / rate_hz - at_s
+    rng = np.random.default_rng(5)
+    hz, phase = np.geomspace(100.0, 7_000.0, 60), rng.uniform(0.0, 6.28, 60)
+    tones = np.sin(2.0 * np.pi * hz[:, None] * time + phase[:, None]).sum(axis=0) / 60.0
+    return np.asarray(tones * (1e-3 + np.where(time >= 0.0, np.exp(-time / 0.05), 0.0)), np.float32)
+
+
+def test_gain_changes_no_picture_and_a_delay_moves_it() -> None:
+    noise = 1e-3 * np.random.default_rng(6).standard_normal(2 * RATE_HZ)
+    samples, onset = (bang(RATE_HZ) + noise).astype(np.float32), np.array([RATE_HZ])
+    plain = pictures(samples, onset, RATE_HZ)
+    for gain in (-1.0, 4.0, 0.5):
+        louder = pictures(np.asarray(gain * samples, np.float32), onset, RATE_HZ)
+        np.testing.assert_allclose(louder.near, plain.near, atol=0.1)
+        np.testing.assert_allclose(louder.wide, plain.wide, atol=0.1)
+    later = pictures(np.concatenate([np.zeros(1_234, np.float32), samples]), onset + 1_234, RATE_HZ)
+    assert np.array_equal(later.near, plain.near)
+    assert np.array_equal(later.wide, plain.wide)
+
+
+def test_a_frame_is_the_power_of_its_bands_against_the_attack() -> None:
+    samples, onset = bang(RATE_HZ).astype(np.float64), RATE_HZ
+    shown = pictures(samples.astype(np.float32), np.array([onset]), RATE_HZ)
+    edges = np.geomspace(NEAR.low_hz, NEAR.high_hz, NEAR.bands + 2)
+
+    def level_db(frame: int, band: int) -> float:
+        start = onset + round((NEAR.start_ms + frame * NEAR.hop_ms) * 48)
+        part = samples[start : start + 192] * np.hanning(194)[1:-1]
+        hz = np.arange(129) * RATE_HZ / 256
+        power = np.abs(np.exp(-2j * np.pi * hz[:, None] * np.arange(192) / RATE_HZ) @ part) ** 2
+        weights = np.interp(hz, edges[band : band + 3], [0.0, 1.0, 0.0], left=0.0, right=0.0)
+        return float(10.0 * np.log10(weights @ power / weights.sum()))
+
+    expected = level_db(15, 14) - level_db(9, 12)
+    assert shown.near[0, 15, 14] - shown.near[0, 9, 12] == pytest.approx(expected, abs=0.01)
+    assert 0.0 <= shown.near[0, ATTACK].mean(axis=1).max() + 1e-4 < 0.2  # what was clipped lifts the mean
+
+
+@pytest.mark.parametrize("rate_hz", [44_100, 96_000, 22_050])
+def test_another_rate_gives_nearly_the_same_picture(rate_hz: int) -> None:
+    here = pictures(bang(RATE_HZ), np.array([RATE_HZ]), RATE_HZ)
+    there = pictures(bang(rate_hz), np.array([rate_hz]), rate_hz)
+    edges = np.geomspace(WIDE.low_hz, WIDE.high_hz, WIDE.bands + 2)
+    audible = (edges[1:-1] > 300.0) & (edges[1:-1] < 5_000.0)
+    attack = slice(21, 40)
+    level = [each.wide[0, attack][:, audible] - each.wide[0, attack][:, audible].max() for each in (here, there)]
+    assert np.median(np.abs(level[0] - level[1])) < 1.0
+
+
+def test_silence_and_the_ends_of_a_film_are_numbers() -> None:
+    for samples in (np.zeros(100, np.float32), bang(RATE_HZ)[RATE_HZ : RATE_HZ + 50]):
+        shown = pictures(samples, np.array([0, 10, samples.size - 1]), RATE_HZ)
+        for picture, raster in ((shown.near, NEAR), (shown.wide, WIDE)):
+            assert picture.shape == (3, raster.frames, raster.bands)
+            assert LOWEST_DB <= picture.min() <= picture.max() <= HIGHEST_DB
+    nothing = pictures(np.zeros(10, np.float32), np.zeros(0, np.intp), RATE_HZ)
+    assert nothing.near.shape == (0, NEAR.frames, NEAR.bands)
+
+
+def random_network(rng: np.random.Generator, features: int) -> Network:
+    def convolutions(strides: tuple[int, ...]) -> tuple[Layer, ...]:
+        channels = (1, 3, 4)
+        return tuple(
+            Layer(
+                stride,
+                rng.standard_normal((9 * channels[n], channels[n + 1])).astype(np.float32),
+                rng.standard_normal(channels[n + 1]).astype(np.float32),
+            )
+            for n, stride in enumerate(strides)
+        )
+
+    values = 4 * (6 * 5 + 16 * 8) + features
+    head = tuple(
+        Layer(0, rng.standard_normal(shape).astype(np.float32) / 10.0, rng.standard_normal(shape[1]).astype(np.float32))
+        for shape in ((values, 7), (7, 1))
+    )
+    means, spreads = rng.standard_normal(features), rng.uniform(0.5, 2.0, features)
+    return Network(means, spreads, convolutions((2, 2)), convolutions((2, 2)), head)
+
+
+def by_scipy(network: Network, rows: NDArray[np.float64], shown: Pictures) -> list[float]:
+    """Return the odds, worked out one candidate and one channel at a time."""
+    from scipy.signal import correlate2d
+
+    odds = []
+    for index in range(rows.shape[0]):
+        parts = []
+        for picture, layers in ((shown.near, network.near), (shown.wide, network.wide)):
+            maps = [picture[index].astype(np.float64) / PICTURE_SCALE_DB + 1.0]
+            for layer in layers:
+                kernels = layer.weights.astype(np.float64).reshape(len(maps), 3, 3, -1)
+                maps = [
+                    np.maximum(
+                        sum(correlate2d(m, kernels[c, :, :, out], "same") for c, m in enumerate(maps))[
+                            :: layer.stride, :: layer.stride
+                        ]
+                        + layer.biases[out],
+                        0.0,
+                    )
+                    for out in range(kernels.shape[3])
+                ]
+            parts.append(np.stack(maps, axis=-1).ravel())
+        known = np.clip((rows[index] - network.means) / network.spreads, -FEATURE_LIMIT, FEATURE_LIMIT)
+        values = np.concatenate([*parts, known])
+        for layer in network.head[:-1]:
+            values = np.maximum(values @ layer.weights + layer.biases, 0.0)
+        odds.append(float((values @ network.head[-1].weights + network.head[-1].biases)[0]))
+    return odds
+
+
+def some_pictures(rng: np.random.Generator, count: int) -> Pictures:
+    near = rng.uniform(LOWEST_DB, HIGHEST_DB, (count, NEAR.frames, NEAR.bands)).astype(np.float32)
+    return Pictures(near, rng.uniform(LOWEST_DB, HIGHEST_DB, (count, WIDE.frames, WIDE.bands)).astype(np.float32))
+
+
+def test_a_network_is_its_correlations_and_products() -> None:
+    rng = np.random.default_rng(8)
+    network, rows, shown = random_network(rng, 5), rng.standard_normal((4, 5)), some_pictures(rng, 4)
+    np.testing.assert_allclose(log_odds(network, rows, shown), by_scipy(network, rows, shown), rtol=2e-4, atol=2e-4)
+
+
+def test_candidates_are_judged_one_by_one() -> None:
+    rng = np.random.default_rng(9)
+    network, rows, shown = random_network(rng, 5), rng.standard_normal((6, 5)), some_pictures(rng, 6)
+    together = log_odds(network, rows, shown)
+    alone = [
+        log_odds(network, rows[n : n + 1], Pictures(shown.near[n : n + 1], shown.wide[n : n + 1]))[0] for n in range(6)
+    ]
+    np.testing.assert_allclose(together, alone, rtol=1e-4, atol=1e-4)
+    assert log_odds(network, rows[:0], Pictures(shown.near[:0], shown.wide[:0])).shape == (0,)
+
+
+def test_the_runtime_judges_as_pytorch_does() -> None:
+    torch = pytest.importorskip("torch")
+    from blastline.study.networks import exported, new_judge
+
+    torch.manual_seed(1)
+    judge = new_judge(5, 0.3)
+    rng = np.random.default_rng(4)
+    shown, rows = some_pictures(rng, 32), rng.standard_normal((32, 5))
+    seen = [torch.from_numpy(each / PICTURE_SCALE_DB + 1.0) for each in (shown.near, shown.wide)]
+    known = torch.from_numpy(rows.astype(np.float32))
+    judge.parts().train()
+    for _ in range(3):  # so that the running means are not what they start from
+        judge.odds(seen[0], seen[1], known)
+    judge.parts().eval()
+    with torch.no_grad():
+        theirs = judge.odds(seen[0], seen[1], known).numpy()
+    ours = log_odds(wired(exported(judge, np.zeros(5), np.ones(5))), rows, shown)
+    np.testing.assert_allclose(ours, theirs, rtol=1e-3, atol=1e-3)
+
+
+def test_a_network_file_is_wired_as_written() -> None:
+    layer = LayerFile(0, [[1.0, 2.0], [3.0, 4.0]], [0.5, -0.5])
+    network = wired(NetworkFile([1.0], [2.0], [], [], [layer]))
+    assert network.head[0].weights.tolist() == [[1.0, 2.0], [3.0, 4.0]]
+    assert network.head[0].biases.tolist() == [0.5, -0.5]

@@ -1,0 +1,100 @@
+"""What the verifier learns from: lessons, their candidates and labels, and the sieves fitted to them."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from blastline.detect.verify import Sieve, grown
+from blastline.ruleset import load_rules
+from blastline.study.candidates import Candidates, best_f1, candidates, joined
+from blastline.study.lessons import RATE_HZ, synthetic_film, synthetic_mix, without_drowned
+from blastline.study.mixes import Mix
+from blastline.study.sieves import GATE_SETTINGS, fit_sieve
+
+TIER = load_rules("standard").tier
+
+
+def bangs(levels: list[float], seconds: float = 8.0) -> Mix:
+    """Return decaying bursts of noise, one a second from the first on, over noise of an rms of 0.001."""
+    rng = np.random.default_rng(2)
+    samples = 1e-3 * rng.standard_normal(round(seconds * RATE_HZ))
+    onsets = RATE_HZ * np.arange(1, len(levels) + 1)
+    fall = np.exp(-np.arange(RATE_HZ // 2) / (0.02 * RATE_HZ))
+    for onset, level in zip(onsets.tolist(), levels, strict=True):
+        samples[onset : onset + fall.size] += level * fall * rng.standard_normal(fall.size)
+    none = np.zeros(0, np.intp)
+    return Mix(samples.astype(np.float32), onsets.astype(np.intp), np.zeros(len(levels)), none)
+
+
+def test_a_drowned_shot_counts_neither_way() -> None:
+    film = bangs([0.3, 0.0002, 0.1])
+    sure = without_drowned(film, [[onset] for onset in film.onsets.tolist()])
+    assert sure.onsets.tolist() == [RATE_HZ, 3 * RATE_HZ]
+    assert sure.unsure.tolist() == [2 * RATE_HZ]
+    assert sure.level_db.size == 2
+    shown_early = without_drowned(film, [[onset, RATE_HZ] for onset in film.onsets.tolist()])
+    assert shown_early.onsets.size == 3
+
+
+def test_each_shot_has_one_candidate_and_what_is_near_it_is_left_out() -> None:
+    film = bangs([0.3, 0.2, 0.1, 0.3])
+    found = candidates(film, TIER, 7)
+    assert found.missed == 0
+    assert np.abs(found.onsets[found.shots] - film.onsets).max() <= 0.008 * RATE_HZ
+    others = found.onsets[~found.shots]
+    assert np.abs(others[:, None] - film.onsets).min(initial=RATE_HZ) > 0.02 * RATE_HZ
+    assert set(found.lesson.tolist()) == {7}
+
+
+def test_shots_that_no_candidate_meets_are_counted() -> None:
+    film = bangs([0.3, 0.2])
+    moved = Mix(film.samples, film.onsets + RATE_HZ // 3, film.level_db, film.unsure)
+    found = candidates(moved, TIER, 0)
+    assert int(found.shots.sum()) + found.missed == 2
+    assert found.missed == 2
+
+
+@pytest.mark.parametrize("lesson", [synthetic_film(5), synthetic_mix(5)])
+def test_a_lesson_is_always_the_same_and_its_shots_add_up(lesson: object) -> None:
+    assert callable(lesson)
+    film, again = lesson(3), lesson(3)
+    assert np.array_equal(film.samples, again.samples)
+    assert np.array_equal(film.onsets, again.onsets)
+    assert np.abs(film.samples).max() <= 1.0
+    found = candidates(film, TIER, 0)
+    assert int(found.shots.sum()) + found.missed == film.onsets.size
+    some = found.taken(np.arange(found.shots.size) % 2 == 0)
+    assert int(some.shots.sum()) + some.missed == film.onsets.size
+    both = joined([found, some])
+    assert both.rows.shape[0] == both.shots.size == found.shots.size + some.shots.size
+    assert both.missed == found.missed + some.missed
+
+
+def of(shots: NDArray[np.bool_], missed: int) -> Candidates:
+    count = np.arange(shots.size)
+    return Candidates(count, count, np.zeros((shots.size, 1), np.float32), shots, missed)
+
+
+def test_the_best_f1_is_that_of_the_best_threshold() -> None:
+    rng = np.random.default_rng(3)
+    shots = rng.random(400) < 0.2
+    score = rng.standard_normal(400) + 2.0 * shots
+    f1, threshold = best_f1(score, of(shots, 9))
+
+    def at(limit: float) -> float:
+        hits = int((shots & (score >= limit)).sum())
+        return 2.0 * hits / (int((score >= limit).sum()) + int(shots.sum()) + 9)
+
+    assert f1 == pytest.approx(max(at(limit) for limit in score))
+    assert f1 == pytest.approx(at(threshold))
+
+
+def test_a_sieve_loses_about_the_share_of_shots_it_may() -> None:
+    pytest.importorskip("sklearn")
+    rng = np.random.default_rng(4)
+    shots = rng.random(12_000) < 0.3
+    rows = (rng.standard_normal((12_000, 2)) + 1.5 * shots[:, None]).astype(np.float32)
+    file = fit_sieve(rows, shots, names=("a", "b"), loss=0.05, settings=GATE_SETTINGS, seed=1)
+    passed = Sieve(grown(file.forest), file.threshold).lets_pass(rows.astype(np.float64))
+    assert passed[shots].mean() == pytest.approx(0.95, abs=0.02)
+    assert passed[~shots].mean() < 0.5
