@@ -29,13 +29,13 @@ def bang(rate_hz: int, at_s: float = 1.0, seconds: float = 2.0) -> NDArray[np.fl
 
 
 def test_gain_changes_no_picture_and_a_delay_moves_it() -> None:
-    noise = 1e-3 * np.random.default_rng(6).standard_normal(2 * RATE_HZ)
+    noise = 4e-3 * np.random.default_rng(6).standard_normal(2 * RATE_HZ)
     samples, onset = (bang(RATE_HZ) + noise).astype(np.float32), np.array([RATE_HZ])
     plain = pictures(samples, onset, RATE_HZ)
     for gain in (-1.0, 4.0, 0.5):
         louder = pictures(np.asarray(gain * samples, np.float32), onset, RATE_HZ)
-        np.testing.assert_allclose(louder.near, plain.near, atol=0.1)
-        np.testing.assert_allclose(louder.wide, plain.wide, atol=0.1)
+        for one, two in ((louder.near, plain.near), (louder.wide, plain.wide)):  # down to where 16 bits end
+            np.testing.assert_allclose(np.maximum(one, -45.0), np.maximum(two, -45.0), atol=0.1)
     later = pictures(np.concatenate([np.zeros(1_234, np.float32), samples]), onset + 1_234, RATE_HZ)
     assert np.array_equal(later.near, plain.near)
     assert np.array_equal(later.wide, plain.wide)
@@ -111,10 +111,10 @@ def by_scipy(network: Network, rows: NDArray[np.float64], shown: Pictures) -> li
         for picture, layers in ((shown.near, network.near), (shown.wide, network.wide)):
             maps = [picture[index].astype(np.float64) / PICTURE_SCALE_DB + 1.0]
             for layer in layers:
-                kernels = layer.weights.astype(np.float64).reshape(len(maps), 3, 3, -1)
+                kernels = layer.weights.astype(np.float64).reshape(3, 3, len(maps), -1)
                 maps = [
                     np.maximum(
-                        sum(correlate2d(m, kernels[c, :, :, out], "same") for c, m in enumerate(maps))[
+                        sum(correlate2d(m, kernels[:, :, c, out], "same") for c, m in enumerate(maps))[
                             :: layer.stride, :: layer.stride
                         ]
                         + layer.biases[out],

@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain
 
 import numpy as np
@@ -161,7 +162,8 @@ def _surety(stretch: Stretch, found: Described, grid: Grid, verifier: Verifier) 
 
 
 def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier) -> tuple[list[Shot], list[Rejection]]:
-    found = described(stretch, grid, tier, gate=verifier.gate.lets_pass, screen=verifier.screen.lets_pass)
+    screen = partial(verifier.screen.lets_pass, at_least=tier.verify.look_from)
+    found = described(stretch, grid, tier, gate=verifier.gate.lets_pass, screen=screen)
     surety = _surety(stretch, found, grid, verifier)
     shots = [
         segment(

@@ -50,7 +50,7 @@ class NetworkFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """A layer as arrays."""
+    """A layer as arrays; a convolution's weights are (9 * input channels, outputs), so that windows copy in runs."""
 
     stride: int
     weights: Values
@@ -92,7 +92,14 @@ def log_odds(network: Network, rows: NDArray[np.float64], shown: Pictures) -> ND
 
 
 def _layers(files: Sequence[LayerFile]) -> tuple[Layer, ...]:
-    return tuple(Layer(f.stride, np.array(f.weights, np.float32), np.array(f.biases, np.float32)) for f in files)
+    layers = []
+    for file in files:
+        weights = np.array(file.weights, np.float32)
+        if file.stride:
+            places = KERNEL * KERNEL
+            weights = np.moveaxis(weights.reshape(-1, places, weights.shape[1]), 0, 1).reshape(weights.shape)
+        layers.append(Layer(file.stride, weights, np.array(file.biases, np.float32)))
+    return tuple(layers)
 
 
 def _convolved(pictures: Values, layers: Sequence[Layer]) -> Values:
@@ -108,5 +115,5 @@ def _convolve(values: Values, layer: Layer) -> Values:
     padded = np.pad(values, ((0, 0), (1, 1), (1, 1), (0, 0)))
     windows = sliding_window_view(padded, (KERNEL, KERNEL), axis=(1, 2))[:, :: layer.stride, :: layer.stride]
     count, frames, bands = windows.shape[:3]
-    flat = windows.reshape(count * frames * bands, -1)
+    flat = np.moveaxis(windows, 3, 5).reshape(count * frames * bands, -1)
     return np.asarray(flat @ layer.weights + layer.biases, np.float32).reshape(count, frames, bands, -1)

@@ -14,13 +14,26 @@ def rises(track: NDArray[np.float32], history: int, floor: float) -> NDArray[np.
     `track` is (steps,) or (steps, bands), each band on its own. A rise that straddles two steps would hide itself if
     the step right before it counted.
     """
-    from scipy.ndimage import maximum_filter1d
-
-    # the filter is centred: its value half a window further on covers the steps that end two before the current one
     padded = np.concatenate([np.zeros((history + 1, *track.shape[1:]), np.float32), track])
-    past = maximum_filter1d(padded, history, axis=0, mode="constant", cval=0.0)
-    past = past[history // 2 : history // 2 + track.shape[0]]
+    past = largest_of(padded, history)[: track.shape[0]]
     return np.asarray(track / np.maximum(past, floor), np.float32)
+
+
+def largest_of(values: NDArray[np.float32], length: int) -> NDArray[np.float32]:
+    """Return the largest of every `length` successive rows, from each row on that has so many.
+
+    By doubling: the largest of eight is the larger of two largest of four. A few passes over whole arrays are several
+    times as fast as a filter that looks at each sample, and the scan spends most of its time here.
+
+    >>> largest_of(np.array([3, 1, 2, 5, 4], np.float32), 3).tolist()
+    [3.0, 5.0, 5.0]
+    """
+    have, best = 1, values
+    while 2 * have <= length:
+        best = np.maximum(best[:-have], best[have:])
+        have *= 2
+    rest = length - have
+    return np.maximum(best[:-rest], best[rest:]) if rest else best
 
 
 def band_rises(bands: NDArray[np.float32], history: int, floor: float) -> NDArray[np.float32]:
@@ -49,8 +62,6 @@ def candidate_steps(
     A step is one where its rise, over the required jump, is at least 1 in any track and nothing within
     `separation_ms` rises more.
     """
-    from scipy.ndimage import maximum_filter1d
-
     history = grid.steps(rules.history_ms)
     floor = gain_from_db(rules.floor_dbfs)
     score = rises(peak, history, floor) / gain_from_db(rules.jump_db)
@@ -61,6 +72,6 @@ def candidate_steps(
         frames = band_rises(bands, history // STEPS_PER_HOP, floor) / gain_from_db(rules.band_jump_db)
         # a frame ends with its hop: what it heard lies in the hop's first step as likely as in its second
         np.maximum(score, np.repeat(frames, STEPS_PER_HOP), out=score)
-    apart = 2 * grid.steps(rules.separation_ms) + 1
-    best = maximum_filter1d(score, apart, mode="constant", cval=0.0)
+    apart = grid.steps(rules.separation_ms)
+    best = largest_of(np.pad(score, apart), 2 * apart + 1)
     return np.flatnonzero((score >= 1.0) & (score >= best) & (peak > floor))

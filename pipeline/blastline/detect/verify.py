@@ -80,9 +80,9 @@ class Sieve:
     forest: Forest
     threshold: float
 
-    def lets_pass(self, rows: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Return whether each row may be a shot's, shape (n,)."""
-        return self.probabilities(rows) >= self.threshold
+    def lets_pass(self, rows: NDArray[np.float64], at_least: float = 0.0) -> NDArray[np.bool_]:
+        """Return whether each row may be a shot's, shape (n,); `at_least` asks for more than the threshold."""
+        return self.probabilities(rows) >= max(self.threshold, at_least)
 
     def probabilities(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the probability that each row is a shot's, shape (n,)."""

@@ -3,16 +3,19 @@
 Every convolution and the first dense layer are batch-normalised while training; the export folds that into the weights.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
-from torch import Tensor, nn
 
 from ..detect.network import FEATURE_LIMIT, KERNEL, PICTURE_SCALE_DB, LayerFile, NetworkFile
 from ..detect.picture import NEAR, WIDE, Pictures, Raster
+
+if TYPE_CHECKING:
+    from torch import Tensor, nn
 
 # output channels and stride of each convolution
 NEAR_LAYERS = ((16, 1), (24, 2), (48, 2), (48, 2))
@@ -50,17 +53,23 @@ class Judge:
 
     def odds(self, near: Tensor, wide: Tensor, rows: Tensor) -> Tensor:
         """Return the log-odds of a shot, shape (n,), of scaled pictures and of features in their spreads."""
+        import torch
+
         seen = [part(picture[:, None]) for part, picture in ((self.near, near), (self.wide, wide))]
         flat = [values.permute(0, 2, 3, 1).flatten(1) for values in seen]
         return self.head(torch.cat([*flat, rows], dim=1))[:, 0]
 
     def parts(self) -> nn.ModuleList:
         """Return everything that is trained."""
+        from torch import nn
+
         return nn.ModuleList([self.near, self.wide, self.head])
 
 
 def new_judge(features: int, dropout: float) -> Judge:
     """Return a network with random weights."""
+    from torch import nn
+
     near, near_values = _convolutions(NEAR, NEAR_LAYERS)
     wide, wide_values = _convolutions(WIDE, WIDE_LAYERS)
     head = nn.Sequential(
@@ -79,6 +88,9 @@ def new_judge(features: int, dropout: float) -> Judge:
 
 def fit_network(examples: Examples, seed: int, settings: dict[str, Any] = SETTINGS) -> NetworkFile:
     """Return a network trained on the examples; the same seed on the same machine gives the same network."""
+    import torch
+    from torch import nn
+
     torch.manual_seed(seed)
     means = examples.rows.mean(axis=0, dtype=np.float64)
     spreads = examples.rows.std(axis=0, dtype=np.float64) + 1e-6
@@ -112,6 +124,8 @@ def fit_network(examples: Examples, seed: int, settings: dict[str, Any] = SETTIN
 
 def exported(judge: Judge, means: NDArray[np.float64], spreads: NDArray[np.float64]) -> NetworkFile:
     """Return a trained network as `detect.network` reads it, its numbers to five digits."""
+    from torch import nn
+
     dense = [layer for layer in judge.head if isinstance(layer, nn.Linear)]
     norm = next(layer for layer in judge.head if isinstance(layer, nn.BatchNorm1d))
     head = [(dense[0].weight, dense[0].bias, norm), (dense[1].weight, dense[1].bias, None)]
@@ -132,6 +146,8 @@ def as_examples(shown: Pictures, rows: NDArray[np.float32], shots: NDArray[np.bo
 
 def _convolutions(raster: Raster, layers: tuple[tuple[int, int], ...]) -> tuple[nn.Sequential, int]:
     """Return the convolutions over a picture, and how many values come out of them."""
+    from torch import nn
+
     parts: list[nn.Module] = []
     channels, height, width = 1, raster.frames, raster.bands
     for outputs, stride in layers:
@@ -146,6 +162,8 @@ def _convolutions(raster: Raster, layers: tuple[tuple[int, int], ...]) -> tuple[
 
 def _coloured(picture: Tensor, settings: dict[str, Any]) -> Tensor:
     """Return pictures as the network takes them, half of them tilted as another microphone would, with some noise."""
+    import torch
+
     levels = picture.float() / PICTURE_SCALE_DB + 1.0
     count, _, bands = levels.shape
     tilt = torch.linspace(-0.5, 0.5, bands) * torch.randn(count, 1, 1) * settings["tilt"]
@@ -154,6 +172,8 @@ def _coloured(picture: Tensor, settings: dict[str, Any]) -> Tensor:
 
 
 def _convolution_files(part: nn.Sequential) -> list[LayerFile]:
+    from torch import nn
+
     layers = list(part)
     return [
         _layer(_stride(conv), conv.weight, None, norm)
@@ -168,6 +188,8 @@ def _stride(conv: nn.Conv2d) -> int:
 
 def _layer(stride: int, weight: Tensor, bias: Tensor | None, norm: nn.BatchNorm1d | nn.BatchNorm2d | None) -> LayerFile:
     """Return a layer with its normalisation folded in: y = g (w x + b - m) / s + c."""
+    import torch
+
     weights = weight.detach().double().flatten(1)
     biases = bias.detach().double() if bias is not None else torch.zeros(weights.shape[0], dtype=torch.float64)
     if norm is not None:

@@ -26,7 +26,7 @@ from ..detect.features import feature_names
 from ..detect.network import wired
 from ..detect.picture import Pictures, pictures
 from ..detect.verify import SCHEMA, ModelFile, Sieve, SieveFile, Verifier, grown
-from ..ruleset import load_rules
+from ..ruleset import QualityRules, load_rules
 from .candidates import Candidates, best_f1, candidates, joined
 from .corpus import Recording, read_corpus
 from .lessons import MIX_S, RATE_HZ, Lesson, gun_free_film, recorded_mix, synthetic_film, synthetic_mix
@@ -104,9 +104,9 @@ def _load(path: Path) -> Mix:
         return Mix(samples, kept["onsets"], kept["level_db"], kept["unsure"])
 
 
-def _listen(item: tuple[int, Kept]) -> Candidates:
+def _listen(tier: QualityRules, item: tuple[int, Kept]) -> Candidates:
     """Return the candidates of a lesson, numbered."""
-    return candidates(_load(item[1].path), load_rules("reference").tier, item[0])
+    return candidates(_load(item[1].path), tier, item[0])
 
 
 def _look(item: tuple[Path, NDArray[np.intp]]) -> Pictures:
@@ -166,10 +166,11 @@ def score(model: ModelFile, tested: Candidates, kept: Sequence[Kept], pool: Proc
 
 def train(every: Sequence[Course], work: Path, *, networks: int, seed: int, jobs: int) -> ModelFile:
     """Return a verifier trained on the courses."""
+    listen = partial(_listen, load_rules("reference").tier)
     with ProcessPoolExecutor(jobs) as pool:
         kept = [each for course in every for each in _said(keep_lessons(work, course, pool), course.name)]
         numbered = list(enumerate(kept))
-        learnt = joined(list(pool.map(_listen, [item for item in numbered if not item[1].tested], chunksize=4)))
+        learnt = joined(list(pool.map(listen, [item for item in numbered if not item[1].tested], chunksize=4)))
         _say(f"{learnt.shots.size} candidates to learn from, {int(learnt.shots.sum())} of them shots")
         gate, screen = fit_sieves(learnt, seed)
         left = sieved(learnt, gate, screen)
@@ -194,7 +195,7 @@ def train(every: Sequence[Course], work: Path, *, networks: int, seed: int, jobs
         scores = {}
         for name in {each.course: None for each in kept if each.tested}:
             tested = [item for item in numbered if item[1].tested and item[1].course == name]
-            scores[name] = score(model, joined(list(pool.map(_listen, tested, chunksize=4))), kept, pool)
+            scores[name] = score(model, joined(list(pool.map(listen, tested, chunksize=4))), kept, pool)
     _say(f"held out: {scores}")
     return msgspec.structs.replace(model, training=training | {"held_out": scores})
 
