@@ -65,14 +65,16 @@ def _levels(
     from scipy.fft import rfft
 
     window, bands = _kernels(raster, rate_hz)
-    size = 2 * (bands.shape[0] - 1)
+    size = _transform_size(window.size)
     starts = [samples_from_ms(raster.start_ms + raster.hop_ms * frame, rate_hz) for frame in range(raster.frames)]
     levels = np.empty((onsets.size, raster.frames, raster.bands), np.float32)
     for first in range(0, onsets.size, _AT_ONCE):
         some = onsets[first : first + _AT_ONCE]
-        frames = gather(samples, (some[:, None] + np.array(starts)).ravel(), window.size) * window
-        spectra = rfft(frames, size, axis=1)
-        power = np.square(spectra.real) + np.square(spectra.imag)
+        frames = gather(samples, (some[:, None] + np.array(starts)).ravel(), window.size)
+        frames *= window
+        spectra = rfft(frames, size, axis=1)[:, : bands.shape[0]]
+        power = np.square(spectra.real)
+        power += np.square(spectra.imag)
         levels[first : first + _AT_ONCE] = (power @ bands).reshape(some.size, raster.frames, raster.bands)
     return np.asarray(10.0 * np.log10(levels + np.float32(FLOOR)), np.float32)
 
@@ -84,7 +86,7 @@ def _kernels(raster: Raster, rate_hz: int) -> tuple[NDArray[np.float32], NDArray
     Bands above what the rate can hold are silent.
     """
     count = samples_from_ms(raster.window_ms, rate_hz)
-    size = 1 << (count - 1).bit_length()
+    size = _transform_size(count)
     window = np.hanning(count + 2)[1:-1]
     hz = np.arange(size // 2 + 1) * rate_hz / size
     edges = np.geomspace(raster.low_hz, raster.high_hz, raster.bands + 2)
@@ -96,4 +98,10 @@ def _kernels(raster: Raster, rate_hz: int) -> tuple[NDArray[np.float32], NDArray
     weights[nearest[between], np.flatnonzero(between)] = 1.0
     weights /= weights.sum(axis=0)
     weights[:, edges[1:-1] > 0.48 * rate_hz] = 0.0
-    return (window * (2.0 / window.sum())).astype(np.float32), weights.astype(np.float32)
+    heard = 1 + int(np.flatnonzero(weights.any(axis=1))[-1])  # no band reaches beyond
+    return (window * (2.0 / window.sum())).astype(np.float32), weights[:heard].astype(np.float32)
+
+
+def _transform_size(count: int) -> int:
+    """Return the next power of two."""
+    return 1 << (count - 1).bit_length()

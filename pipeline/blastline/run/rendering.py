@@ -66,7 +66,7 @@ def render(film: Path, folder: Path, options: RenderOptions, progress: Progress 
     _refuse_to_replace(film, folder, names)
     with staged(folder, names=names, overwrite=options.overwrite) as hidden:
         with open_soundtrack(film, stream=options.stream, mix=options.mix, spool_folder=hidden) as track:
-            meter = OverviewMeter(track.rate_hz)
+            meter = OverviewMeter(track.rate_hz) if options.report else None
             heard = listen(track, rules, progress, meter)
             drives = _write_drive(hidden / DRIVE_NAME, heard, setup)
             timeline = msgspec.structs.replace(
@@ -74,7 +74,7 @@ def render(film: Path, folder: Path, options: RenderOptions, progress: Progress 
             )
             with open_soundtrack(hidden / DRIVE_NAME) as drive:
                 timeline = checked(timeline, track, drive, setup)
-                if options.report:
+                if meter is not None:
                     setup.progress("reporting", 0, None)
                     write_report(
                         hidden / REPORT_NAME,
