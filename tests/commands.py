@@ -65,10 +65,18 @@ def blastline_alone(*arguments: str | Path, prepare: Callable[[], None] | None =
 
 
 def interrupted(*arguments: str | Path, number: signal.Signals, at: str) -> Ended:
-    """Start the command, send it a signal when it says that it is at a stage, and wait for its end."""
-    with subprocess.Popen(
-        [*COMMAND, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as process:
+    """Start the command, send it a signal when it says that it is at a stage, and wait for its end.
+
+    A shell that runs the tests in the background has them ignore interrupts, which the command would inherit.
+    """
+    ours = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        process = subprocess.Popen(
+            [*COMMAND, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+    finally:
+        signal.signal(signal.SIGINT, ours)
+    with process:
         assert process.stderr is not None
         said = ""
         while at not in said:
