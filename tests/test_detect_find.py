@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from blastline.detect import Detection, find_shots, load_verifier
 from blastline.detect.features import feature_names
 from blastline.detect.find import described, let_all_pass, stretches
+from blastline.detect.picture import pictures
 from blastline.detect.tracks import Grid, pieces
-from blastline.detect.verify import SCHEMA, ForestFile, ModelFile, SieveFile, grown, probabilities
+from blastline.detect.verify import SCHEMA, ForestFile, ModelFile, SieveFile, Verifier, grown, probabilities
 from blastline.errors import RuleError
 from blastline.model import Clip, Shot
 from blastline.ruleset import load_rules, rules_path
@@ -153,6 +154,21 @@ def test_the_runtime_walks_the_trees_as_scikit_learn_does() -> None:
     classifier = HistGradientBoostingClassifier(max_iter=40, random_state=0).fit(rows, labels)
     ours = probabilities(rows, grown(exported(classifier, tuple("abcdefgh"))))
     np.testing.assert_allclose(ours, classifier.predict_proba(rows)[:, 1], rtol=0.0, atol=1e-9)
+
+
+def test_a_second_opinion_is_asked_where_there_is_doubt_and_changes_no_clear_verdict(
+    film: tuple[NDArray[np.float32], Truth],
+) -> None:
+    both = load_verifier(rules_path(f"verifier/{RULES.tier.verify.model}"), networks=2)
+    first, second = (Verifier(both.gate, both.screen, (network,)) for network in both.networks)
+    for stretch in stretches(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
+        found = described(stretch, Grid(RATE_HZ), RULES.tier, gate=both.gate.lets_pass, screen=both.screen.lets_pass)
+        shown = pictures(stretch.samples, found.onsets, RATE_HZ)
+        together, one, two = (each.probabilities(found.rows, shown) for each in (both, first, second))
+        doubtful = np.abs(np.log(one / (1.0 - one + 1e-9) + 1e-9)) < 3.9
+        assert np.array_equal(together[one < 0.01], one[one < 0.01])
+        low, high = np.minimum(one, two) - 1e-3, np.maximum(one, two) + 1e-3
+        assert np.all((together[doubtful] >= low[doubtful]) & (together[doubtful] <= high[doubtful]))
 
 
 def test_a_model_of_other_features_is_refused(tmp_path: object) -> None:

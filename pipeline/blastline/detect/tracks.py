@@ -98,15 +98,14 @@ def _track(samples: NDArray[np.float32], frames: int, before: NDArray[np.float32
     slope[frames:] = 0.0  # the end of the film is not a step
     return Piece(
         samples=samples,
-        peak=_peaks(samples, grid.step),
-        slope=_peaks(slope, grid.step),
+        peak=_peaks(np.abs(samples), grid.step),
+        slope=_peaks(np.abs(slope, out=slope), grid.step),
         bands=_bands(samples, before, grid),
         frames=frames,
     )
 
 
-def _peaks(samples: NDArray[np.float32], step: int) -> NDArray[np.float32]:
-    magnitudes = np.abs(samples)
+def _peaks(magnitudes: NDArray[np.float32], step: int) -> NDArray[np.float32]:
     return np.maximum.reduceat(magnitudes, np.arange(0, magnitudes.shape[0], step))
 
 
