@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 BENCH = Path("build/bench")
+SYNTH = Path(__file__).parents[1] / "pipeline" / "blastline" / "synth"
 READ = """
 import sys, time, soundfile
 def read(path):
@@ -51,9 +52,10 @@ def scene(minutes: float, layout: str) -> str:
 
 
 def made(name: str, minutes: float, layout: str = "mono") -> Path:
-    """Return the film, synthesised unless it is there already."""
+    """Return the film, synthesised unless it is there already and no older than what makes it."""
     path = BENCH / name / f"{name}.wav"
-    if not path.is_file():
+    changed = max(source.stat().st_mtime for source in SYNTH.glob("*.py"))
+    if not path.is_file() or path.stat().st_mtime < changed:
         BENCH.mkdir(parents=True, exist_ok=True)
         (BENCH / f"{name}.toml").write_text(scene(minutes, layout), encoding="utf-8")
         arguments = ["synth", str(BENCH / f"{name}.toml"), "-o", str(path.parent), "--overwrite"]

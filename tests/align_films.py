@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blastline import dsp
+from blastline.align import check_files
 from blastline.model import (
     SCHEMA,
     ActuatorRef,
     Background,
+    Check,
     Clip,
     DriveInfo,
     DriveModel,
@@ -24,11 +26,12 @@ from blastline.model import (
     Timeline,
     Window,
 )
-from blastline.ruleset import ActuatorProfile, load_actuator
+from blastline.ruleset import ActuatorProfile, load_actuator, load_rules
 
 Samples = NDArray[np.float64]
 
 PROFILE: ActuatorProfile = load_actuator("crowson-t108sm")[0]
+RULES = load_rules("standard").align
 RATE_HZ = 48_000
 
 
@@ -262,3 +265,25 @@ def event_of(
         window=window,
         drive=DriveInfo(how, "made for a test", peak, float(gain_db), fidelity),
     )
+
+
+def checks_of(film: Film, phase: Phase = "causal", background: Background = "mute") -> tuple[Check, ...]:
+    return check_files(
+        film.timeline,
+        audio=film.audio,
+        drive=film.drive,
+        profile=PROFILE,
+        rules=RULES,
+        phase=phase,
+        background=background,
+    )
+
+
+def failed(checks: tuple[Check, ...]) -> set[str]:
+    return {check.name for check in checks if not check.passed}
+
+
+def figure(checks: tuple[Check, ...], name: str, event: str | None = None) -> float:
+    (measured,) = (check.measured for check in checks if check.name == name and check.event == event)
+    assert measured is not None
+    return measured

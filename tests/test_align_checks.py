@@ -6,13 +6,9 @@ import msgspec
 import numpy as np
 import pytest
 
-from align_films import PROFILE, RATE_HZ, Film, Held, Samples, make_film
-from blastline.align import check_files, check_timeline
-from blastline.model import Background, Check, DriveModel, Phase, Window
-from blastline.ruleset import AlignRules, rules_path
-from blastline.ruleset.files import convert, read_toml
-
-RULES = convert(read_toml(rules_path("align.toml")), AlignRules, rules_path("align.toml"))
+from align_films import RATE_HZ, RULES, Film, Held, Samples, checks_of, failed, figure, make_film
+from blastline.align import check_timeline
+from blastline.model import Background, DriveModel, Phase, Window
 
 
 @cache
@@ -20,28 +16,6 @@ def film(
     phase: Phase = "causal", background: Background = "mute", model: DriveModel | None = None, rate_hz: int = RATE_HZ
 ) -> Film:
     return make_film(phase=phase, background=background, model=model, rate_hz=rate_hz)
-
-
-def checks_of(film: Film, phase: Phase = "causal", background: Background = "mute") -> tuple[Check, ...]:
-    return check_files(
-        film.timeline,
-        audio=film.audio,
-        drive=film.drive,
-        profile=PROFILE,
-        rules=RULES,
-        phase=phase,
-        background=background,
-    )
-
-
-def failed(checks: tuple[Check, ...]) -> set[str]:
-    return {check.name for check in checks if not check.passed}
-
-
-def figure(checks: tuple[Check, ...], name: str, event: str | None = None) -> float:
-    (measured,) = (check.measured for check in checks if check.name == name and check.event == event)
-    assert measured is not None
-    return measured
 
 
 def resampled(samples: Samples, up: int, down: int) -> Samples:

@@ -12,7 +12,10 @@ from align_films import (
     Film,
     Held,
     Samples,
+    checks_of,
     event_of,
+    failed,
+    figure,
     in_24_bits,
     limited,
     make_film,
@@ -20,12 +23,7 @@ from align_films import (
     weights_of,
 )
 from blastline import dsp
-from blastline.align import check_files
 from blastline.model import Background, Check, Window
-from blastline.ruleset import AlignRules, rules_path
-from blastline.ruleset.files import convert, read_toml
-
-RULES = convert(read_toml(rules_path("align.toml")), AlignRules, rules_path("align.toml"))
 
 Change = Callable[[Samples, int, slice], None]
 """What is done to a drive, given the onset of a shot and its window."""
@@ -85,35 +83,13 @@ def limited_in_turn(target: Samples, wet: Samples, leads: list[int]) -> Samples:
     return drive
 
 
-def checks_of(film: Film, background: Background = "mute") -> tuple[Check, ...]:
-    return check_files(
-        film.timeline,
-        audio=film.audio,
-        drive=film.drive,
-        profile=PROFILE,
-        rules=RULES,
-        phase="causal",
-        background=background,
-    )
-
-
-def failed(checks: tuple[Check, ...]) -> set[str]:
-    return {check.name for check in checks if not check.passed}
-
-
-def figure(checks: tuple[Check, ...], name: str, event: str | None = None) -> float:
-    (measured,) = (check.measured for check in checks if check.name == name and check.event == event)
-    assert measured is not None
-    return measured
-
-
 @pytest.mark.parametrize(
     ("seed", "background"), [(0, "mute"), (7, "mute"), (10, "mute"), (11, "mute"), (0, "direct"), (10, "direct")]
 )
 def test_a_right_drive_of_loud_shots_over_a_loud_bed_passes(seed: int, background: Background) -> None:
     right = loud_film(seed, background)
     assert all(event.drive is not None and event.drive.fidelity < 0.93 for event in right.timeline.events)
-    checks = checks_of(right, background)
+    checks = checks_of(right, background=background)
     assert failed(checks) == set()
     for event in right.timeline.events:
         assert abs(figure(checks, "felt_onset", event.id)) < 0.1

@@ -1,5 +1,7 @@
 """The detector's parts: the same whatever the blocks are, and right to the sample where physics says so."""
 
+from collections.abc import Iterator
+
 import msgspec
 import numpy as np
 import pytest
@@ -50,12 +52,12 @@ def test_a_readers_reused_block_is_not_kept() -> None:
     samples = film(seconds=1.5)
     reused = np.empty((1000, 1), np.float32)
 
-    def blocks() -> object:
+    def blocks() -> Iterator[Clip]:
         for at in range(0, samples.shape[0], 1000):
             reused[:, 0] = samples[at : at + 1000]
             yield Clip(reused, RATE_HZ, at)
 
-    kept = np.concatenate([p.samples[: p.frames] for p in pieces(blocks(), RATE_HZ)])  # type: ignore[arg-type]
+    kept = np.concatenate([p.samples[: p.frames] for p in pieces(blocks(), RATE_HZ)])
     np.testing.assert_array_equal(kept, samples)
 
 
@@ -187,6 +189,21 @@ def test_the_next_shot_of_a_burst_is_no_reflection() -> None:
         [msgspec.structs.replace(first, reflections=echoes), second], rate_hz=RATE_HZ, rules=TIER.bursts
     )
     assert [echo.delay_ms for echo in parted[0].reflections] == [30.0, 200.0]
+
+
+def test_what_two_shots_claim_is_the_later_ones_echo() -> None:
+    shots = shots_at(1_000, 1_090, 1_180)
+    heard = [
+        msgspec.structs.replace(
+            shot,
+            reflections=tuple(
+                Reflection(shot.onset + round(48 * ms), shot.onset + round(48 * (ms + 2.0)), ms, -12.0) for ms in delays
+            ),
+        )
+        for shot, delays in zip(shots, ([21.0, 111.2, 201.0, 300.0], [21.0, 110.5], [21.0]), strict=True)
+    ]
+    parted = part_from_echoes(heard, rate_hz=RATE_HZ, rules=TIER.bursts)
+    assert [[echo.delay_ms for echo in shot.reflections] for shot in parted] == [[21.0, 300.0], [21.0], [21.0]]
 
 
 def test_an_unsure_shot_needs_the_company_of_a_sure_one() -> None:

@@ -1,6 +1,7 @@
 """The main job from end to end: what must hold whatever the film, to the bit where it can."""
 
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -45,8 +46,8 @@ def drive_of(folder: Path) -> NDArray[np.int32]:
     return samples
 
 
-def rendered(film: Path, folder: Path, **options: object) -> tuple[Timeline, NDArray[np.int32]]:
-    timeline = run.render(film, folder, run.RenderOptions(report=False, **options))  # type: ignore[arg-type]
+def rendered(film: Path, folder: Path, **options: Any) -> tuple[Timeline, NDArray[np.int32]]:
+    timeline = run.render(film, folder, run.RenderOptions(report=False, **options))
     return timeline, drive_of(folder)
 
 

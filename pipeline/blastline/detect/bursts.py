@@ -9,6 +9,8 @@ from ..model import Rejection, Shot
 from ..ruleset import BurstRules, VerifyRules
 from ..units import samples_from_ms, samples_from_s
 
+_SAME_ECHO_MS = 1.0  # two shots that hear an echo this close hear the same one
+
 
 def in_company(
     shots: Iterable[Shot], *, rate_hz: int, rules: VerifyRules
@@ -46,16 +48,24 @@ def keep_apart(
 
 
 def part_from_echoes(shots: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> tuple[Shot, ...]:
-    """Return the shots without those reflections that are shots of their own: the next one sounds like the first."""
-    near = samples_from_ms(rules.shortest_gap_ms, rate_hz) // 2
+    """Return the shots without those reflections that are shots of their own, or reflections of later ones.
+
+    The next shot sounds like the first, and so do its echoes: what two shots claim belongs to the later.
+    """
+    near, same = samples_from_ms(rules.shortest_gap_ms, rate_hz) // 2, samples_from_ms(_SAME_ECHO_MS, rate_hz)
     onsets = np.array([shot.onset for shot in shots])
+    claimed = np.zeros(0, np.intp)
     parted: list[Shot] = []
-    for shot in shots:
+    for shot in reversed(shots):
+        others = onsets[onsets != shot.onset]
         echoes = tuple(
-            echo for echo in shot.reflections if not np.any(np.abs(onsets[onsets != shot.onset] - echo.start) < near)
+            echo
+            for echo in shot.reflections
+            if not (np.any(np.abs(others - echo.start) < near) or np.any(np.abs(claimed - echo.start) <= same))
         )
+        claimed = np.concatenate([claimed, np.array([echo.start for echo in echoes], np.intp)])
         parted.append(msgspec.structs.replace(shot, reflections=echoes))
-    return tuple(parted)
+    return tuple(reversed(parted))
 
 
 def group_bursts(shots: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> tuple[Shot, ...]:

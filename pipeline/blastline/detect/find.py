@@ -154,17 +154,10 @@ def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
     return order[np.diff(onsets[order], prepend=-apart) >= apart]
 
 
-def _surety(stretch: Stretch, found: Described, grid: Grid, verifier: Verifier) -> NDArray[np.float64]:
-    """Return the probability of each candidate: the screen's where there is no network."""
-    if not verifier.networks:
-        return verifier.screen.probabilities(found.rows)
-    return verifier.probabilities(found.rows, pictures(stretch.samples, found.onsets, grid.rate_hz))
-
-
 def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier) -> tuple[list[Shot], list[Rejection]]:
     screen = partial(verifier.screen.lets_pass, at_least=tier.verify.look_from)
     found = described(stretch, grid, tier, gate=verifier.gate.lets_pass, screen=screen)
-    surety = _surety(stretch, found, grid, verifier)
+    surety = verifier.probabilities(found.rows, pictures(stretch.samples, found.onsets, grid.rate_hz))
     shots = [
         segment(
             stretch.samples,

@@ -52,15 +52,15 @@ class OnsetRules(Table, frozen=True):
 class VerifyRules(Table, frozen=True):
     """Which model tells shots from everything else, and from which probability on it is believed.
 
-    So many of its `networks` judge together; with none, the trees that screen for them do. What those trees give less
-    than `look_from` is not looked at more closely.
+    So many of its `networks` judge together. What the trees that screen for them give less than `look_from` is not
+    looked at more closely.
 
     A candidate is a shot from `threshold` on, or from `company_threshold` on where a shot of the first kind lies within
     `company_s`: films fire in scenes. From `report_from` on it is at least listed among the timeline's rejections.
     """
 
     model: str
-    networks: Annotated[int, Meta(ge=0, le=3)]
+    networks: Annotated[int, Meta(ge=1, le=3)]
     look_from: Ratio
     threshold: Ratio
     company_threshold: Ratio

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..detect.network import FEATURE_LIMIT, KERNEL, PICTURE_SCALE_DB, LayerFile, NetworkFile
-from ..detect.picture import NEAR, WIDE, Pictures, Raster
+from ..detect.picture import NEAR, WIDE, Raster
 
 if TYPE_CHECKING:
     from torch import Tensor, nn
@@ -137,11 +137,6 @@ def exported(judge: Judge, means: NDArray[np.float64], spreads: NDArray[np.float
         wide=_convolution_files(judge.wide),
         head=[_layer(0, weight, bias, norm) for weight, bias, norm in head],
     )
-
-
-def as_examples(shown: Pictures, rows: NDArray[np.float32], shots: NDArray[np.bool_]) -> Examples:
-    """Return the examples of some candidates."""
-    return Examples(shown.near.astype(np.float16), shown.wide.astype(np.float16), rows, shots)
 
 
 def _convolutions(raster: Raster, layers: tuple[tuple[int, int], ...]) -> tuple[nn.Sequential, int]:

@@ -31,7 +31,7 @@ from .candidates import Candidates, best_f1, candidates, joined
 from .corpus import Recording, read_corpus
 from .lessons import MIX_S, RATE_HZ, Lesson, gun_free_film, recorded_mix, synthetic_film, synthetic_mix
 from .mixes import Mix
-from .networks import SETTINGS, Examples, as_examples, fit_network
+from .networks import SETTINGS, Examples, fit_network
 from .sieves import GATE_SETTINGS, SCREEN_SETTINGS, fit_sieve
 
 _Thing = TypeVar("_Thing")
@@ -109,18 +109,18 @@ def _listen(tier: QualityRules, item: tuple[int, Kept]) -> Candidates:
     return candidates(_load(item[1].path), tier, item[0])
 
 
-def _look(item: tuple[Path, NDArray[np.intp]]) -> Pictures:
-    """Return the pictures of candidates of a lesson."""
-    return pictures(_load(item[0]).samples, item[1], RATE_HZ)
+def _look(item: tuple[Path, NDArray[np.intp]]) -> tuple[NDArray[np.float16], NDArray[np.float16]]:
+    """Return the pictures of candidates of a lesson, near and wide, in half precision."""
+    shown = pictures(_load(item[0]).samples, item[1], RATE_HZ)
+    return shown.near.astype(np.float16), shown.wide.astype(np.float16)
 
 
 def look(every: Candidates, kept: Sequence[Kept], pool: ProcessPoolExecutor) -> Examples:
     """Return the pictures of candidates with their features and labels; they are in order of lessons."""
     numbers = np.unique(every.lesson).tolist()
     wanted = [(kept[number].path, every.onsets[every.lesson == number]) for number in numbers]
-    halves = [as_examples(shown, every.rows, every.shots) for shown in pool.map(_look, wanted, chunksize=4)]
-    near, wide = (np.concatenate([getattr(half, name) for half in halves]) for name in ("near", "wide"))
-    return Examples(near, wide, every.rows, every.shots)
+    near, wide = zip(*pool.map(_look, wanted, chunksize=4), strict=True)
+    return Examples(np.concatenate(near), np.concatenate(wide), every.rows, every.shots)
 
 
 def sieved(every: Candidates, gate: SieveFile, screen: SieveFile) -> Candidates:

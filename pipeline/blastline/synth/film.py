@@ -77,7 +77,8 @@ def film_scene(
 ) -> Scene:
     """Return a film of sequences of half a minute to three, with so many shots and negatives; no shots where gun-free.
 
-    Shots are 8 dB and more over what else is heard, up to 40 over music and to 60 over silence; negatives 3-38 dB.
+    Shots are 8 dB and more over what else is heard, up to 40 over music and to 60 over silence, negatives 3-38 dB, both
+    as far as the master's drive lets them.
     """
     rng = generator(seed, "film")
     spans = _spans(rng, duration_s)

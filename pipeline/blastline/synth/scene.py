@@ -17,7 +17,7 @@ and, for a shot, the negatives; other shots do not count.
 """
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import msgspec
 from msgspec import Meta
@@ -164,9 +164,9 @@ def _check_times(scene: Scene, path: Path) -> None:
                 raise RuleError(f"{path}: random.{key} = [{low}, {high}]: expected the lower level first")
 
 
-def _shown(plain: object, key: str) -> str:
+def _shown(plain: Any, key: str) -> str:
     """Return ` = value` for a msgspec path such as `shots[0].at_s`; nothing for a table."""
     value = plain
     for step in key.replace("[", ".").replace("]", "").split(".") if key else ():
-        value = value[int(step)] if isinstance(value, list) else value[step]  # type: ignore[index]
+        value = value[int(step)] if isinstance(value, list) else value[step]
     return "" if isinstance(value, dict | list) else f" = {value!r}"
