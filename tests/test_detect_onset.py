@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from blastline.detect.bursts import group_bursts, in_company, keep_apart, part_from_echoes
+from blastline.detect.bursts import group_bursts, in_company, keep_apart, part_from_echoes, without_echoes
 from blastline.detect.find import stretches
 from blastline.detect.onset import refine_onsets
 from blastline.detect.scan import candidate_steps, rises
@@ -71,6 +71,18 @@ def test_a_tone_sounds_in_its_own_band(rate_hz: int, frequency_hz: float, band: 
     assert int(np.argmax(bands)) == band
 
 
+@pytest.mark.parametrize("offset", [0.1, -0.03])
+def test_no_track_hears_a_constant(offset: float) -> None:
+    samples = film(seconds=2.5, noise=1e-3)
+    shot = 0.3 * blast(rise_ms=0.3)
+    samples[60_000 : 60_000 + shot.shape[0]] += shot.astype(np.float32)
+    plain, shifted = (list(pieces(clips(each, 48_000), RATE_HZ)) for each in (samples, samples + np.float32(offset)))
+    for one, other in zip(plain, shifted, strict=True):
+        for track in ("peak", "slope"):
+            np.testing.assert_allclose(getattr(one, track), getattr(other, track), atol=1e-7)
+        np.testing.assert_allclose(np.sqrt(one.bands), np.sqrt(other.bands), atol=1e-6)
+
+
 def test_rises_compare_with_the_past_alone() -> None:
     track = np.array([1, 1, 1, 8, 8, 2, 2, 2, 2, 2, 2, 16], np.float32)
     ratio = rises(track, 4, 1e-3)
@@ -113,6 +125,53 @@ def test_a_delay_delays_the_onset_and_gain_and_polarity_do_not() -> None:
     for gain in (-1.0, 2.0, 0.125):
         changed = (gain * samples).astype(np.float32)
         assert refine_onsets(changed, np.array([20_030]), rate_hz=RATE_HZ, rules=TIER.onset)[0] == onset
+
+
+@pytest.mark.parametrize("smear_db", [-40.0, -30.0])
+def test_what_a_codec_smears_before_a_shot_is_not_its_onset(smear_db: float) -> None:
+    """A transform codec spreads its error over a block: up to 5 ms of noise before the attack, far beneath it."""
+    samples = film(noise=1e-5)
+    shot = 0.5 * blast(rise_ms=0.05)
+    samples[20_000 : 20_000 + shot.shape[0]] += shot.astype(np.float32)
+    smear = 0.5 * 10.0 ** (smear_db / 20.0) * np.random.default_rng(1).uniform(-1.0, 1.0, 240)
+    samples[19_760:20_000] += smear.astype(np.float32)
+    (onset,) = refine_onsets(samples, np.array([20_030]), rate_hz=RATE_HZ, rules=TIER.onset)
+    assert abs(onset - 20_000) <= 5
+
+
+@pytest.mark.parametrize("tone_hz", [30.0, 60.0, 120.0])
+def test_an_engine_as_loud_as_the_shot_moves_no_onset(tone_hz: float) -> None:
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        engine = 0.3 * np.sin(2.0 * np.pi * tone_hz * np.arange(RATE_HZ) / RATE_HZ + rng.uniform(0.0, 6.28))
+        samples = film(noise=3e-3, seed=seed) + engine.astype(np.float32)
+        shot = rng.choice([-0.3, 0.3]) * blast(positive_ms=0.5)
+        samples[20_000 : 20_000 + shot.shape[0]] += shot.astype(np.float32)
+        guess = 20_000 + int(rng.integers(-30, 30))
+        (onset,) = refine_onsets(samples, np.array([guess]), rate_hz=RATE_HZ, rules=TIER.onset)
+        assert abs(onset - 20_000) <= 10
+
+
+@pytest.mark.parametrize("place", [24_000, 24_001, 24_047])
+def test_a_step_is_a_candidate_wherever_it_lies_on_the_grid(place: int) -> None:
+    samples = film(noise=1e-5)
+    samples[place:] += np.float32(0.3)
+    piece = next(stretches(pieces(clips(samples, samples.shape[0]), RATE_HZ)))
+    steps = candidate_steps(piece.peak, piece.slope, piece.bands, grid=Grid(RATE_HZ), rules=TIER.scan)
+    onsets = refine_onsets(piece.samples, steps * 48, rate_hz=RATE_HZ, rules=TIER.onset)
+    assert np.abs(onsets - place).min() <= 1
+
+
+@pytest.mark.parametrize("offset", [0.02, -0.2])
+def test_a_constant_offset_moves_no_onset(offset: float) -> None:
+    samples = film(noise=1e-3)
+    shot = 0.3 * blast(rise_ms=0.3)
+    samples[20_000 : 20_000 + shot.shape[0]] += shot.astype(np.float32)
+    plain, shifted = (
+        refine_onsets(each, np.array([20_030]), rate_hz=RATE_HZ, rules=TIER.onset)
+        for each in (samples, samples + np.float32(offset))
+    )
+    assert abs(plain[0] - shifted[0]) <= 1
 
 
 def test_a_shot_on_the_first_sample_is_a_candidate_with_onset_zero() -> None:
@@ -189,6 +248,47 @@ def test_the_next_shot_of_a_burst_is_no_reflection() -> None:
         [msgspec.structs.replace(first, reflections=echoes), second], rate_hz=RATE_HZ, rules=TIER.bursts
     )
     assert [echo.delay_ms for echo in parted[0].reflections] == [30.0, 200.0]
+
+
+def test_a_weaker_copy_is_an_echo_and_a_round_as_loud_is_not() -> None:
+    first, later = shots_at(1_000, 1_090)
+    repeated = Reflection(later.onset + 20, later.onset + 100, 90.4, -6.0)
+    heard = msgspec.structs.replace(first, peak_dbfs=-6.0, reflections=(repeated,))
+
+    def kept(peak_dbfs: float, level_db: float = -6.0, late: int = 0) -> list[int]:
+        there = msgspec.structs.replace(
+            heard, reflections=(msgspec.structs.replace(repeated, start=repeated.start + late, level_db=level_db),)
+        )
+        shots, echoes = without_echoes(
+            [there, msgspec.structs.replace(later, peak_dbfs=peak_dbfs)], rate_hz=RATE_HZ, rules=TIER.bursts
+        )
+        assert len(shots) + len(echoes) == 2
+        return [shot.onset for shot in shots]
+
+    assert kept(-12.0) == [first.onset]
+    assert kept(-7.0) == [first.onset, later.onset]  # as loud: the gun fired again
+    assert kept(-12.0, level_db=-1.0) == [first.onset, later.onset]  # likeness says as loud
+    assert kept(-12.0, late=960) == [first.onset, later.onset]  # no copy is there
+
+
+def test_an_echo_in_a_film_is_no_shot_of_its_own() -> None:
+    """Where the verdict takes a clear copy for a shot, the waveform says whose it is."""
+    samples, at = shot_with_echoes([180.0], [0.4])
+    first, second = (
+        segment(
+            samples,
+            onset,
+            film_start=0,
+            film_stop=samples.shape[0],
+            confidence=0.99,
+            rate_hz=RATE_HZ,
+            rules=TIER.segment,
+        )
+        for onset in (at, at + 180 * 48)
+    )
+    shots, echoes = without_echoes([first, second], rate_hz=RATE_HZ, rules=TIER.bursts)
+    assert [shot.onset for shot in shots] == [at]
+    assert [echo.at_sample for echo in echoes] == [at + 180 * 48]
 
 
 def test_what_two_shots_claim_is_the_later_ones_echo() -> None:

@@ -7,9 +7,12 @@ from numpy.typing import NDArray
 from blastline.detect.verify import Sieve, grown
 from blastline.ruleset import load_rules
 from blastline.study.candidates import Candidates, best_f1, candidates, joined
+from blastline.study.codecs import BITS_PER_S, Codec, coded
 from blastline.study.lessons import RATE_HZ, synthetic_film, synthetic_mix, without_drowned
-from blastline.study.mixes import Mix
+from blastline.study.mixes import Mix, Sound
 from blastline.study.sieves import GATE_SETTINGS, fit_sieve
+from blastline.study.variants import at_speed, repeated, varied
+from media import require_encoder
 
 TIER = load_rules("standard").tier
 
@@ -98,3 +101,58 @@ def test_a_sieve_loses_about_the_share_of_shots_it_may() -> None:
     passed = Sieve(grown(file.forest), file.threshold).lets_pass(rows.astype(np.float64))
     assert passed[shots].mean() == pytest.approx(0.95, abs=0.02)
     assert passed[~shots].mean() < 0.5
+
+
+def crack(onset: int = 3_000, seconds: float = 1.0) -> Sound:
+    samples = np.zeros(round(seconds * RATE_HZ))
+    samples[onset:] = 0.8 * np.exp(-np.arange(samples.size - onset) / 300.0) * np.cos(np.arange(samples.size - onset))
+    return Sound(samples, (onset,))
+
+
+def starts(samples: NDArray[np.floating], onsets: tuple[int, ...]) -> None:
+    """Require that the sound is loud right after each onset and quiet right before."""
+    for onset in onsets:
+        before, after = samples[onset - 240 : onset - 24], samples[onset : onset + 96]
+        assert np.abs(after).max() > 8.0 * np.abs(before).max(initial=0.0), onset
+
+
+@pytest.mark.parametrize("speed", [0.8, 0.93, 1.25])
+def test_a_faster_sound_is_shorter_and_its_onset_earlier(speed: float) -> None:
+    sound = at_speed(crack(), speed)
+    assert sound.samples.size == pytest.approx(RATE_HZ / speed, rel=0.02)
+    assert sound.onsets[0] == pytest.approx(3_000 / speed, rel=0.02)
+    starts(sound.samples, sound.onsets)
+
+
+def test_rounds_of_a_burst_start_where_they_say_and_other_sounds_stay_negatives() -> None:
+    for seed in range(5):
+        burst = repeated(crack(), np.random.default_rng(seed), RATE_HZ)
+        assert len(burst.onsets) >= 2
+        assert np.diff(burst.onsets).min() > 60.0 / 1_500.0 * RATE_HZ
+        starts(burst.samples, burst.onsets)
+        assert repeated(Sound(crack().samples), np.random.default_rng(seed), RATE_HZ).onsets == ()
+
+
+def test_a_variant_keeps_its_onsets_on_the_rise() -> None:
+    for seed in range(24):
+        variant = varied(crack(), np.random.default_rng(seed), RATE_HZ)
+        assert len(variant.onsets) >= 1
+        assert np.isfinite(variant.samples).all()
+        # in a place echoes of one round may sound on when the next comes
+        starts(variant.samples, variant.onsets[:1])
+
+
+@pytest.mark.parametrize("codec", list(BITS_PER_S))
+def test_a_codec_moves_nothing(codec: Codec) -> None:
+    require_encoder(codec)
+    rng = np.random.default_rng(5)
+    noise = (1e-3 * rng.standard_normal(3 * RATE_HZ)).astype(np.float32)
+    places = [30_000, 61_234, 100_001]
+    for at in places:
+        noise[at : at + 4_800] += (0.3 * np.exp(-np.arange(4_800) / 900.0) * rng.standard_normal(4_800)).astype(
+            np.float32
+        )
+    back = coded(noise, codec, bits_per_s=max(BITS_PER_S[codec]), rate_hz=RATE_HZ)
+    assert back.shape == noise.shape
+    spectrum = np.fft.rfft(back.astype(np.float64)) * np.conj(np.fft.rfft(noise.astype(np.float64)))
+    assert int(np.argmax(np.fft.irfft(spectrum))) == 0

@@ -47,6 +47,31 @@ def keep_apart(
     return tuple(kept), tuple(dropped)
 
 
+def without_echoes(
+    shots: Iterable[Shot], *, rate_hz: int, rules: BurstRules
+) -> tuple[tuple[Shot, ...], tuple[Rejection, ...]]:
+    """Return the shots that are no echo of an earlier one, in order of time, and the echoes.
+
+    An echo lies where an earlier shot was found to repeat itself more softly, and its own peak is lower by as much. The
+    rounds of a burst are alike, too, but about as loud.
+    """
+    same = samples_from_ms(_SAME_ECHO_MS, rate_hz)
+    kept: list[Shot] = []
+    echoes: list[Rejection] = []
+    for shot in sorted(shots, key=lambda s: s.onset):
+        if any(_repeats(shot, earlier, same, rules.echo_drop_db) for earlier in kept):
+            echoes.append(Rejection(shot.onset, "the echo of an earlier shot", {"probability": shot.confidence}))
+        else:
+            kept.append(shot)
+    return tuple(kept), tuple(echoes)
+
+
+def _repeats(shot: Shot, earlier: Shot, same: int, drop_db: float) -> bool:
+    return shot.peak_dbfs <= earlier.peak_dbfs - drop_db and any(
+        abs(echo.start - shot.onset) <= same and echo.level_db <= -drop_db for echo in earlier.reflections
+    )
+
+
 def part_from_echoes(shots: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> tuple[Shot, ...]:
     """Return the shots without those reflections that are shots of their own, or reflections of later ones.
 

@@ -13,10 +13,10 @@ from ..model import Clip, Rejection, Shot, Span
 from ..ruleset import QualityRules
 from ..units import samples_from_ms
 from .bandshape import band_levels, bandshape
-from .bursts import group_bursts, in_company, keep_apart, part_from_echoes
+from .bursts import group_bursts, in_company, keep_apart, part_from_echoes, without_echoes
 from .features import features
 from .neighbours import neighbourhood
-from .onset import refine_onsets
+from .onset import farthest_ms, refine_onsets
 from .picture import pictures
 from .scan import candidate_steps
 from .segment import segment
@@ -26,7 +26,6 @@ from .verify import Verifier
 # A piece is about half a second. Before the core: the neighbourhood of `features`; after it: the longest decay.
 LEFT_PIECES, CORE_PIECES, RIGHT_PIECES = 8, 32, 6
 _SAME_ONSET_MS = 3.0
-_MARGIN_MS = 30.0  # an onset lies at most this far from where the scan saw its rise
 
 
 @dataclass(frozen=True)
@@ -77,10 +76,11 @@ def find_shots(blocks: Iterable[Clip], *, rate_hz: int, tier: QualityRules, veri
         rejections += refused
     believed, alone = in_company(shots, rate_hz=rate_hz, rules=tier.verify)
     kept, dropped = keep_apart(believed, rate_hz=rate_hz, rules=tier.bursts)
-    parted = part_from_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
+    fired, echoes = without_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
+    parted = part_from_echoes(fired, rate_hz=rate_hz, rules=tier.bursts)
     return Detection(
         shots=group_bursts(parted, rate_hz=rate_hz, rules=tier.bursts),
-        rejections=tuple(sorted(chain(rejections, alone, dropped), key=lambda r: r.at_sample)),
+        rejections=tuple(sorted(chain(rejections, alone, dropped, echoes), key=lambda r: r.at_sample)),
     )
 
 
@@ -132,7 +132,7 @@ def described(stretch: Stretch, grid: Grid, tier: QualityRules, *, gate: Test, s
     """
     places = guesses(stretch, grid, tier)
     rough = band_levels(stretch.bands, places, grid)
-    margin = samples_from_ms(_MARGIN_MS, grid.rate_hz)
+    margin = samples_from_ms(farthest_ms(tier.onset), grid.rate_hz)
     at = places + stretch.start
     near = np.flatnonzero((at >= stretch.core.start - margin) & (at < stretch.core.stop + margin))
     sketches = bandshape(rough[near])

@@ -6,17 +6,15 @@ from numpy.typing import NDArray
 
 
 def gather(samples: NDArray[np.float32], starts: NDArray[np.intp], length: int) -> NDArray[np.float32]:
-    """Return `length` samples from each start, shape (n, length); zero beyond the stretch.
+    """Return `length` samples from each start, shape (n, length); beyond the stretch its ends are held.
 
     >>> gather(np.arange(4, dtype=np.float32), np.array([-1, 1, 3]), 2).tolist()
-    [[0.0, 0.0], [1.0, 2.0], [3.0, 0.0]]
+    [[0.0, 0.0], [1.0, 2.0], [3.0, 3.0]]
     """
-    rows = np.zeros((starts.size, length), np.float32)
+    rows = np.empty((starts.size, length), np.float32)
     inside = (starts >= 0) & (starts + length <= samples.shape[0])
     if inside.any():
         rows[inside] = sliding_window_view(samples, length)[starts[inside]]
     for row in np.flatnonzero(~inside).tolist():
-        first, last = max(0, int(starts[row])), min(int(starts[row]) + length, samples.shape[0])
-        if first < last:
-            rows[row, first - int(starts[row]) : last - int(starts[row])] = samples[first:last]
+        rows[row] = samples[np.clip(starts[row] + np.arange(length), 0, samples.shape[0] - 1)]
     return rows

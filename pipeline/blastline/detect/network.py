@@ -15,7 +15,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from .picture import Pictures
+from .picture import NEAR, WIDE, Pictures
 
 Values = NDArray[np.float32]
 
@@ -75,6 +75,25 @@ def wired(file: NetworkFile) -> Network:
     )
 
 
+def fits(file: NetworkFile, features: int) -> bool:
+    """Return whether a network is whole and takes so many features and the pictures of this version."""
+    if not len(file.means) == len(file.spreads) == features:
+        return False
+    inputs = features
+    for raster, layers in ((NEAR, file.near), (WIDE, file.wide)):
+        frames, bands, channels = raster.frames, raster.bands, 1
+        for layer in layers:
+            if layer.stride < 1 or not _takes(layer, KERNEL * KERNEL * channels):
+                return False
+            frames, bands, channels = -(-frames // layer.stride), -(-bands // layer.stride), len(layer.biases)
+        inputs += frames * bands * channels
+    for layer in file.head:
+        if layer.stride or not _takes(layer, inputs):
+            return False
+        inputs = len(layer.biases)
+    return inputs == 1
+
+
 def log_odds(network: Network, rows: NDArray[np.float64], shown: Pictures) -> NDArray[np.float64]:
     """Return the logarithm of the odds that each candidate is a shot, shape (n,)."""
     if not rows.shape[0]:
@@ -100,6 +119,10 @@ def _layers(files: Sequence[LayerFile]) -> tuple[Layer, ...]:
             weights = np.moveaxis(weights.reshape(-1, places, weights.shape[1]), 0, 1).reshape(weights.shape)
         layers.append(Layer(file.stride, weights, np.array(file.biases, np.float32)))
     return tuple(layers)
+
+
+def _takes(layer: LayerFile, inputs: int) -> bool:
+    return len(layer.weights) == inputs and all(len(row) == len(layer.biases) for row in layer.weights)
 
 
 def _convolved(pictures: Values, layers: Sequence[Layer]) -> Values:

@@ -1,12 +1,17 @@
-"""The first sample of a candidate's rise, in the waveform.
+"""The first sample of a candidate's rise: where the sound changes from what was before into the shot.
 
-              noise        |quiet|/\\  peak
-    ~~~~~~~~~~~~~~~~~~~~~~~~~~~~~~/~~\\~~~~/\\~
-                               ^ threshold crossing, then back along the rise to zero
+              before       |   after
+    ~~~~~~~~~~~~~~~~~~~~~~~~/\\/\\/\\/|\\
+                           ^     peak
 
-Walk back from the peak as long as the waveform stays above a threshold, with gaps of less than `quiet_ms`. The
-threshold clears the noise before the rise and 10 % of the peak; where that is late on a slow rise, the line
-through the crossing and the half-peak leads back to zero.
+Of all places to part the sound until just after its peak in two, the best explains both sides as noise of one power
+each (the maximum-likelihood change point; Maeda 1985 picks the onsets of earthquakes so):
+
+    k log(p(0, k) + q) + (n - k) log(p(k, n) + q)  is least,   p: mean power,   q: (`floor_ratio` x the peak)^2
+
+It works on differences, in which neither a constant nor a slow swing counts, and weighs every sample, not a few loud
+ones. The floor q keeps it from falling for what lies far beneath the shot: the pre-echo of a lossy codec, or the first
+breath after silence.
 """
 
 import numpy as np
@@ -16,8 +21,10 @@ from ..ruleset import OnsetRules
 from ..units import samples_from_ms
 from .gather import gather
 
-_PREFERENCE = 2.0  # the difference also sharpens noise: it has to be clearer by this much
 _PASSES = 2  # the second starts from the first one's onset, so that the scan's grid leaves no trace
+SLOW_LAG_MS = 0.5  # halves what is below 160 Hz: an engine's swing is no change, a far, dull shot still is
+LONGEST_RISE_MS = 2.5
+_LEAST_MS = 0.5, 0.15  # a power needs so much sound before and after the change
 
 
 def refine_onsets(
@@ -31,64 +38,75 @@ def refine_onsets(
     return onsets
 
 
+def farthest_ms(rules: OnsetRules) -> float:
+    """Return how far an onset may lie from its guess."""
+    return _PASSES * (rules.search_ms + rules.noise_ms + LONGEST_RISE_MS)
+
+
 def _clearest(
     samples: NDArray[np.float32], guesses: NDArray[np.intp], *, rate_hz: int, rules: OnsetRules
 ) -> NDArray[np.intp]:
-    """Walk back in the waveform and in its first difference, and believe the one in which the rise stands out more.
+    """Look for the change in the difference over half a millisecond and over one sample; believe the greater one.
 
-    Under music or an engine a crack is clear only in the difference; a far, dull shot only in the waveform.
+    Under music or an engine a crack is clear only in the fast one; a far, dull shot only in the slow one.
     """
-    search = samples_from_ms(rules.search_ms, rate_hz)
-    before = search + samples_from_ms(rules.noise_ms, rate_hz)
-    wave = gather(samples, guesses - before - 1, before + 1 + search)
-    plain, clear = _walk_back(wave[:, 1:], rate_hz=rate_hz, rules=rules)
-    steep, sharp = _walk_back(np.diff(wave, axis=1), rate_hz=rate_hz, rules=rules)
-    chosen = np.where(sharp > _PREFERENCE * clear, steep, plain)
-    return np.asarray(np.clip(guesses + chosen - before, 0, samples.shape[0] - 1), np.intp)
+    slow, gained = _change_at(samples, guesses, max(1, samples_from_ms(SLOW_LAG_MS, rate_hz)), rate_hz, rules)
+    fast, sharpened = _change_at(samples, guesses, 1, rate_hz, rules)
+    onsets = np.where(sharpened > gained, fast, slow)
+    onsets[onsets <= 1] = 0  # what was before the first sample is not known: a rise by the second begins with the film
+    return np.asarray(np.minimum(onsets, samples.shape[0] - 1), np.intp)
 
 
-def _walk_back(
-    wave: NDArray[np.float32], *, rate_hz: int, rules: OnsetRules
-) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
-    """Return where in each row of `wave` (noise first, then the search) the rise starts, and how it stands out."""
-    noise = samples_from_ms(rules.noise_ms, rate_hz)
-    quiet = max(1, samples_from_ms(rules.quiet_ms, rate_hz))
-    magnitude = np.abs(wave - wave[:, :noise].mean(axis=1, keepdims=True))
-    rise = magnitude[:, noise:]
-    peak_at = noise + rise.argmax(axis=1)
-    peak = magnitude[np.arange(wave.shape[0]), peak_at]
-    loudest = magnitude[:, :noise].max(axis=1)
-    threshold = np.maximum(rules.noise_ratio * loudest, rules.peak_ratio * peak)
-    threshold = np.minimum(threshold, 0.5 * peak)
-    start = _group_start(magnitude >= threshold[:, None], peak_at, quiet)
-    start -= _rise_before(magnitude, start, peak_at, threshold, peak)
-    return start, peak / np.maximum(loudest, 1e-12)
+def _change_at(
+    samples: NDArray[np.float32], guesses: NDArray[np.intp], lag: int, rate_hz: int, rules: OnsetRules
+) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """Return where the difference over a lag changes on its way to its peak, and how much more likely than nowhere."""
+    search, before, after = (samples_from_ms(ms, rate_hz) for ms in (rules.search_ms, rules.noise_ms, rules.after_ms))
+    around = np.abs(_differences(samples, guesses - search, 2 * search, lag))
+    peaks = around.argmax(axis=1)
+    peak = around[np.arange(peaks.size), peaks]
+    start = guesses - search + peaks - before
+    wave = _differences(samples, start, before + after, lag)
+    change, gained = _change(wave, rules.floor_ratio * peak, rate_hz)
+    longest_rise = samples_from_ms(LONGEST_RISE_MS, rate_hz)
+    return start + change - _rise_before(np.abs(wave), change, peak, longest_rise), gained
 
 
-def _group_start(above: NDArray[np.bool_], peak_at: NDArray[np.intp], quiet: int) -> NDArray[np.intp]:
-    """Return where the group of samples above the threshold that holds the peak begins."""
-    place = np.arange(above.shape[1], dtype=np.int32)
-    last = np.maximum.accumulate(np.where(above, place, np.int32(-quiet - 1)), axis=1)
-    starts = above & (place <= peak_at[:, None])
-    starts[:, 1:] &= place[1:] - last[:, :-1] > quiet
-    return np.asarray(np.where(starts, place, np.int32(0)).max(axis=1), np.intp)
+def _differences(samples: NDArray[np.float32], starts: NDArray[np.intp], length: int, lag: int) -> NDArray[np.float64]:
+    """Return x[n] - x[n - lag] for `length` samples from each start, shape (n, length)."""
+    wave = gather(samples, starts - lag, length + lag).astype(np.float64)
+    return np.asarray(wave[:, lag:] - wave[:, :-lag], np.float64)
+
+
+def _change(
+    wave: NDArray[np.float64], floor: NDArray[np.float64], rate_hz: int
+) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """Return where in each row the power changes, and how much more likely that is than no change (log, in samples)."""
+    size = wave.shape[1]
+    first, last = (max(1, samples_from_ms(least, rate_hz)) for least in _LEAST_MS)
+    energy = np.cumsum(np.square(wave), axis=1)
+    quiet = np.square(floor)[:, None] + 1e-30
+    parted = np.arange(first, size - last)
+    head = energy[:, first - 1 : size - last - 1]
+    unlikely = parted * np.log(head / parted + quiet)
+    unlikely += (size - parted) * np.log((energy[:, -1:] - head) / (size - parted) + quiet)
+    best = unlikely.argmin(axis=1)
+    whole = size * np.log(energy[:, -1] / size + quiet[:, 0])
+    return np.asarray(first + best, np.intp), whole - unlikely[np.arange(best.size), best]
 
 
 def _rise_before(
-    magnitude: NDArray[np.float32],
-    start: NDArray[np.intp],
-    peak_at: NDArray[np.intp],
-    threshold: NDArray[np.float32],
-    peak: NDArray[np.float32],
+    magnitude: NDArray[np.float64], change: NDArray[np.intp], peak: NDArray[np.float64], longest: int
 ) -> NDArray[np.intp]:
-    """Return how many samples before the crossing a straight rise through crossing and half-peak leaves zero."""
-    place = np.arange(magnitude.shape[1])
-    half = np.maximum(0.5 * peak, threshold)
-    reached = (magnitude >= half[:, None]) & (place >= start[:, None])
-    half_at = np.where(reached.any(axis=1), reached.argmax(axis=1), peak_at)
-    level = magnitude[np.arange(start.size), start]
-    gained = (magnitude[np.arange(start.size), half_at] - level).astype(np.float64)
-    run = (half_at - start).astype(np.float64)
-    back = np.divide(level * run, gained, out=np.zeros_like(run), where=(gained > 0.0) & (run > 0))
-    # a rise is no longer than what it took from the crossing to the half-peak and as much again
-    return np.floor(np.minimum(back, 2.0 * run + 1.0)).astype(np.intp)
+    """Return how many samples before the change a straight rise through it and the half-peak leaves zero.
+
+    None where the change is to more than a quarter of the peak at once: that is a step, not a place on a rise.
+    """
+    row = np.arange(change.size)
+    reached = (magnitude >= 0.5 * peak[:, None]) & (np.arange(magnitude.shape[1]) > change[:, None])
+    run = np.where(reached.any(axis=1), reached.argmax(axis=1) - change, 0).astype(np.float64)
+    level = magnitude[row, change]
+    gained = magnitude[row, change + run.astype(np.intp)] - level
+    back = np.divide(level * run, gained, out=np.zeros_like(run), where=gained > 0.0)
+    back[level > 0.25 * peak] = 0.0
+    return np.floor(np.minimum(back, longest)).astype(np.intp)

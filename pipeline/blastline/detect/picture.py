@@ -1,10 +1,11 @@
 """A candidate as two pictures: how its spectrum goes on, near in milliseconds and wide over half a second.
 
               onset
-    near  ....|..................     24 frames 1 ms apart, of 4 ms each, 20 bands, from 6 ms before to 17 ms after
-    wide  ........|.............      64 frames 8 ms apart, of 20 ms each, 32 bands, from 160 ms before to 344 after
+    near  ....|..................     24 frames 1 ms apart, of 4 ms each, 20 bands, from 5 ms before to 18 ms after
+    wide  ........|.............      48 frames 10 ms apart, of 20 ms each, 32 bands, from 120 ms before to 350 after
 
-Levels are in dB against the candidate's own attack, so that a film's gain changes nothing.
+Levels are in dB against the candidate's own attack, and each frame's mean is taken off: neither a film's gain nor a
+constant changes anything.
 """
 
 from dataclasses import dataclass
@@ -37,7 +38,7 @@ class Raster:
 
 
 NEAR = Raster(frames=24, bands=20, start_ms=-7.0, hop_ms=1.0, window_ms=4.0, low_hz=150.0, high_hz=18_000.0)
-WIDE = Raster(frames=64, bands=32, start_ms=-165.0, hop_ms=8.0, window_ms=20.0, low_hz=40.0, high_hz=17_000.0)
+WIDE = Raster(frames=48, bands=32, start_ms=-130.0, hop_ms=10.0, window_ms=20.0, low_hz=40.0, high_hz=17_000.0)
 
 ATTACK = slice(6, 12)
 """The near frames that hear the attack."""
@@ -56,7 +57,7 @@ class Pictures:
 
 
 def pictures(samples: NDArray[np.float32], onsets: NDArray[np.intp], rate_hz: int) -> Pictures:
-    """Return the pictures of candidates whose onsets are indices into `samples`; beyond its ends is silence."""
+    """Return the pictures of candidates whose onsets are indices into `samples`; beyond its ends it is still."""
     near, wide = _levels(samples, onsets, NEAR, rate_hz), _levels(samples, onsets, WIDE, rate_hz)
     attack = near[:, ATTACK].mean(axis=2).max(axis=1, initial=-np.inf)[:, None, None]
     return Pictures(np.clip(near - attack, LOWEST_DB, HIGHEST_DB), np.clip(wide - attack, LOWEST_DB, HIGHEST_DB))
@@ -69,12 +70,14 @@ def _levels(
     from scipy.fft import rfft
 
     window, bands = _kernels(raster, rate_hz)
+    mean_of = window / window.sum()
     size = _transform_size(window.size)
     starts = [samples_from_ms(raster.start_ms + raster.hop_ms * frame, rate_hz) for frame in range(raster.frames)]
     levels = np.empty((onsets.size, raster.frames, raster.bands), np.float32)
     for first in range(0, onsets.size, _AT_ONCE):
         some = onsets[first : first + _AT_ONCE]
         frames = gather(samples, (some[:, None] + np.array(starts)).ravel(), window.size)
+        frames -= (frames @ mean_of)[:, None]
         frames *= window
         spectra = rfft(frames, size, axis=1)[:, : bands.shape[0]]
         power = np.square(spectra.real)

@@ -46,7 +46,8 @@ def segment(
     reach = samples_from_ms(rules.longest_ms, rate_hz) + samples_from_ms(2 * _SMOOTH_MS, rate_hz)
     wave = samples[onset : min(onset + reach, film_stop - film_start)].astype(np.float64)
     before = samples[max(0, onset - samples_from_ms(BACKGROUND_MS, rate_hz)) : onset].astype(np.float64)
-    background = float(np.sqrt(np.mean(before**2))) if before.size else 0.0
+    wave -= np.mean(before) if before.size else wave[0]  # a constant is no sound
+    background = float(np.std(before)) if before.size else 0.0
     peak = float(np.abs(wave[: samples_from_ms(PEAK_MS, rate_hz)]).max(initial=0.0))
     blast = _blast_length(wave, peak, rate_hz=rate_hz, rules=rules)
     at = film_start + onset

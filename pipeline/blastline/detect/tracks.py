@@ -1,10 +1,11 @@
 """What the scan keeps of the film: peaks per millisecond step and band energies per two steps.
 
     samples   |-----|-----|-----|-----|      step = 1 ms, hop = 2 steps
-    peak        p0    p1    p2    p3         largest |x| of a step
+    peak        p0    p1    p2    p3         half of max x - min x, of a step and the sample before it
     slope       d0    d1    d2    d3         largest |x[n] - x[n-1]| of a step
     bands      [    frame 1     ]            Hann-windowed energies of two hops: frame k ends with hop k
 
+No track hears a constant: before its first sample a film rests at that sample's level, after its last at the last's.
 Tracks advance in pieces of a fixed number of hops, counted from the film's first sample, so that the size of the
 blocks that a reader delivers changes nothing.
 """
@@ -70,7 +71,7 @@ class Grid:
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """One piece of the film with its tracks; `samples` beyond the film's end are zero."""
+    """One piece of the film with its tracks; `samples` beyond the film's end stay at the last one's level."""
 
     samples: NDArray[np.float32]
     peak: NDArray[np.float32]
@@ -82,41 +83,44 @@ class Piece:
 def pieces(blocks: Iterable[Clip], rate_hz: int) -> Iterator[Piece]:
     """Cut the heard column of any blocks into pieces of one size and yield each with its tracks."""
     grid = Grid(rate_hz)
-    before = np.zeros(grid.hop, np.float32)
+    before = np.zeros(0, np.float32)
     for samples in _rechunk(blocks, grid.piece):
         frames = samples.shape[0]
-        padded = np.zeros(grid.piece, np.float32)
+        padded = np.full(grid.piece, samples[-1], np.float32)
         padded[:frames] = samples
+        before = before if before.size else np.full(2 * grid.hop, samples[0], np.float32)
         yield _track(padded, frames, before, grid)
-        before = padded[-grid.hop :]
+        before = padded[-2 * grid.hop :]
 
 
 def _track(samples: NDArray[np.float32], frames: int, before: NDArray[np.float32], grid: Grid) -> Piece:
     slope = np.empty_like(samples)
     np.subtract(samples[1:], samples[:-1], out=slope[1:])
     slope[0] = samples[0] - before[-1]
-    slope[frames:] = 0.0  # the end of the film is not a step
+    steps = np.arange(0, samples.shape[0], grid.step)
+    last = np.concatenate([before[-1:], samples[steps[1:] - 1]])
+    highest = np.maximum(np.maximum.reduceat(samples, steps), last)
+    lowest = np.minimum(np.minimum.reduceat(samples, steps), last)
     return Piece(
         samples=samples,
-        peak=_peaks(np.abs(samples), grid.step),
-        slope=_peaks(np.abs(slope, out=slope), grid.step),
+        peak=np.float32(0.5) * (highest - lowest),
+        slope=np.maximum.reduceat(np.abs(slope, out=slope), steps),
         bands=_bands(samples, before, grid),
         frames=frames,
     )
 
 
-def _peaks(magnitudes: NDArray[np.float32], step: int) -> NDArray[np.float32]:
-    return np.maximum.reduceat(magnitudes, np.arange(0, magnitudes.shape[0], step))
-
-
 def _bands(samples: NDArray[np.float32], before: NDArray[np.float32], grid: Grid) -> NDArray[np.float32]:
-    """Return band energies, shape (hops, BANDS): a Hann-windowed DFT at a few frequencies as two matrix products."""
+    """Return band energies, shape (hops, BANDS): a Hann-windowed DFT at a few frequencies as two matrix products.
+
+    `before` holds two hops: one for the first frame, and one more for the frame that it is compared with.
+    """
     early, late = _kernels(grid)
     hops = np.concatenate([before, samples]).reshape(-1, grid.hop)
     parts = hops[:-1] @ early + hops[1:] @ late
     # the low band is a slow level, its change from frame to frame is what sounds
     parts[1:, 0] = np.diff(parts[:, 0])
-    parts[0, 0] = 0.0
+    parts = parts[1:]
     return np.square(parts, out=parts) @ _SUMS
 
 
@@ -125,6 +129,7 @@ def _kernels(grid: Grid) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return the window times cosines and sines, for the earlier and the later hop of a frame.
 
     Scaled so that a full-scale sine gives energy 1 in its band. Frequencies a film's sample rate cannot hold give 0.
+    What a constant would give is taken off, so that it gives 0 as well; but for the first, whose changes are heard.
     """
     length = 2 * grid.hop
     time = np.arange(length)
@@ -134,7 +139,9 @@ def _kernels(grid: Grid) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         phase = 2.0 * math.pi * frequency_hz / grid.rate_hz * time
         held = 2.0 if frequency_hz < 0.48 * grid.rate_hz else 0.0
         columns += [held * window * np.cos(phase), held * window * np.sin(phase)]
-    matrix = np.stack(columns, axis=1).astype(np.float32)
+    exact = np.stack(columns, axis=1)
+    exact[:, 1:] -= window[:, None] * (exact[:, 1:].sum(axis=0) / window.sum())
+    matrix = exact.astype(np.float32)
     return np.ascontiguousarray(matrix[: grid.hop]), np.ascontiguousarray(matrix[grid.hop :])
 
 

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from ..errors import RuleError
 from .bandshape import bandshape_names
 from .features import feature_names
-from .network import Network, NetworkFile, log_odds, wired
+from .network import Network, NetworkFile, fits, log_odds, wired
 from .picture import Pictures
 
-SCHEMA = 2
+SCHEMA = 3
 BEYOND_DOUBT = 4.0
 """Log-odds of 98.2 to 1.8: no second opinion turns them over."""
 
@@ -132,6 +132,11 @@ def load_verifier(path: Path, *, networks: int) -> Verifier:
             raise RuleError(f"{path}: {name}.forest.features: expected the {len(expected)} of this version, got {got}")
     if len(model.networks) < networks:
         raise RuleError(f"{path}: networks: expected at least {networks}, as [verify] asks, got {len(model.networks)}")
+    for number, network in enumerate(model.networks):
+        if not fits(network, len(feature_names())):
+            raise RuleError(
+                f"{path}: networks[{number}]: expected layers for the features and pictures of this version"
+            )
     gate, screen = (Sieve(grown(sieve.forest), sieve.threshold) for sieve in (model.gate, model.screen))
     return Verifier(gate, screen, tuple(wired(network) for network in model.networks[:networks]))
 

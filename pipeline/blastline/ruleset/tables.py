@@ -40,13 +40,16 @@ class ScanRules(Table, frozen=True):
 
 
 class OnsetRules(Table, frozen=True):
-    """Where in the waveform a candidate starts: the first sample of its rise."""
+    """Where in the waveform a candidate starts: the first sample of its rise.
 
-    search_ms: Positive
-    noise_ms: Positive
-    quiet_ms: Positive
-    noise_ratio: Annotated[float, Meta(ge=1.0, le=4.0)]
-    peak_ratio: Annotated[float, Meta(gt=0.0, lt=0.5)]
+    The peak is the largest sample within `search_ms` of the guess; the sound from `noise_ms` before to `after_ms` after
+    it is parted in two. What lies below `floor_ratio` of the peak counts as silence.
+    """
+
+    search_ms: Annotated[float, Meta(ge=1.0, le=20.0)]
+    noise_ms: Annotated[float, Meta(ge=3.0, le=50.0)]
+    after_ms: Annotated[float, Meta(ge=0.5, le=10.0)]
+    floor_ratio: Annotated[float, Meta(gt=0.0, lt=0.5)]
 
 
 class VerifyRules(Table, frozen=True):
@@ -95,10 +98,14 @@ class SegmentRules(Table, frozen=True):
 
 
 class BurstRules(Table, frozen=True):
-    """Which shots belong together as automatic fire, and how near each other two shots can be at all."""
+    """Which shots belong together as automatic fire, and how near each other two shots can be at all.
+
+    What copies an earlier shot, and is weaker by `echo_drop_db` or more, is that shot's echo.
+    """
 
     shortest_gap_ms: Positive
     longest_gap_ms: Positive
+    echo_drop_db: Positive
     fewest_shots: Annotated[int, Meta(ge=2)]
 
     def __post_init__(self) -> None:

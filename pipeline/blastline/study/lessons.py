@@ -17,14 +17,17 @@ from ..synth import (
     stands_out_db,
     truth_of,
 )
+from .codecs import BITS_PER_S, coded
 from .corpus import Recording, load_sound
 from .mixes import Mix, Sound, as_16_bit, mix
+from .variants import varied
 
 RATE_HZ = 48_000
 MIX_S = 60.0
 SOUNDS_PER_MIX = 20
 LEVELS_DB = (3.0, 40.0)
 SHORTEST_BED_S = 4.0
+CODED_SHARE, VARIED_SHARE, CUT_SHARE = 0.3, 0.8, 0.2
 DROWNED_DB = 3.0
 """A shot that stands out by less teaches nothing: it counts neither way."""
 
@@ -41,7 +44,7 @@ def synthetic_mix(seed: int) -> Lesson:
 def synthetic_film(seed: int) -> Lesson:
     """Return lessons that are scenes as `blastline synth` makes them: bursts, rooms, changing beds, one master.
 
-    Some are cut to begin with a shot or just before it, as a reel or a trailer may.
+    Some are cut to begin with a shot or just before it, some to end inside one, as a reel or a trailer may.
     """
     return partial(_synthetic_film, seed)
 
@@ -70,8 +73,9 @@ def _gun_free_film(seed: int, number: int) -> Mix:
     scene = film_scene(seed * 10_000 + number, MIX_S, 0, int(rng.integers(20, 110)), gun_free=True, rate_hz=RATE_HZ)
     audio = render_scene(scene)
     unsure = [each.at_sample for each in truth_of(audio).negatives if each.kind == "explosion"]
+    samples = _perhaps_coded(as_16_bit(audio.read(0, audio.frames)[:, 0]), rng)
     none = np.zeros(0, np.intp)
-    return Mix(as_16_bit(audio.read(0, audio.frames)[:, 0]), none, np.zeros(0), np.array(unsure, np.intp))
+    return Mix(samples, none, np.zeros(0), np.array(unsure, np.intp))
 
 
 def _synthetic_film(seed: int, number: int) -> Mix:
@@ -88,12 +92,23 @@ def _synthetic_film(seed: int, number: int) -> Mix:
     unsure = [at - start for shot in kept for at in shot.accept_samples if at >= start]
     unsure += [n.at_sample - start for n in truth.negatives if n.kind == "explosion" and n.at_sample >= start]
     film = Mix(
-        samples=as_16_bit(audio.read(start, audio.frames)[:, 0]),
+        samples=_perhaps_coded(as_16_bit(audio.read(start, audio.frames)[:, 0]), rng),
         onsets=np.array([shot.onset_sample - start for shot in kept], np.intp),
         level_db=np.array([shot.snr_db for shot in kept], np.float64),
         unsure=np.array(unsure, np.intp),
     )
-    return without_drowned(film, [[at - start for at in _first_heard(shot)] for shot in kept])
+    film = without_drowned(film, [[at - start for at in _first_heard(shot)] for shot in kept])
+    return perhaps_cut(film, np.random.default_rng([seed, number, 1]))
+
+
+def perhaps_cut(film: Mix, rng: np.random.Generator) -> Mix:
+    """Return the film, or in one lesson of five the film until up to 0.4 s after one of its last shots' onsets."""
+    if not film.onsets.size or rng.random() >= CUT_SHARE:
+        return film
+    last = film.onsets[int(rng.integers(3 * film.onsets.size // 4, film.onsets.size))]
+    stop = int(last) + int(rng.uniform(0.002, 0.4) * RATE_HZ)
+    heard = film.onsets < stop
+    return Mix(film.samples[:stop], film.onsets[heard], film.level_db[heard], film.unsure[film.unsure < stop])
 
 
 def _first_heard(shot: ShotTruth) -> tuple[int, ...]:
@@ -133,7 +148,16 @@ def _recorded_mix(
 
 def _mixed(bed: NDArray[np.float64], sounds: list[Sound], rng: np.random.Generator) -> Mix:
     film = mix(bed, sounds, rng=rng, rate_hz=RATE_HZ, levels_db=LEVELS_DB)
+    film = replace(film, samples=_perhaps_coded(film.samples, rng))
     return without_drowned(film, [[onset] for onset in film.onsets.tolist()])
+
+
+def _perhaps_coded(samples: NDArray[np.float32], rng: np.random.Generator) -> NDArray[np.float32]:
+    """Return the samples, or in three of ten lessons what a lossy codec leaves of them."""
+    if rng.random() >= CODED_SHARE:
+        return samples
+    codec = list(BITS_PER_S)[int(rng.integers(len(BITS_PER_S)))]
+    return coded(samples, codec, bits_per_s=int(rng.choice(BITS_PER_S[codec])), rate_hz=RATE_HZ)
 
 
 def _by_source(recordings: Iterable[Recording]) -> list[list[Recording]]:
@@ -152,12 +176,13 @@ def _draw(groups: list[list[Recording]], rng: np.random.Generator) -> Recording:
 
 def _recorded_sound(recording: Recording, rng: np.random.Generator) -> Sound:
     samples = load_sound(recording, RATE_HZ).astype(np.float64)
-    onsets = tuple(round(onset * RATE_HZ) for onset in recording.onsets_s)
+    onsets = tuple(round(onset * RATE_HZ) for onset in recording.onsets_s if onset * RATE_HZ < samples.shape[0] - 1)
     longest = int(6.0 * RATE_HZ)
     if not onsets and samples.shape[0] > longest:
         start = int(rng.integers(samples.shape[0] - longest))
         samples = samples[start : start + longest]
-    return Sound(samples, onsets)
+    sound = Sound(samples, onsets)
+    return varied(sound, rng, RATE_HZ) if rng.random() < VARIED_SHARE else sound
 
 
 def _recorded_bed(beds: list[Recording], rng: np.random.Generator) -> NDArray[np.float64]:

@@ -31,7 +31,7 @@ class Sound:
 
 @dataclass(frozen=True, eq=False)
 class Mix:
-    """A mixed stretch: float32 samples at 16-bit resolution, the shots' onsets, ascending, and their levels.
+    """A mixed stretch: float32 samples, the shots' onsets, ascending, and their levels.
 
     `level_db` is a shot's peak over the rms of the bed around it.
     """

@@ -2,16 +2,20 @@
 
 from .apart import stands_out_db
 from .beds import BED_KINDS, BedKind, random_bed
+from .colour import draw_colour, record
+from .echoes import in_place
 from .files import render_scene, synthesise, truth_of, write_scene
 from .film import film_scene
 from .mix import SceneAudio
 from .negatives import NEGATIVE_KINDS, NegativeKind, random_negative
+from .rooms import ENVIRONMENTS, draw_place
 from .scene import Scene, load_scene
 from .shots import random_shot
 from .truth import NegativeTruth, ShotTruth, Truth, decode_truth, encode_truth
 
 __all__ = [
     "BED_KINDS",
+    "ENVIRONMENTS",
     "NEGATIVE_KINDS",
     "BedKind",
     "NegativeKind",
@@ -21,12 +25,16 @@ __all__ = [
     "ShotTruth",
     "Truth",
     "decode_truth",
+    "draw_colour",
+    "draw_place",
     "encode_truth",
     "film_scene",
+    "in_place",
     "load_scene",
     "random_bed",
     "random_negative",
     "random_shot",
+    "record",
     "render_scene",
     "stands_out_db",
     "synthesise",

@@ -7,7 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from .bangs import crash, explosion, firework, punch, spark, splash, thunder, whip, whoosh
-from .chance import chance, fork, pick
+from .chance import chance, fork, log_between, pick
 from .colour import CLEAN, air, draw_colour, record
 from .cries import bark, clipped_speech, cough, shout
 from .drums import applause, clap, cymbal, kick, roll, snare, tom
@@ -32,6 +32,7 @@ from .knocks import (
 from .music import bell, stinger
 from .rooms import ENVIRONMENTS, draw_place
 from .tone import Samples, peak, trimmed
+from .waves import noise_burst
 
 NegativeKind = Literal[
     "applause", "bark", "bell", "clap", "click", "clipped-speech", "cough", "crash", "cymbal", "door", "drop",
@@ -47,9 +48,11 @@ NEGATIVE_KINDS: tuple[NegativeKind, ...] = tuple(kind for kind in get_args(Negat
 
 
 def click(rng: np.random.Generator, rate_hz: int) -> Samples:
-    """Return a digital click: one to a few samples, or a step that leaks away."""
+    """Return a click of a machine: one to a few samples, a step that leaks away, or a tick of noise below 2 ms."""
     if chance(rng, 0.3):
         return np.asarray(np.exp(-np.arange(rate_hz // 20) / (0.005 * rate_hz * rng.random() + 1.0)), dtype=np.float64)
+    if chance(rng, 0.5):
+        return noise_burst(fork(rng), rate_hz, attack_ms=0.01, decay_ms=log_between(rng, (0.04, 0.7)))
     return np.asarray(rng.choice([-1.0, 1.0], int(rng.integers(1, 9))), dtype=np.float64)
 
 
