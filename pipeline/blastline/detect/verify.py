@@ -18,8 +18,8 @@ from .network import Network, NetworkFile, fits, log_odds, wired
 from .picture import Pictures
 
 SCHEMA = 3
-BEYOND_DOUBT = 4.0
-"""Log-odds of 98.2 to 1.8: no second opinion turns them over."""
+BEYOND_DOUBT = 3.0
+"""Log-odds of 95 to 5: hardly a second opinion turns them over."""
 
 SCREEN_SHARE = 1.0 / 3.0
 """How much the screen's odds weigh beside the networks': on sources never heard F1 .69 with it, .66 without."""
