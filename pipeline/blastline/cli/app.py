@@ -5,6 +5,7 @@ Exit codes
     70 a bug of blastline        130 interrupted           141 whoever read the output closed it
 """
 
+import os
 import signal
 import sys
 import traceback
@@ -69,8 +70,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BlastlineError as error:
         return _say(str(error), USAGE)
     except (BrokenPipeError, SystemExit):  # typer turns the first into the second
+        _drop_unwritten_output()
         return CLOSED_PIPE
     except OSError as error:
+        _drop_unwritten_output()
         return _say(f"{error.filename or 'input or output'}: {error.strerror or error}", USAGE)
     except KeyboardInterrupt:
         code = INTERRUPTED
@@ -84,6 +87,16 @@ def _say(message: str, code: int) -> int:
     with suppress(OSError):  # where nobody can be told, the exit code still tells
         typer.echo("blastline: " + " ".join(message.splitlines()), err=True)
     return code
+
+
+def _drop_unwritten_output() -> None:
+    """Let Python not try again at its end what cannot be written: it would end with 120 instead of our exit code."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
 
 
 def _let_signals_interrupt() -> None:
