@@ -92,21 +92,13 @@ def compare(minutes: float, *, quality: str, report: bool) -> None:
 
 def encoded(wav: Path) -> Path:
     """Return the film as AC-3 5.1 in Matroska."""
-    import av
-    import numpy as np
     import soundfile
 
+    from blastline.study.codecs import encode
+
     path = wav.with_suffix(".mkv")
-    with av.open(str(path), "w") as film, soundfile.SoundFile(wav) as sound:
-        stream = film.add_stream("ac3", rate=sound.samplerate, layout="5.1")
-        stream.bit_rate = 448_000
-        at = 0
-        for block in sound.blocks(48_000, dtype="float32", always_2d=True):
-            frame = av.AudioFrame.from_ndarray(np.ascontiguousarray(block.T), format="fltp", layout="5.1")
-            frame.sample_rate, frame.pts = sound.samplerate, at
-            at += len(block)
-            film.mux(stream.encode(frame))
-        film.mux(stream.encode(None))
+    samples, rate_hz = soundfile.read(wav, dtype="float32", always_2d=True)
+    encode(path, samples, "ac3", bits_per_s=448_000, rate_hz=rate_hz)
     return path
 
 

@@ -58,18 +58,16 @@ def without_echoes(
     same = samples_from_ms(_SAME_ECHO_MS, rate_hz)
     kept: list[Shot] = []
     echoes: list[Rejection] = []
+    due: list[tuple[int, float]] = []  # where echoes are still to come, and how high they may peak
     for shot in sorted(shots, key=lambda s: s.onset):
-        if any(_repeats(shot, earlier, same, rules.echo_drop_db) for earlier in kept):
+        due = [(at, highest_dbfs) for at, highest_dbfs in due if at >= shot.onset - same]
+        if any(at <= shot.onset + same and shot.peak_dbfs <= highest_dbfs for at, highest_dbfs in due):
             echoes.append(Rejection(shot.onset, "the echo of an earlier shot", {"probability": shot.confidence}))
-        else:
-            kept.append(shot)
+            continue
+        kept.append(shot)
+        softer = (echo for echo in shot.reflections if echo.level_db <= -rules.echo_drop_db)
+        due += [(echo.start, shot.peak_dbfs - rules.echo_drop_db) for echo in softer]
     return tuple(kept), tuple(echoes)
-
-
-def _repeats(shot: Shot, earlier: Shot, same: int, drop_db: float) -> bool:
-    return shot.peak_dbfs <= earlier.peak_dbfs - drop_db and any(
-        abs(echo.start - shot.onset) <= same and echo.level_db <= -drop_db for echo in earlier.reflections
-    )
 
 
 def part_from_echoes(shots: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> tuple[Shot, ...]:

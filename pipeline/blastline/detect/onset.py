@@ -22,8 +22,8 @@ from ..units import samples_from_ms
 from .gather import gather
 
 _PASSES = 2  # the second starts from the first one's onset, so that the scan's grid leaves no trace
-SLOW_LAG_MS = 0.5  # halves what is below 160 Hz: an engine's swing is no change, a far, dull shot still is
-LONGEST_RISE_MS = 2.5
+_SLOW_LAG_MS = 0.5  # halves 160 Hz and weakens what is below it more: a dull shot is left, an engine is not
+_LONGEST_RISE_MS = 2.5
 _LEAST_MS = 0.5, 0.15  # a power needs so much sound before and after the change
 
 
@@ -40,7 +40,7 @@ def refine_onsets(
 
 def farthest_ms(rules: OnsetRules) -> float:
     """Return how far an onset may lie from its guess."""
-    return _PASSES * (rules.search_ms + rules.noise_ms + LONGEST_RISE_MS)
+    return _PASSES * (rules.search_ms + rules.noise_ms + _LONGEST_RISE_MS)
 
 
 def _clearest(
@@ -50,7 +50,7 @@ def _clearest(
 
     Under music or an engine a crack is clear only in the fast one; a far, dull shot only in the slow one.
     """
-    slow, gained = _change_at(samples, guesses, max(1, samples_from_ms(SLOW_LAG_MS, rate_hz)), rate_hz, rules)
+    slow, gained = _change_at(samples, guesses, max(1, samples_from_ms(_SLOW_LAG_MS, rate_hz)), rate_hz, rules)
     fast, sharpened = _change_at(samples, guesses, 1, rate_hz, rules)
     onsets = np.where(sharpened > gained, fast, slow)
     onsets[onsets <= 1] = 0  # what was before the first sample is not known: a rise by the second begins with the film
@@ -68,7 +68,7 @@ def _change_at(
     start = guesses - search + peaks - before
     wave = _differences(samples, start, before + after, lag)
     change, gained = _change(wave, rules.floor_ratio * peak, rate_hz)
-    longest_rise = samples_from_ms(LONGEST_RISE_MS, rate_hz)
+    longest_rise = samples_from_ms(_LONGEST_RISE_MS, rate_hz)
     return start + change - _rise_before(np.abs(wave), change, peak, longest_rise), gained
 
 

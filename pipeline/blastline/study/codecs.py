@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..soundtrack import open_soundtrack
 
 FULL_SCALE = 32_767.0 / 32_768.0
+LAYOUTS = {1: "mono", 2: "stereo", 6: "5.1"}
 Codec = Literal["ac3", "eac3", "aac", "libmp3lame", "libopus"]
 BITS_PER_S: dict[Codec, tuple[int, ...]] = {
     "ac3": (64_000, 96_000, 128_000, 192_000),
@@ -29,7 +30,7 @@ def coded(samples: NDArray[np.float32], codec: Codec, *, bits_per_s: int, rate_h
     """
     with tempfile.TemporaryDirectory(prefix="blastline-") as folder:
         film = Path(folder) / "film.mkv"
-        _encode(film, samples, codec, bits_per_s, rate_hz)
+        encode(film, samples[:, None], codec, bits_per_s=bits_per_s, rate_hz=rate_hz)
         with open_soundtrack(film) as track:
             heard = np.concatenate([clip.heard for clip in track.blocks()])
     back = np.zeros_like(samples)
@@ -38,14 +39,17 @@ def coded(samples: NDArray[np.float32], codec: Codec, *, bits_per_s: int, rate_h
     return back
 
 
-def _encode(path: Path, samples: NDArray[np.float32], codec: Codec, bits_per_s: int, rate_hz: int) -> None:
+def encode(path: Path, samples: NDArray[np.float32], codec: Codec, *, bits_per_s: int, rate_hz: int) -> None:
+    """Write samples, shape (frames, channels), as the one stream of a film; mono, stereo or 5.1."""
     import av
 
+    layout = LAYOUTS[samples.shape[1]]
     with av.open(str(path), "w") as film:
-        stream = film.add_stream(codec, rate=rate_hz, layout="mono")
+        stream = film.add_stream(codec, rate=rate_hz, layout=layout)
         stream.bit_rate = bits_per_s
         for start in range(0, samples.shape[0], rate_hz):
-            frame = av.AudioFrame.from_ndarray(samples[None, start : start + rate_hz], format="flt", layout="mono")
+            second = np.ascontiguousarray(samples[start : start + rate_hz].T)
+            frame = av.AudioFrame.from_ndarray(second, format="fltp", layout=layout)
             frame.sample_rate, frame.pts, frame.time_base = rate_hz, start, Fraction(1, rate_hz)
             film.mux(stream.encode(frame))
         film.mux(stream.encode(None))
