@@ -1,5 +1,7 @@
 """The detector as a whole, on a small film: what must not change what is found."""
 
+from pathlib import Path
+
 import msgspec
 import numpy as np
 import pytest
@@ -190,10 +192,8 @@ def test_a_second_opinion_is_asked_where_there_is_doubt_and_changes_no_clear_ver
         assert np.all((together[doubtful] >= low[doubtful]) & (together[doubtful] <= high[doubtful]))
 
 
-def test_a_model_of_other_features_is_refused(tmp_path: object) -> None:
-    from pathlib import Path
-
-    path = Path(str(tmp_path)) / "other.json"
+def test_a_model_of_other_features_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "other.json"
     sieve = SieveFile(0.0, ForestFile(("one",), 0.0, []))
     path.write_bytes(msgspec.json.encode(ModelFile(SCHEMA, sieve, sieve, [], {})))
     with pytest.raises(
@@ -202,6 +202,17 @@ def test_a_model_of_other_features_is_refused(tmp_path: object) -> None:
         load_verifier(path, networks=1)
     path.write_text("{}")
     with pytest.raises(RuleError, match=r"other\.json: not a verifier model"):
+        load_verifier(path, networks=1)
+
+
+def test_a_network_for_other_pictures_is_refused_by_its_number(tmp_path: Path) -> None:
+    shipped = msgspec.json.decode(rules_path(f"verifier/{RULES.tier.verify.model}").read_bytes(), type=ModelFile)
+    narrower = msgspec.structs.replace(shipped.networks[1], wide=shipped.networks[1].wide[1:])
+    path = tmp_path / "narrower.json"
+    path.write_bytes(msgspec.json.encode(msgspec.structs.replace(shipped, networks=[shipped.networks[0], narrower])))
+    with pytest.raises(
+        RuleError, match=r"narrower\.json: networks\[1\]: expected layers for the features and pictures of this version"
+    ):
         load_verifier(path, networks=1)
 
 
