@@ -24,7 +24,7 @@ from .tracks import Grid, Piece, pieces
 from .verify import Verifier
 
 # A piece is about half a second. Before the core: the neighbourhood of `features`; after it: the longest decay.
-LEFT_PIECES, CORE_PIECES, RIGHT_PIECES = 8, 32, 6
+LEFT_PIECES, CORE_PIECES, RIGHT_PIECES = 8, 64, 6
 _SAME_ONSET_MS = 3.0
 
 

@@ -1,7 +1,7 @@
 """What the verifier learns from: endless minutes of film-like sound, synthetic and recorded, each from its own seed."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -36,22 +36,39 @@ Lesson = Callable[[int], Mix]
 """Makes the lesson of a number, always the same."""
 
 
+@dataclass(frozen=True)
+class Density:
+    """How many shots and other sounds a film of a minute holds, each drawn evenly from a half-open range.
+
+    A film without a gun holds as many of the others as `gun_free` says.
+    """
+
+    shots: tuple[int, int]
+    negatives: tuple[int, int]
+    gun_free: tuple[int, int]
+
+
+CROWDED = Density(shots=(0, 64), negatives=(8, 70), gun_free=(20, 110))
+SPARSE = Density(shots=(0, 7), negatives=(2, 16), gun_free=(3, 18))
+"""Sounds that stand alone, as in most of a film: whoever learns from crowded films takes what stands alone for a shot."""
+
+
 def synthetic_mix(seed: int) -> Lesson:
     """Return lessons of synthetic sounds over a synthetic bed."""
     return partial(_synthetic_mix, seed)
 
 
-def synthetic_film(seed: int) -> Lesson:
+def synthetic_film(seed: int, density: Density = CROWDED) -> Lesson:
     """Return lessons that are scenes as `blastline synth` makes them: bursts, rooms, changing beds, one master.
 
     Some are cut to begin with a shot or just before it, some to end inside one, as a reel or a trailer may.
     """
-    return partial(_synthetic_film, seed)
+    return partial(_synthetic_film, seed, density)
 
 
-def gun_free_film(seed: int) -> Lesson:
+def gun_free_film(seed: int, density: Density = CROWDED) -> Lesson:
     """Return lessons that are scenes without a gun, full of what could be taken for one."""
-    return partial(_gun_free_film, seed)
+    return partial(_gun_free_film, seed, density)
 
 
 def recorded_mix(recordings: Sequence[Recording], seed: int, synthetic: float = 0.3) -> Lesson:
@@ -68,9 +85,10 @@ def _synthetic_mix(seed: int, number: int) -> Mix:
     return _mixed(random_bed(rng, RATE_HZ, MIX_S), sounds, rng)
 
 
-def _gun_free_film(seed: int, number: int) -> Mix:
+def _gun_free_film(seed: int, density: Density, number: int) -> Mix:
     rng = np.random.default_rng([seed, number])
-    scene = film_scene(seed * 10_000 + number, MIX_S, 0, int(rng.integers(20, 110)), gun_free=True, rate_hz=RATE_HZ)
+    negatives = int(rng.integers(*density.gun_free))
+    scene = film_scene(seed * 10_000 + number, MIX_S, 0, negatives, gun_free=True, rate_hz=RATE_HZ)
     audio = render_scene(scene)
     unsure = [each.at_sample for each in truth_of(audio).negatives if each.kind == "explosion"]
     samples = _perhaps_coded(as_16_bit(audio.read(0, audio.frames)[:, 0]), rng)
@@ -78,9 +96,9 @@ def _gun_free_film(seed: int, number: int) -> Mix:
     return Mix(samples, none, np.zeros(0), np.array(unsure, np.intp))
 
 
-def _synthetic_film(seed: int, number: int) -> Mix:
+def _synthetic_film(seed: int, density: Density, number: int) -> Mix:
     rng = np.random.default_rng([seed, number])
-    shots, negatives = int(rng.integers(0, 64)), int(rng.integers(8, 70))
+    shots, negatives = int(rng.integers(*density.shots)), int(rng.integers(*density.negatives))
     scene_seed = seed * 10_000 + number
     audio = render_scene(film_scene(scene_seed, MIX_S, shots, negatives, gun_free=shots == 0, rate_hz=RATE_HZ))
     truth = truth_of(audio)

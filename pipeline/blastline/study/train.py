@@ -29,7 +29,7 @@ from ..detect.verify import SCHEMA, ModelFile, Sieve, SieveFile, Verifier, grown
 from ..ruleset import QualityRules, load_rules
 from .candidates import Candidates, best_f1, candidates, joined
 from .corpus import Recording, read_corpus
-from .lessons import MIX_S, RATE_HZ, Lesson, gun_free_film, recorded_mix, synthetic_film, synthetic_mix
+from .lessons import MIX_S, RATE_HZ, SPARSE, Lesson, gun_free_film, recorded_mix, synthetic_film, synthetic_mix
 from .mixes import Mix
 from .networks import SETTINGS, Examples, fit_network
 from .sieves import GATE_SETTINGS, SCREEN_SETTINGS, fit_sieve
@@ -72,6 +72,8 @@ def courses(corpus: Sequence[Path], *, synthetic: int, recorded: int, seed: int,
     made = [
         Course("film", synthetic_film(seed), synthetic, TESTED_EVERY),
         Course("gun-free", gun_free_film(seed + 50), round(GUN_FREE_SHARE * synthetic), 0),
+        Course("sparse-film", synthetic_film(seed + 60, SPARSE), synthetic, TESTED_EVERY),
+        Course("sparse-gun-free", gun_free_film(seed + 70, SPARSE), round(GUN_FREE_SHARE * synthetic), 0),
         Course("mix", synthetic_mix(seed + 1), synthetic // FILMS_PER_MIX, 0),
     ]
     for fold, recordings in enumerate(by_fold(read_corpus(corpus), FOLDS, FOLD_SEED) if recorded else ()):
