@@ -50,7 +50,7 @@ class Density:
 
 CROWDED = Density(shots=(0, 64), negatives=(8, 70), gun_free=(20, 110))
 SPARSE = Density(shots=(0, 7), negatives=(2, 16), gun_free=(3, 18))
-"""Sounds that stand alone, as in most of a film: whoever knows crowded films only takes what stands alone for a shot."""
+"""Sounds that stand alone, as in most of a film: who knows crowded films only takes what stands alone for a shot."""
 
 
 def synthetic_mix(seed: int) -> Lesson:
