@@ -39,6 +39,7 @@ _Thing = TypeVar("_Thing")
 FOLDS = 4
 FOLD_SEED = 7  # the parts are the same for every training seed
 FILMS_PER_MIX = 6
+SPARSE_SHARE = 0.6  # so many films in which sounds stand alone come to each crowded one
 GUN_FREE_SHARE = 0.4  # so many films without a gun come to each film with some
 TESTED_EVERY = 12  # of the films one in so many is held out
 GATE_LOSS, SCREEN_LOSS = 0.01, 0.025
@@ -69,11 +70,12 @@ class Kept:
 
 def courses(corpus: Sequence[Path], *, synthetic: int, recorded: int, seed: int, hold_out: int | None) -> list[Course]:
     """Return the courses of a training run; the recordings' sources are parted into `FOLDS`."""
+    sparse = round(SPARSE_SHARE * synthetic)
     made = [
         Course("film", synthetic_film(seed), synthetic, TESTED_EVERY),
         Course("gun-free", gun_free_film(seed + 50), round(GUN_FREE_SHARE * synthetic), 0),
-        Course("sparse-film", synthetic_film(seed + 60, SPARSE), synthetic, TESTED_EVERY),
-        Course("sparse-gun-free", gun_free_film(seed + 70, SPARSE), round(GUN_FREE_SHARE * synthetic), 0),
+        Course("sparse-film", synthetic_film(seed + 60, SPARSE), sparse, TESTED_EVERY),
+        Course("sparse-gun-free", gun_free_film(seed + 70, SPARSE), round(GUN_FREE_SHARE * sparse), 0),
         Course("mix", synthetic_mix(seed + 1), synthetic // FILMS_PER_MIX, 0),
     ]
     for fold, recordings in enumerate(by_fold(read_corpus(corpus), FOLDS, FOLD_SEED) if recorded else ()):
