@@ -8,8 +8,17 @@ from types import MappingProxyType
 from ..errors import RuleError
 from ..model import Timeline
 from .audacity import write_labels
+from .avid import write_avid
+from .cmx3600 import write_cmx3600
+from .editorial import write_fcp7, write_otio
+from .fcpxml import write_fcpxml
+from .midi import write_midi
+from .reaper import write_reaper
+from .resolve import write_resolve
+from .schema import write_schema
 from .table import write_csv
 from .timeline import write_json
+from .webvtt import write_webvtt
 
 
 @dataclass(frozen=True)
@@ -29,8 +38,18 @@ class Format:
 
 _ALL = (
     Format("json", ".json", "blastline itself and scripts: everything that is known", write_json),
+    Format("schema", ".schema.json", "validators and code generators: what timeline.json may hold", write_schema),
     Format("csv", ".csv", "spreadsheets and pandas: one row per event", write_csv),
     Format("audacity", ".audacity.txt", "Audacity: File > Import > Labels", write_labels),
+    Format("reaper", ".reaper.csv", "REAPER: View > Region/Marker Manager > Options > Import", write_reaper),
+    Format("resolve", ".resolve.edl", "DaVinci Resolve: a timeline's menu > Import > Timeline Markers", write_resolve),
+    Format("cmx3600", ".cmx3600.edl", "Avid EDL Manager and conform tools: an EDL with locators", write_cmx3600),
+    Format("fcp7", ".fcp7.xml", "Adobe Premiere Pro: File > Import", write_fcp7),
+    Format("otio", ".otio", "DaVinci Resolve and tools that read OpenTimelineIO", write_otio),
+    Format("fcpxml", ".fcpxml", "Final Cut Pro: File > Import > XML", write_fcpxml),
+    Format("avid", ".avid.txt", "Avid Media Composer: Markers window > Import Markers", write_avid),
+    Format("webvtt", ".vtt", "players and browsers: subtitles over the film", write_webvtt),
+    Format("midi", ".mid", "sequencers and show control: a note per shot", write_midi),
 )
 
 FORMATS: Mapping[str, Format] = MappingProxyType({known.name: known for known in _ALL})

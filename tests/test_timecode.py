@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from blastline.model import Source
-from blastline.soundtrack import timecode_at
-from blastline.soundtrack.timecode import clock, time_of_start
+from blastline.timecode import timecode_at
+from blastline.timecode import clock, time_of_start
 
 RATES = ["24000/1001", "24", "25", "30000/1001", "30", "48", "50", "60000/1001", "60"]
 
