@@ -8,6 +8,7 @@ from pathlib import PurePath
 from ..errors import RuleError
 from ..model import Event, Source, Timeline
 from ..timecode import FrameScale, FrameTime, frame_scale, frame_time
+from .order import with_ends
 
 FRAME_FORMATS = frozenset({"resolve", "cmx3600", "avid", "fcp7", "otio", "fcpxml"})
 """Formats that count frames: without a frame rate they cannot be written."""
@@ -68,14 +69,11 @@ def frame_markers(timeline: Timeline, *, format_name: str) -> FrameMarkers:
     refuse_without_frames([format_name], source)
     scale = frame_scale(source)
     assert scale is not None
-    events = sorted(timeline.events, key=lambda event: event.onset_sample)
-    places = [frame_time(source, event.onset_sample, scale) for event in events]
-    following = [*(place.frame for place in places[1:]), None]
     markers = []
-    for event, place, after in zip(events, places, following, strict=True):
-        end = frame_time(source, max(event.onset_sample, event.window.stop), scale).frame
-        last = end if after is None else min(end, after)
-        markers.append(Marker(event, place.frame, place.offset_s, max(1, last - place.frame)))
+    for event, stop in with_ends(timeline):
+        place = frame_time(source, event.onset_sample, scale)
+        frames = frame_time(source, stop, scale).frame - place.frame
+        markers.append(Marker(event, place.frame, place.offset_s, max(1, frames)))
     start = min([scale.first_frame, *(marker.frame for marker in markers)])
     end = frame_time(source, source.frames, scale).frame
     stop = max([start + 1, end, *(marker.frame + marker.frames for marker in markers)])

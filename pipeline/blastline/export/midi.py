@@ -5,7 +5,7 @@ Where no tempo does (rates such as 44,101 Hz), a tick is 20.83 us and a note at 
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -13,13 +13,14 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..model import Event, Source, Timeline
 from ..timecode import exact_offset, frame_scale
 from ..timecode import label as timecode
+from .order import with_ends
 from .words import label, one_line
 
 if TYPE_CHECKING:
     from mido import MetaMessage, MidiTrack
     from mido.messages import BaseMessage
 
-NOTE, CHANNEL = 60, 0
+NOTE = 60
 _MICROSECONDS = 1_000_000
 _MOST_TICKS_PER_BEAT = 0x7FFF
 _MOST_TICKS_BETWEEN = 0x0FFFFFFF
@@ -75,33 +76,28 @@ def write_midi(timeline: Timeline, path: Path) -> None:
     """
     import mido
 
-    source = timeline.source
+    source, events = timeline.source, tuple(with_ends(timeline))
     beat = pulse(source.sample_rate_hz)
-    events = sorted(timeline.events, key=lambda event: event.onset_sample)
-    onsets = [beat.ticks(event.onset_sample, source.sample_rate_hz) for event in events]
+    onsets = [beat.ticks(event.onset_sample, source.sample_rate_hz) for event, _ in events]
     tempo = mido.MetaMessage("set_tempo", tempo=beat.tempo_us)
     name = mido.MetaMessage("track_name", name=one_line(source.name))
     head = [(0, message) for message in (name, *_smpte_offset(source), tempo)]
-    named = [mido.MetaMessage("marker", text=label(event)) for event in events]
+    named = [mido.MetaMessage("marker", text=label(event)) for event, _ in events]
     shots = (0, mido.MetaMessage("track_name", name="shots"))
     file = mido.MidiFile(type=1, ticks_per_beat=beat.ticks_per_beat, charset="utf-8")
     file.tracks.append(_track([*head, *zip(onsets, named, strict=True)]))
-    file.tracks.append(_track([shots, *_notes(events, onsets, beat, source.sample_rate_hz)]))
+    file.tracks.append(_track([shots, *_notes(events, beat, source.sample_rate_hz)]))
     file.save(path)
 
 
-def _notes(
-    events: Sequence[Event], onsets: Sequence[int], beat: Pulse, rate_hz: int
-) -> Iterator[tuple[int, "BaseMessage"]]:
+def _notes(events: Iterable[tuple[Event, int]], beat: Pulse, rate_hz: int) -> Iterator[tuple[int, "BaseMessage"]]:
     """Yield the notes' starts and ends in order of time; a note ends before the next one starts."""
     import mido
 
-    for index, (event, start) in enumerate(zip(events, onsets, strict=True)):
-        stop = beat.ticks(max(event.onset_sample + 1, event.window.stop), rate_hz)
-        if index + 1 < len(onsets):
-            stop = min(stop, onsets[index + 1])
-        yield start, mido.Message("note_on", note=NOTE, channel=CHANNEL, velocity=velocity(event.peak_dbfs))
-        yield max(start, stop), mido.Message("note_off", note=NOTE, channel=CHANNEL)
+    for event, stop in events:
+        level = velocity(event.peak_dbfs)
+        yield beat.ticks(event.onset_sample, rate_hz), mido.Message("note_on", note=NOTE, velocity=level)
+        yield beat.ticks(stop, rate_hz), mido.Message("note_off", note=NOTE)
 
 
 def _track(timed: Sequence[tuple[int, "BaseMessage"]]) -> "MidiTrack":

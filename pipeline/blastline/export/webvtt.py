@@ -5,6 +5,7 @@ from pathlib import Path
 
 from ..model import Timeline
 from ..timecode import picture_time
+from .order import with_ends
 from .words import label, one_line
 
 STEP_S = Fraction(1, 1000)
@@ -16,13 +17,9 @@ def write_webvtt(timeline: Timeline, path: Path) -> None:
     Times are of the picture, in milliseconds; an event before the picture's first frame is shown at 0.
     """
     source = timeline.source
-    events = sorted(timeline.events, key=lambda event: event.onset_sample)
-    starts = [_step(picture_time(source, event.onset_sample)) for event in events]
     parts = ["WEBVTT\n"]
-    for index, (event, start) in enumerate(zip(events, starts, strict=True)):
-        stop = _step(picture_time(source, max(event.onset_sample, event.window.stop)))
-        if index + 1 < len(starts):
-            stop = min(stop, starts[index + 1])
+    for event, end in with_ends(timeline):
+        start, stop = (_step(picture_time(source, sample)) for sample in (event.onset_sample, end))
         times = f"{_clock(start)} --> {_clock(max(start + 1, stop))}"
         parts.append(f"{_text(one_line(event.id))}\n{times}\n{_text(label(event))}\n")
     path.write_text("\n".join(parts), encoding="utf-8", newline="\n")

@@ -5,7 +5,7 @@ film -> find shots -> plan windows -> choose a model for each -> render -> write
 
 from .actuators import actuator_table
 from .checking import check
-from .files import export, synthesise
+from .files import export, exports, roundings, synthesise
 from .listening import detect
 from .progress import Progress, no_progress
 from .rendering import RenderOptions, render
@@ -17,7 +17,9 @@ __all__ = [
     "check",
     "detect",
     "export",
+    "exports",
     "no_progress",
     "render",
+    "roundings",
     "synthesise",
 ]

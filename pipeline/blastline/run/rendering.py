@@ -12,13 +12,15 @@ import msgspec
 from .. import scene
 from ..align import check_files
 from ..errors import OutputError
-from ..export import export_timeline, known_formats
+from ..export import export_timeline, known_formats, refuse_without_frames
 from ..model import ActuatorRef, Background, Clip, DriveChoice, DriveInfo, Phase, Quality, Span, Timeline
 from ..render import RenderedWindow, compose, drive_filters, measure, needed_audio, render_window
 from ..report import OverviewMeter, write_report
 from ..ruleset import ActuatorProfile, Rules, load_actuator, load_rules
 from ..soundtrack import Cue, Soundtrack, open_soundtrack, write_drive
 from ..staging import staged
+from ..timebase import AS_FILMED, Timebase
+from .files import exports
 from .listening import BLOCK, Listened, assemble, event_id, listen
 from .progress import Progress, no_progress
 
@@ -38,6 +40,7 @@ class RenderOptions:
     mix: str = "mains"
     stream: int | None = None
     formats: tuple[str, ...] = ("json", "csv")
+    timebase: Timebase = AS_FILMED
     report: bool = True
     overwrite: bool = False
 
@@ -65,7 +68,10 @@ def render(film: Path, folder: Path, options: RenderOptions, progress: Progress 
     names = [DRIVE_NAME, *(known.file_name for known in formats), *([REPORT_NAME] if options.report else [])]
     _refuse_to_replace(film, folder, names)
     with staged(folder, names=names, overwrite=options.overwrite) as hidden:
-        with open_soundtrack(film, stream=options.stream, mix=options.mix, spool_folder=hidden) as track:
+        with open_soundtrack(
+            film, stream=options.stream, mix=options.mix, spool_folder=hidden, timebase=options.timebase
+        ) as track:
+            refuse_without_frames(options.formats, track.described())
             meter = OverviewMeter(track.rate_hz) if options.report else None
             heard = listen(track, rules, progress, meter)
             drives = _write_drive(hidden / DRIVE_NAME, heard, setup)
@@ -83,6 +89,7 @@ def render(film: Path, folder: Path, options: RenderOptions, progress: Progress 
                         audio=track,
                         drive=drive,
                         profile=profile,
+                        exports=exports(written=options.formats),
                         options={"drive": options.drive, "phase": options.phase, "background": options.background},
                     )
         export_timeline(timeline, hidden, formats=options.formats)
