@@ -93,12 +93,13 @@ def render(
         report=report,
         overwrite=overwrite,
     )
+    notes: list[str] = []
     with shown_progress(quiet=quiet) as progress:
-        timeline = run.render(film, folder, options, progress)
+        timeline = run.render(film, folder, options, progress, notes.append)
     if not quiet:
+        for note in notes:
+            typer.echo(note, err=True)
         say_summary(timeline, folder / "report.html" if report else folder)
-        for line in run.roundings(timeline, options.formats):
-            typer.echo(line, err=True)
     say_checks(timeline, quiet=quiet, err=True)
     return _code(timeline)
 
@@ -206,13 +207,17 @@ def export(
     """
     from .. import run
 
+    def note(line: str) -> None:
+        if not quiet:
+            typer.echo(line, err=True)
+
     files = run.export(
         timeline,
         folder,
         formats=listed(formats),
         timebase=parse_timebase(start_timecode, frame_rate),
         overwrite=overwrite,
-        tell=None if quiet else lambda line: typer.echo(line, err=True),
+        note=note,
     )
     for file in files:
         typer.echo(file)

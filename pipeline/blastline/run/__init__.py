@@ -5,7 +5,8 @@ film -> find shots -> plan windows -> choose a model for each -> render -> write
 
 from .actuators import actuator_table
 from .checking import check
-from .files import export, exports, roundings, synthesise
+from .exports import exports
+from .files import export, synthesise
 from .listening import detect
 from .progress import Progress, no_progress
 from .rendering import RenderOptions, render
@@ -20,6 +21,5 @@ __all__ = [
     "exports",
     "no_progress",
     "render",
-    "roundings",
     "synthesise",
 ]

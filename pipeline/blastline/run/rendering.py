@@ -12,7 +12,7 @@ import msgspec
 from .. import scene
 from ..align import check_files
 from ..errors import OutputError
-from ..export import export_timeline, known_formats, refuse_without_frames
+from ..export import export_timeline, known_formats, refuse_without_frames, rounding
 from ..model import ActuatorRef, Background, Clip, DriveChoice, DriveInfo, Phase, Quality, Span, Timeline
 from ..render import RenderedWindow, compose, drive_filters, measure, needed_audio, render_window
 from ..report import OverviewMeter, write_report
@@ -20,9 +20,9 @@ from ..ruleset import ActuatorProfile, Rules, load_actuator, load_rules
 from ..soundtrack import Cue, Soundtrack, open_soundtrack, write_drive
 from ..staging import staged
 from ..timebase import AS_FILMED, Timebase
-from .files import exports
+from .exports import exports
 from .listening import BLOCK, Listened, assemble, event_id, listen
-from .progress import Progress, no_progress
+from .progress import Note, Progress, no_note, no_progress
 
 DRIVE_NAME, REPORT_NAME = "drive.wav", "report.html"
 
@@ -56,9 +56,12 @@ class Setup:
     progress: Progress = field(repr=False)
 
 
-def render(film: Path, folder: Path, options: RenderOptions, progress: Progress = no_progress) -> Timeline:
+def render(
+    film: Path, folder: Path, options: RenderOptions, progress: Progress = no_progress, note: Note = no_note
+) -> Timeline:
     """Find the shots of a film and write drive, timeline and report to `folder`; return the timeline with its checks.
 
+    `note` is told what the timeline's formats had to round.
     Raises BlastlineError for input, rules or an output folder that cannot be used; nothing is written then.
     """
     profile, digest = load_actuator(options.actuator, options.rules)
@@ -93,6 +96,8 @@ def render(film: Path, folder: Path, options: RenderOptions, progress: Progress 
                         options={"drive": options.drive, "phase": options.phase, "background": options.background},
                     )
         export_timeline(timeline, hidden, formats=options.formats)
+    for line in rounding(timeline, options.formats):
+        note(line)
     return timeline
 
 
