@@ -93,7 +93,8 @@ def test_export_tells_what_rounding_moves_and_is_quiet_when_asked(saved: Path, t
         str(tmp_path / "cues" / FORMATS[name].file_name) for name in ("otio", "avid", "webvtt", "csv")
     ]
     assert ended.err.splitlines() == [
-        "otio, avid: times are whole frames, 24 a second, at most 20.83 ms off; shot-0001 moves farthest, by -20.812 ms",
+        "otio, avid: times are whole frames, 24 a second, at most 20.83 ms off; "
+        "shot-0001 moves farthest, by -20.812 ms",
         "webvtt: times are whole milliseconds; shot-0001 moves farthest, by +0.188 ms",
     ]
     quiet = blastline("export", saved, "--format", "otio", "-o", tmp_path / "cues", "--overwrite", "--quiet")
