@@ -15,7 +15,7 @@ import pycmx
 import pytest
 
 from blastline.errors import RuleError
-from blastline.export import export_timeline, refuse_without_frames
+from blastline.export import export_timeline, require_frame_rate
 from blastline.export.frames import FRAME_FORMATS
 from blastline.model import Timeline
 from films import COUNTINGS, HOSTILE, ONSETS, Counting, film
@@ -340,8 +340,22 @@ def test_without_a_frame_rate_they_are_refused_in_one_line(tmp_path: Path, name:
         export_timeline(sound, tmp_path, formats=[name])
     odd = msgspec.structs.replace(sound.source, frame_rate="27/2")
     with pytest.raises(RuleError, match="has 27/2 frames a second, which no timecode counts"):
-        refuse_without_frames(["csv", name], odd)
-    refuse_without_frames(["csv", "midi"], odd)
+        require_frame_rate(["csv", name], odd)
+    require_frame_rate(["csv", "midi"], odd)
+
+
+@pytest.mark.parametrize("rate", ["100", "120000/1001", "120"])
+def test_fast_rates_are_written_or_refused_in_one_line(tmp_path: Path, rate: str) -> None:
+    counting = Counting(rate, "01:00:00;00" if "/" in rate else "01:00:00:00")
+    timeline = film(counting)
+    with pytest.raises(
+        RuleError, match=r"--format fcp7: film\.mkv has [\d.]+ frames a second; this format holds up to 60"
+    ):
+        export_timeline(timeline, tmp_path, formats=["fcp7"])
+    found = fcpxml_markers(written(timeline, tmp_path, "fcpxml"), counting)
+    assert_each_event_is_there(found, timeline, counting)
+    for name in sorted(FRAME_FORMATS - {"fcp7"}):
+        assert written(timeline, tmp_path, name).exists()
 
 
 @pytest.mark.parametrize("name", sorted(FRAME_FORMATS))

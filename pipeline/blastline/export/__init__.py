@@ -1,7 +1,7 @@
 """The timeline as files: one writer for each tool that opens it, and the reader of `timeline.json`."""
 
 from .formats import FORMATS, Format, export_timeline, known_formats
-from .frames import refuse_without_frames
+from .frames import require_frame_rate
 from .reading import read_timeline
 from .rounding import resolution, rounding
 
@@ -11,7 +11,7 @@ __all__ = [
     "export_timeline",
     "known_formats",
     "read_timeline",
-    "refuse_without_frames",
+    "require_frame_rate",
     "resolution",
     "rounding",
 ]

@@ -13,6 +13,7 @@ from .order import with_ends
 FRAME_FORMATS = frozenset({"resolve", "cmx3600", "avid", "fcp7", "otio", "fcpxml"})
 """Formats that count frames: without a frame rate they cannot be written."""
 
+_FCP7_MOST_FRAMES = 60
 _SOUND_ONLY = frozenset(
     [
         ".aac",
@@ -66,7 +67,7 @@ class FrameMarkers:
 def frame_markers(timeline: Timeline, *, format_name: str) -> FrameMarkers:
     """Return a timeline's events on the film's frames. Raises RuleError where the film has no frame rate."""
     source = timeline.source
-    refuse_without_frames([format_name], source)
+    require_frame_rate([format_name], source)
     scale = frame_scale(source)
     assert scale is not None
     markers = []
@@ -80,13 +81,17 @@ def frame_markers(timeline: Timeline, *, format_name: str) -> FrameMarkers:
     return FrameMarkers(scale, start, stop, tuple(markers))
 
 
-def refuse_without_frames(formats: Iterable[str], source: Source) -> None:
-    """Raise RuleError where one of the formats counts frames and the source has no frame rate to count by."""
-    needing = [name for name in formats if name in FRAME_FORMATS]
-    if needing and frame_scale(source) is None:
-        rate = source.frame_rate
-        found = f"{rate} frames a second, which no timecode counts" if rate else "no frame rate"
-        raise RuleError(f"--format {needing[0]}: {source.name} has {found}; give the film's, such as --frame-rate 24")
+def require_frame_rate(formats: Iterable[str], source: Source) -> None:
+    """Raise RuleError where one of the formats counts frames and cannot count the source's."""
+    scale = frame_scale(source)
+    for name in formats:
+        if name in FRAME_FORMATS and scale is None:
+            rate = source.frame_rate
+            found = f"{rate} frames a second, which no timecode counts" if rate else "no frame rate"
+            raise RuleError(f"--format {name}: {source.name} has {found}; give the film's, such as --frame-rate 24")
+        if name == "fcp7" and scale is not None and scale.nominal > _FCP7_MOST_FRAMES:
+            found = f"{float(scale.rate):.6g} frames a second"
+            raise RuleError(f"--format {name}: {source.name} has {found}; this format holds up to {_FCP7_MOST_FRAMES}")
 
 
 def has_picture(source: Source) -> bool:

@@ -8,7 +8,7 @@ from ..export import (
     export_timeline,
     known_formats,
     read_timeline,
-    refuse_without_frames,
+    require_frame_rate,
     rounding,
 )
 from ..staging import staged
@@ -32,7 +32,7 @@ def export(
     """
     chosen = known_formats(formats)
     read = retimed(read_timeline(timeline), timebase)
-    refuse_without_frames([known.name for known in chosen], read.source)
+    require_frame_rate([known.name for known in chosen], read.source)
     names = [known.file_name for known in chosen]
     with staged(folder, names=names, overwrite=overwrite) as hidden:
         export_timeline(read, hidden, formats=[known.name for known in chosen])

@@ -12,7 +12,7 @@ import msgspec
 from .. import scene
 from ..align import check_files
 from ..errors import OutputError
-from ..export import export_timeline, known_formats, refuse_without_frames, rounding
+from ..export import export_timeline, known_formats, require_frame_rate, rounding
 from ..model import ActuatorRef, Background, Clip, DriveChoice, DriveInfo, Phase, Quality, Span, Timeline
 from ..render import RenderedWindow, compose, drive_filters, measure, needed_audio, render_window
 from ..report import OverviewMeter, write_report
@@ -74,7 +74,7 @@ def render(
         with open_soundtrack(
             film, stream=options.stream, mix=options.mix, spool_folder=hidden, timebase=options.timebase
         ) as track:
-            refuse_without_frames(options.formats, track.described())
+            require_frame_rate(options.formats, track.described())
             meter = OverviewMeter(track.rate_hz) if options.report else None
             heard = listen(track, rules, progress, meter)
             drives = _write_drive(hidden / DRIVE_NAME, heard, setup)
