@@ -132,7 +132,7 @@ def test_what_is_no_film_is_refused(tmp_path: Path, name: str, content: bytes | 
         ("--rules none", "none: not a folder"),
         ("--rules wrong", "align.toml: correlation = 7: expected `float` <= 1.0"),
         ("--rules unknown", "align.toml: top level: object contains unknown field `korrelation`"),
-        ("--format json,xls", "--format 'xls': no such format; expected some of: json, csv, audacity"),
+        ("--format json,xls", "--format 'xls': no such format; expected some of: json, schema, csv"),
         ("--format ,", "--format '': no such format"),
         ("--mix sides", "mix 'sides'"),
         ("--mix 5", "mix '5'"),

@@ -10,6 +10,7 @@ import pytest
 from blastline import run
 from blastline.cli.progress import shown_progress
 from blastline.model import Check, Timeline
+from blastline.timebase import parse_timebase
 from commands import Ended, blastline
 from timelines import timeline
 
@@ -39,10 +40,11 @@ def test_a_render_is_summed_up(monkeypatch: pytest.MonkeyPatch) -> None:
     made = msgspec.structs.replace(found, source=damaged)
     asked: list[Any] = []
 
-    def render(film: Path, folder: Path, options: Any, progress: Any) -> Timeline:
+    def render(film: Path, folder: Path, options: Any, progress: Any, note: Any) -> Timeline:
         asked.append((film, folder, options))
         progress("listening", 1, 2)
         progress("listening", 2, 2)
+        note("webvtt: times are whole milliseconds")
         return made
 
     monkeypatch.setattr(run, "render", render)
@@ -50,6 +52,7 @@ def test_a_render_is_summed_up(monkeypatch: pytest.MonkeyPatch) -> None:
     assert (ended.code, ended.out) == (0, "")
     assert ended.err.splitlines() == [
         "blastline: listening ...",
+        "webvtt: times are whole milliseconds",
         "2 shots, 1 burst",
         "drive: 1 filter",
         "warning: 2 samples were not numbers",
@@ -66,13 +69,13 @@ def test_a_render_is_summed_up(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_every_option_of_render_arrives(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Any] = []
 
-    def render(film: Path, folder: Path, options: Any, progress: Any) -> Timeline:
+    def render(film: Path, folder: Path, options: Any, *_: object) -> Timeline:
         asked.append(options)
         return timeline()
 
     monkeypatch.setattr(run, "render", render)
     options = "--quality draft --actuator own.toml --rules own --drive filter --phase zero --background direct"
-    more = "--mix lfe --stream 0 --format audacity --no-report --overwrite"
+    more = "--mix lfe --stream 0 --format audacity --no-report --overwrite --frame-rate 25"
     assert blastline("render", "film.mkv", "-o", "out", *options.split(), *more.split()).code == 0
     [arrived] = asked
     assert arrived == run.RenderOptions(
@@ -84,6 +87,7 @@ def test_every_option_of_render_arrives(monkeypatch: pytest.MonkeyPatch) -> None
         background="direct",
         mix="lfe",
         stream=0,
+        timebase=parse_timebase(None, "25"),
         formats=("audacity",),
         report=False,
         overwrite=True,

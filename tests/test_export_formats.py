@@ -106,6 +106,6 @@ def test_formats_come_in_the_order_asked_for_and_once() -> None:
 
 
 def test_an_unknown_format_is_refused_before_anything_is_written(tmp_path: Path) -> None:
-    with pytest.raises(RuleError, match=r"--format 'xls': no such format; expected some of: json, csv, audacity"):
+    with pytest.raises(RuleError, match=r"--format 'xls': no such format; expected some of: json, schema, csv"):
         export_timeline(timeline(), tmp_path, formats=["json", "xls"])
     assert [*tmp_path.iterdir()] == []

@@ -11,7 +11,7 @@ import blastline
 
 PACKAGE = Path(blastline.__file__).parent
 
-GROUND = {"errors", "units", "model", "ruleset", "dsp", "staging", "__version__"}
+GROUND = {"errors", "units", "model", "timecode", "timebase", "ruleset", "dsp", "staging", "__version__"}
 STAGES = {"soundtrack", "detect", "render", "align", "scene", "export", "report", "synth"}
 MAY_IMPORT = (
     dict.fromkeys(GROUND, GROUND)
@@ -19,7 +19,7 @@ MAY_IMPORT = (
     | {
         "study": GROUND | STAGES | {"study"},
         "run": GROUND | STAGES | {"run"},
-        "cli": {"cli", "run", "study", "ruleset", "model", "errors", "staging", "__version__"},
+        "cli": {"cli", "run", "timebase", "study", "ruleset", "model", "errors", "staging", "__version__"},
         "__main__": {"cli"},
         "__init__": set(),
     }

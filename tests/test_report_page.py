@@ -2,6 +2,7 @@
 
 import html
 import re
+from collections.abc import Sequence
 from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
@@ -12,7 +13,7 @@ import pytest
 
 from align_films import PROFILE, Film, make_film
 from blastline.model import Check, Event, Timeline
-from blastline.report import OverviewMeter, write_report
+from blastline.report import ExportRow, OverviewMeter, write_report
 
 VOID = {"meta", "br", "hr", "img", "input", "link"}
 
@@ -63,7 +64,7 @@ def film() -> Film:
     return make_film(onsets_s=(0.7, 1.6, 2.9), peaks=(0.05, 0.5, 0.1), seconds=4.0)
 
 
-def written(folder: Path, film: Film, timeline: Timeline | None = None) -> str:
+def written(folder: Path, film: Film, timeline: Timeline | None = None, exports: Sequence[ExportRow] = ()) -> str:
     meter = OverviewMeter(film.audio.rate_hz)
     for _ in meter.watch(film.audio.blocks()):
         pass
@@ -75,6 +76,7 @@ def written(folder: Path, film: Film, timeline: Timeline | None = None) -> str:
         audio=film.audio,
         drive=film.drive,
         profile=PROFILE,
+        exports=exports,
         options={"phase": "causal"},
     )
     return path.read_text(encoding="utf-8")
@@ -132,6 +134,21 @@ def test_hostile_names_stay_text(tmp_path: Path) -> None:
     assert page.tags.count("script") == 1
     assert "img" not in page.tags
     assert html.escape(evil) in text
+
+
+def test_files_for_other_tools_are_linked_where_they_were_written(tmp_path: Path) -> None:
+    evil = '<b>&"'
+    rows = (
+        ExportRow("avid", "timeline.avid.txt", "Avid", "Tools > Markers", "nearest frame", False),
+        ExportRow("csv", f"timeline {evil}.csv", f"any {evil}", f"open {evil}", f"exact {evil}", True),
+    )
+    page = Page(written(tmp_path, film(), exports=rows))
+    assert "files" in page.ids
+    assert [link for link in page.links if not link.startswith("#")] == [f"timeline {evil}.csv"]
+    assert all(word in page.text for word in ("Tools > Markers", "nearest frame", f"open {evil}", f"exact {evil}"))
+    assert page.text.index(f"any {evil}") < page.text.index("Tools > Markers")
+    assert "blastline export timeline.json" in page.text
+    assert "files" not in Page(written(tmp_path, film())).ids
 
 
 def test_a_film_without_shots_says_so(tmp_path: Path) -> None:

@@ -6,7 +6,22 @@ from typing import Annotated
 import typer
 
 from ..model import Background, DriveChoice, Phase, Timeline, encode
-from .options import DRIVING, WRITING, Film, Formats, Mix, Overwrite, QualityOption, Quiet, RulesOption, Stream, listed
+from ..timebase import parse_timebase
+from .options import (
+    DRIVING,
+    WRITING,
+    Film,
+    Formats,
+    FrameRate,
+    Mix,
+    Overwrite,
+    QualityOption,
+    Quiet,
+    RulesOption,
+    StartTimecode,
+    Stream,
+    listed,
+)
 from .progress import shown_progress
 from .summary import say_checks, say_summary
 
@@ -49,6 +64,8 @@ def render(
         Background,
         typer.Option(help="Between the shots: no motion, or the film's sound as it is.", rich_help_panel=DRIVING),
     ] = "mute",
+    start_timecode: StartTimecode = None,
+    frame_rate: FrameRate = None,
     formats: Formats = "json,csv",
     report: Annotated[
         bool, typer.Option("--report/--no-report", help="Write report.html with pictures.", rich_help_panel=WRITING)
@@ -71,13 +88,17 @@ def render(
         background=background,
         mix=mix,
         stream=stream,
+        timebase=parse_timebase(start_timecode, frame_rate),
         formats=listed(formats),
         report=report,
         overwrite=overwrite,
     )
+    notes: list[str] = []
     with shown_progress(quiet=quiet) as progress:
-        timeline = run.render(film, folder, options, progress)
+        timeline = run.render(film, folder, options, progress, notes.append)
     if not quiet:
+        for note in notes:
+            typer.echo(note, err=True)
         say_summary(timeline, folder / "report.html" if report else folder)
     say_checks(timeline, quiet=quiet, err=True)
     return _code(timeline)
@@ -100,6 +121,8 @@ def detect(
     rules: RulesOption = None,
     mix: Mix = "mains",
     stream: Stream = None,
+    start_timecode: StartTimecode = None,
+    frame_rate: FrameRate = None,
     overwrite: Overwrite = False,
     quiet: Quiet = False,
 ) -> None:
@@ -110,9 +133,14 @@ def detect(
     from .. import run
     from ..staging import staged
 
+    timebase = parse_timebase(start_timecode, frame_rate)
+
     def found() -> bytes:
         with shown_progress(quiet=quiet) as progress:
-            return encode(run.detect(film, quality=quality, rules=rules, mix=mix, stream=stream, progress=progress))
+            timeline = run.detect(
+                film, quality=quality, rules=rules, mix=mix, stream=stream, timebase=timebase, progress=progress
+            )
+        return encode(timeline)
 
     if output is None:
         typer.echo(found(), nl=False)
@@ -166,16 +194,44 @@ def export(
         Path,
         typer.Option("-o", "--output", metavar="DIR", help="Folder for the files.", rich_help_panel=WRITING),
     ],
+    start_timecode: StartTimecode = None,
+    frame_rate: FrameRate = None,
     overwrite: Overwrite = False,
+    quiet: Quiet = False,
 ) -> None:
     """Write a timeline in the formats of other tools; prints each file's name.
 
-    Example: `blastline export result/timeline.json --format csv,audacity -o cues`
+    What rounding to frames or milliseconds moves is told on standard error.
+
+    Example: `blastline export result/timeline.json --format resolve,reaper -o cues`
     """
     from .. import run
 
-    for file in run.export(timeline, folder, formats=listed(formats), overwrite=overwrite):
+    def note(line: str) -> None:
+        if not quiet:
+            typer.echo(line, err=True)
+
+    files = run.export(
+        timeline,
+        folder,
+        formats=listed(formats),
+        timebase=parse_timebase(start_timecode, frame_rate),
+        overwrite=overwrite,
+        note=note,
+    )
+    for file in files:
         typer.echo(file)
+
+
+def formats() -> None:
+    """List the formats of `--format`: the file, how exact its times are, and the tool that opens it.
+
+    Example: `blastline formats`
+    """
+    from .. import run
+
+    for row in run.exports():
+        typer.echo(f"{row.name:<9} {row.file:<24} {row.exactness}\n{'':<9} {row.tool}: {row.how}")
 
 
 def _code(timeline: Timeline) -> int:

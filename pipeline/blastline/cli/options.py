@@ -7,7 +7,8 @@ import typer
 
 from ..model import Quality
 
-FINDING, DRIVING, WRITING, MESSAGES = "Finding shots", "Making the drive", "Results", "Messages"
+FINDING, DRIVING, TIMECODE = "Finding shots", "Making the drive", "The film's timecode"
+WRITING, MESSAGES = "Results", "Messages"
 
 Film = Annotated[Path, typer.Argument(metavar="INPUT", help="A film or a sound file.", show_default=False)]
 QualityOption = Annotated[
@@ -47,8 +48,27 @@ Formats = Annotated[
     typer.Option(
         "--format",
         metavar="F[,F...]",
-        help="Timeline files to write: json, csv, audacity.",
+        help="Timeline files to write: json, schema, csv, audacity, reaper, resolve, cmx3600, fcp7, otio, fcpxml, "
+        "avid, webvtt, midi. `blastline formats` tells what opens each.",
         rich_help_panel=WRITING,
+    ),
+]
+StartTimecode = Annotated[
+    str | None,
+    typer.Option(
+        metavar="HH:MM:SS:FF",
+        help="The timecode of the picture's first frame; HH:MM:SS;FF is drop-frame.",
+        show_default="as the film says",
+        rich_help_panel=TIMECODE,
+    ),
+]
+FrameRate = Annotated[
+    str | None,
+    typer.Option(
+        metavar="RATE",
+        help="Frames a second: 23.976, 24, 25, 29.97, 29.97df, 30, 48, 50, 59.94, 59.94df, 60.",
+        show_default="as the film says",
+        rich_help_panel=TIMECODE,
     ),
 ]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace earlier results.", rich_help_panel=WRITING)]

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from ..model import Timeline
+from .words import label
 
 
 def write_labels(timeline: Timeline, path: Path) -> None:
@@ -14,5 +15,5 @@ def write_labels(timeline: Timeline, path: Path) -> None:
     lines = []
     for event in timeline.events:
         end_s = max(event.onset_sample, event.window.stop) / rate_hz
-        lines.append(f"{event.onset_sample / rate_hz:.9f}\t{end_s:.9f}\t{event.id} {event.confidence:.2f}\n")
+        lines.append(f"{event.onset_sample / rate_hz:.9f}\t{end_s:.9f}\t{label(event)}\n")
     path.write_text("".join(lines), encoding="utf-8", newline="\n")

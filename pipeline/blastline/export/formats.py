@@ -8,8 +8,17 @@ from types import MappingProxyType
 from ..errors import RuleError
 from ..model import Timeline
 from .audacity import write_labels
+from .avid import write_avid
+from .cmx3600 import write_cmx3600
+from .editorial import write_fcp7, write_otio
+from .fcpxml import write_fcpxml
+from .midi import write_midi
+from .reaper import write_reaper
+from .resolve import write_resolve
+from .schema import write_schema
 from .table import write_csv
 from .timeline import write_json
+from .webvtt import write_webvtt
 
 
 @dataclass(frozen=True)
@@ -29,8 +38,58 @@ class Format:
 
 _ALL = (
     Format("json", ".json", "blastline itself and scripts: everything that is known", write_json),
+    Format("schema", ".schema.json", "validators and code generators: what timeline.json may hold", write_schema),
     Format("csv", ".csv", "spreadsheets and pandas: one row per event", write_csv),
-    Format("audacity", ".audacity.txt", "Audacity: File > Import > Labels", write_labels),
+    Format("audacity", ".audacity.txt", "Audacity: File > Import > Labels, over the film's sound", write_labels),
+    Format(
+        "reaper",
+        ".reaper.csv",
+        "REAPER: ruler on Minutes:Seconds; View > Region/Marker Manager, right-click > Import regions/markers",
+        write_reaper,
+    ),
+    Format(
+        "resolve",
+        ".resolve.edl",
+        "DaVinci Resolve: right-click the timeline > Timelines > Import > Timeline Markers from EDL",
+        write_resolve,
+    ),
+    Format(
+        "cmx3600",
+        ".cmx3600.edl",
+        "Avid, conform tools: import the EDL; each shot is a locator of its one edit",
+        write_cmx3600,
+    ),
+    Format(
+        "fcp7",
+        ".fcp7.xml",
+        "Adobe Premiere Pro: File > Import; a sequence with the film and its markers, link the film when asked",
+        write_fcp7,
+    ),
+    Format(
+        "otio",
+        ".otio",
+        "DaVinci Resolve, OpenTimelineIO tools: File > Import > Timeline; link the film when asked",
+        write_otio,
+    ),
+    Format(
+        "fcpxml",
+        ".fcpxml",
+        "Final Cut Pro: File > Import > XML; a project with the film and its markers, relink the film",
+        write_fcpxml,
+    ),
+    Format(
+        "avid",
+        ".avid.txt",
+        "Avid Media Composer: Tools > Markers, right-click > Import Markers, onto the timecode track",
+        write_avid,
+    ),
+    Format("webvtt", ".vtt", "VLC, mpv, browsers: load as subtitles beside the film", write_webvtt),
+    Format(
+        "midi",
+        ".mid",
+        "any sequencer, Pro Tools: import with its tempo map and markers; a note per shot, velocity from its level",
+        write_midi,
+    ),
 )
 
 FORMATS: Mapping[str, Format] = MappingProxyType({known.name: known for known in _ALL})

@@ -3,8 +3,13 @@
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
-from ..model import Event, Timeline
+from ..model import Event, Source, Timeline
+from ..timecode import FrameScale, frame_scale, frame_time
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 COLUMNS: Mapping[str, str] = MappingProxyType(
     {
@@ -12,6 +17,7 @@ COLUMNS: Mapping[str, str] = MappingProxyType(
         "onset_sample": "Int64",
         "onset_s": "float64",
         "timecode": "str",
+        "timecode_offset_ms": "float64",
         "confidence": "float64",
         "burst": "Int64",
         "shot_in_burst": "Int64",
@@ -34,28 +40,35 @@ COLUMNS: Mapping[str, str] = MappingProxyType(
 )
 """The columns in order, each with its pandas type; a cell is empty where an event has no such value.
 
+`timecode_offset_ms` is how much later than the frame of `timecode` the event is: empty where that is a clock.
+
 `pandas.read_csv(path, dtype=dict(COLUMNS))` gives back every number to the last bit.
 """
 
 
-def write_csv(timeline: Timeline, path: Path) -> None:
-    """Write the events as a table with the columns of `COLUMNS`."""
+def table(timeline: Timeline) -> "DataFrame":
+    """Return the events as a pandas table with the columns and types of `COLUMNS`, as Parquet and databases take it."""
     import pandas
 
-    rows = [_row(event, timeline.source.sample_rate_hz) for event in timeline.events]
-    table = pandas.DataFrame(rows, columns=list(COLUMNS)).astype(dict(COLUMNS))
-    table.to_csv(path, index=False, lineterminator="\n", encoding="utf-8")
+    rows = [_row(event, timeline.source) for event in timeline.events]
+    return pandas.DataFrame(rows, columns=list(COLUMNS)).astype(dict(COLUMNS))
 
 
-def _row(event: Event, rate_hz: int) -> dict[str, str | float | None]:
+def write_csv(timeline: Timeline, path: Path) -> None:
+    """Write the events' `table`."""
+    table(timeline).to_csv(path, index=False, lineterminator="\n", encoding="utf-8")
+
+
+def _row(event: Event, source: Source) -> dict[str, str | float | None]:
     """Return one event's cells."""
-    drive = event.drive
+    drive, rate_hz, scale = event.drive, source.sample_rate_hz, frame_scale(source)
     first = min(event.reflections, key=lambda reflection: reflection.start, default=None)
     return {
         "id": event.id,
         "onset_sample": event.onset_sample,
         "onset_s": event.onset_s,
         "timecode": event.timecode,
+        "timecode_offset_ms": _offset_ms(event, source, scale) if scale else None,
         "confidence": event.confidence,
         "burst": event.burst,
         "shot_in_burst": event.shot_in_burst,
@@ -75,3 +88,7 @@ def _row(event: Event, rate_hz: int) -> dict[str, str | float | None]:
         "perceived_gain_db": drive.perceived_gain_db if drive else None,
         "fidelity": drive.fidelity if drive else None,
     }
+
+
+def _offset_ms(event: Event, source: Source, scale: FrameScale) -> float:
+    return float(1000 * frame_time(source, event.onset_sample, scale).offset_s)

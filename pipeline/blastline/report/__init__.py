@@ -4,8 +4,9 @@ The page is a single HTML file that needs no network and no script: pictures are
 only sort and filter the table of shots.
 """
 
+from .exports import ExportRow
 from .overview import Overview, OverviewMeter
 from .page import write_report
 from .sounds import Cutter
 
-__all__ = ["Cutter", "Overview", "OverviewMeter", "write_report"]
+__all__ = ["Cutter", "ExportRow", "Overview", "OverviewMeter", "write_report"]

@@ -6,6 +6,7 @@ from pathlib import Path
 from ..model import Check, Event, Timeline
 from ..ruleset import ActuatorProfile
 from .choice import MOST_PICTURES, failures, pictured, rule
+from .exports import ExportRow, exports_table
 from .figures import event_figure
 from .overview import Overview
 from .script import FILTER, SCRIPT
@@ -25,12 +26,13 @@ def write_report(
     audio: Cutter,
     drive: Cutter,
     profile: ActuatorProfile,
+    exports: Sequence[ExportRow] = (),
     options: Mapping[str, str] | None = None,
 ) -> None:
     """Write the report of a finished run as one HTML page.
 
     `audio` and `drive` both have the timeline's number of frames and are cut for the pictures. `options` are shown as
-    they are, under how the result was made.
+    they are, under how the result was made; `exports` are the files that other tools open.
     """
     why = pictured(timeline.events, timeline.checks)
     pictures = [
@@ -38,11 +40,16 @@ def write_report(
         for event in timeline.events
         if event.id in why
     ]
-    path.write_text(_page(timeline, overview, why, pictures, options or {}), encoding="utf-8")
+    path.write_text(_page(timeline, overview, why, pictures, exports, options or {}), encoding="utf-8")
 
 
 def _page(
-    timeline: Timeline, overview: Overview, why: Mapping[str, str], pictures: Sequence[str], options: Mapping[str, str]
+    timeline: Timeline,
+    overview: Overview,
+    why: Mapping[str, str],
+    pictures: Sequence[str],
+    exports: Sequence[ExportRow],
+    options: Mapping[str, str],
 ) -> str:
     failed = failures(timeline.checks)
     rejected = rejections_table(timeline.rejections, timeline.source.sample_rate_hz)
@@ -51,11 +58,12 @@ def _page(
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width,initial-scale=1">'
         f"<title>{safe(title)}</title><style>{STYLE}</style></head><body>\n"
-        f"<header>{heading(timeline)}{verdict(timeline)}{warnings(timeline)}{tiles(timeline)}{_contents()}</header>\n<main>\n"
+        f"<header>{heading(timeline)}{verdict(timeline)}{warnings(timeline)}{tiles(timeline)}{_contents(exports)}</header>\n<main>\n"
         f"{_section('film', 'The film', _film(timeline, overview, failed, why))}"
         f"{_section('pictures', 'Shots in pictures', _pictures(timeline, pictures))}"
         f"{_section('shots-all', 'Every shot', _shots(timeline, failed, why))}"
         f"{_section('checks', 'Checks', checks_tables(timeline.checks, linked=why))}"
+        f"{_section('files', 'Files for other tools', exports_table(exports)) if exports else ''}"
         f"{_section('rejected', 'Not taken for shots', rejected)}"
         f"{_section('origin', 'How this was made', origin_list(timeline, options))}"
         f"</main>\n<footer>Made by blastline {safe(timeline.version)}. What is felt is predicted from the "
@@ -63,12 +71,13 @@ def _page(
     )
 
 
-def _contents() -> str:
+def _contents(exports: Sequence[ExportRow]) -> str:
     links = [
         ("film", "The film"),
         ("pictures", "Pictures"),
         ("shots-all", "Every shot"),
         ("checks", "Checks"),
+        *([("files", "Files for other tools")] if exports else []),
         ("rejected", "Not taken for shots"),
         ("origin", "How this was made"),
     ]

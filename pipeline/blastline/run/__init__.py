@@ -5,6 +5,7 @@ film -> find shots -> plan windows -> choose a model for each -> render -> write
 
 from .actuators import actuator_table
 from .checking import check
+from .exports import exports
 from .files import export, synthesise
 from .listening import detect
 from .progress import Progress, no_progress
@@ -17,6 +18,7 @@ __all__ = [
     "check",
     "detect",
     "export",
+    "exports",
     "no_progress",
     "render",
     "synthesise",

@@ -4,21 +4,40 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from .. import synth
-from ..export import export_timeline, known_formats, read_timeline
+from ..export import (
+    export_timeline,
+    known_formats,
+    read_timeline,
+    require_frame_rate,
+    rounding,
+)
 from ..staging import staged
-from .progress import Progress, no_progress
+from ..timebase import AS_FILMED, Timebase, retimed
+from .progress import Note, Progress, no_note, no_progress
 
 
-def export(timeline: Path, folder: Path, *, formats: Iterable[str], overwrite: bool = False) -> list[Path]:
+def export(
+    timeline: Path,
+    folder: Path,
+    *,
+    formats: Iterable[str],
+    timebase: Timebase = AS_FILMED,
+    overwrite: bool = False,
+    note: Note = no_note,
+) -> list[Path]:
     """Write a timeline in other formats into `folder` and return the files.
 
-    Raises BlastlineError for a timeline, format or folder that cannot be used; nothing is written then.
+    `timebase` is what the user says about the film's timecode; `note` is told what rounding moves.
+    Raises BlastlineError for a timeline, format, time base or folder that cannot be used; nothing is written then.
     """
-    read = read_timeline(timeline)
     chosen = known_formats(formats)
+    read = retimed(read_timeline(timeline), timebase)
+    require_frame_rate([known.name for known in chosen], read.source)
     names = [known.file_name for known in chosen]
     with staged(folder, names=names, overwrite=overwrite) as hidden:
         export_timeline(read, hidden, formats=[known.name for known in chosen])
+    for line in rounding(read, [known.name for known in chosen]):
+        note(line)
     return [folder / name for name in names]
 
 

@@ -10,7 +10,9 @@ from ..model import SCHEMA, ActuatorRef, DriveInfo, Event, Quality, Source, Time
 from ..render import PlannedWindow, plan_windows
 from ..report import OverviewMeter
 from ..ruleset import Rules, load_rules, rules_path
-from ..soundtrack import Soundtrack, open_soundtrack, timecode_at
+from ..soundtrack import Soundtrack, open_soundtrack
+from ..timebase import AS_FILMED, Timebase
+from ..timecode import timecode_at
 from .progress import Progress, no_progress, told
 
 BLOCK = 65_536
@@ -34,14 +36,16 @@ def detect(
     rules: Path | None = None,
     mix: str = "mains",
     stream: int | None = None,
+    timebase: Timebase = AS_FILMED,
     progress: Progress = no_progress,
 ) -> Timeline:
     """Find the shots of a film and return them as a timeline without a drive.
 
-    Raises BlastlineError for input or rules that cannot be used.
+    `timebase` is what the user says about the film's timecode. Raises BlastlineError for input, rules or a time base
+    that cannot be used.
     """
     read = load_rules(quality, rules)
-    with open_soundtrack(film, stream=stream, mix=mix) as track:
+    with open_soundtrack(film, stream=stream, mix=mix, timebase=timebase) as track:
         return assemble(listen(track, read, progress), read, {}, None)
 
 

@@ -17,3 +17,11 @@ def told(blocks: Iterable[Clip], progress: Progress, total: int | None) -> Itera
     for block in blocks:
         yield block
         progress("listening", block.span.stop, total)
+
+
+Note = Callable[[str], None]
+"""Is told a line that the user should know but need not act on."""
+
+
+def no_note(line: str) -> None:
+    """Say nothing."""

@@ -12,15 +12,17 @@ import msgspec
 from .. import scene
 from ..align import check_files
 from ..errors import OutputError
-from ..export import export_timeline, known_formats
+from ..export import export_timeline, known_formats, require_frame_rate, rounding
 from ..model import ActuatorRef, Background, Clip, DriveChoice, DriveInfo, Phase, Quality, Span, Timeline
 from ..render import RenderedWindow, compose, drive_filters, measure, needed_audio, render_window
 from ..report import OverviewMeter, write_report
 from ..ruleset import ActuatorProfile, Rules, load_actuator, load_rules
 from ..soundtrack import Cue, Soundtrack, open_soundtrack, write_drive
 from ..staging import staged
+from ..timebase import AS_FILMED, Timebase
+from .exports import exports
 from .listening import BLOCK, Listened, assemble, event_id, listen
-from .progress import Progress, no_progress
+from .progress import Note, Progress, no_note, no_progress
 
 DRIVE_NAME, REPORT_NAME = "drive.wav", "report.html"
 
@@ -38,6 +40,7 @@ class RenderOptions:
     mix: str = "mains"
     stream: int | None = None
     formats: tuple[str, ...] = ("json", "csv")
+    timebase: Timebase = AS_FILMED
     report: bool = True
     overwrite: bool = False
 
@@ -53,9 +56,12 @@ class Setup:
     progress: Progress = field(repr=False)
 
 
-def render(film: Path, folder: Path, options: RenderOptions, progress: Progress = no_progress) -> Timeline:
+def render(
+    film: Path, folder: Path, options: RenderOptions, progress: Progress = no_progress, note: Note = no_note
+) -> Timeline:
     """Find the shots of a film and write drive, timeline and report to `folder`; return the timeline with its checks.
 
+    `note` is told what the timeline's formats had to round.
     Raises BlastlineError for input, rules or an output folder that cannot be used; nothing is written then.
     """
     profile, digest = load_actuator(options.actuator, options.rules)
@@ -65,7 +71,10 @@ def render(film: Path, folder: Path, options: RenderOptions, progress: Progress 
     names = [DRIVE_NAME, *(known.file_name for known in formats), *([REPORT_NAME] if options.report else [])]
     _refuse_to_replace(film, folder, names)
     with staged(folder, names=names, overwrite=options.overwrite) as hidden:
-        with open_soundtrack(film, stream=options.stream, mix=options.mix, spool_folder=hidden) as track:
+        with open_soundtrack(
+            film, stream=options.stream, mix=options.mix, spool_folder=hidden, timebase=options.timebase
+        ) as track:
+            require_frame_rate(options.formats, track.described())
             meter = OverviewMeter(track.rate_hz) if options.report else None
             heard = listen(track, rules, progress, meter)
             drives = _write_drive(hidden / DRIVE_NAME, heard, setup)
@@ -83,9 +92,12 @@ def render(film: Path, folder: Path, options: RenderOptions, progress: Progress 
                         audio=track,
                         drive=drive,
                         profile=profile,
+                        exports=exports(written=options.formats),
                         options={"drive": options.drive, "phase": options.phase, "background": options.background},
                     )
         export_timeline(timeline, hidden, formats=options.formats)
+    for line in rounding(timeline, options.formats):
+        note(line)
     return timeline
 
 

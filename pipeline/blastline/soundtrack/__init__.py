@@ -4,9 +4,9 @@
 `write_drive` writes the finished drive; `timecode_at` names the picture that shows while a sample plays.
 """
 
+from ..timecode import timecode_at
 from .bwf import Cue
 from .reader import Soundtrack, open_soundtrack
-from .timecode import timecode_at
 from .writer import write_drive
 
 __all__ = ["Cue", "Soundtrack", "open_soundtrack", "timecode_at", "write_drive"]

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import SoundtrackError
+from ..timecode import clock, standard_rate
 from .chunks import ChunkTable
 from .decode import Tally, decoded, packed
 from .placement import Placement
-from .timecode import clock
 from .track import Samples, TrackFacts
 
 if TYPE_CHECKING:
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from av.video.stream import VideoStream
 
 _TIMECODE = re.compile(r"(\d\d:\d\d:\d\d)([:;.,])(\d\d)")
-_SMPTE_RATES = [Fraction(n * 1000, 1001) for n in (24, 30, 48, 60, 120)] + [
-    Fraction(n) for n in (24, 25, 30, 48, 50, 60, 100, 120)
-]
 _ESTIMATED = frozenset({"aac", "ac3", "dts", "dtshd", "eac3", "loas", "mlp", "mpeg", "mpegts", "truehd"})
 """Formats that declare no length: FFmpeg guesses one from the size of the file."""
 
@@ -193,7 +190,7 @@ def _frame_rate(picture: "VideoStream") -> str | None:
     if not measured:
         return None
     rate = Fraction(measured)
-    return str(next((known for known in _SMPTE_RATES if abs(rate / known - 1) < Fraction(1, 5000)), rate))
+    return str(standard_rate(rate) or rate)
 
 
 def _declared_frames(container: "InputContainer", stream: "AudioStream", rate_hz: int, origin: Fraction) -> int | None:

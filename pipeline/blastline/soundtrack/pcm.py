@@ -9,8 +9,8 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from ..errors import SoundtrackError
+from ..timecode import clock
 from .chunks import ChunkTable
-from .timecode import clock
 from .track import PIECE, Samples, TrackFacts
 
 _BYTES = {"PCM_S8": 1, "PCM_U8": 1, "PCM_16": 2, "PCM_24": 3, "PCM_32": 4, "FLOAT": 4, "DOUBLE": 8}

@@ -15,12 +15,13 @@ import numpy as np
 
 from ..errors import SoundtrackError
 from ..model import Clip, Source, Span
+from ..timebase import AS_FILMED, Timebase, with_timebase
+from ..timecode import time_of_start
 from .chunks import chunk_table
 from .mix import Matrix, mix_matrix, mixed
 from .pcm import PcmTrack, open_pcm
 from .repair import mended, repair_warning
 from .spool import Spool
-from .timecode import time_of_start
 from .track import PIECE, Samples, Track
 
 MIN_RATE_HZ, MAX_RATE_HZ = 8_000, 384_000
@@ -32,9 +33,12 @@ _MIN_MISSING_S = 0.1
 class Soundtrack:
     """A sound track that is open for reading; made by `open_soundtrack`, closed by `close` or a `with` block."""
 
-    def __init__(self, path: Path, track: Track, *, matrix: Matrix, mix: str, spool: Spool | None) -> None:
+    def __init__(
+        self, path: Path, track: Track, *, matrix: Matrix, mix: str, spool: Spool | None, timebase: Timebase = AS_FILMED
+    ) -> None:
         """Take over an open track; `spool` keeps its mixed sound where the track cannot be read a second time."""
         self._path, self._track, self._matrix, self._mix, self._spool = path, track, matrix, mix, spool
+        self._timebase = timebase
         self._frames: int | None = None
         self._started = False
         self._mended, self._first_mended = 0, 0
@@ -47,7 +51,9 @@ class Soundtrack:
     def time_reference(self) -> int:
         """Return the samples between midnight and the first sample, 0 where the file does not say."""
         reference = self._track.facts.time_reference
-        return time_of_start(self._described()) if reference is None else reference
+        if reference is None or self._timebase.start_timecode is not None:
+            return time_of_start(self.described())
+        return reference
 
     def blocks(self, frames: int = PIECE) -> Iterator[Clip]:
         """Yield the mixed sound from its first sample to its last, float32; this is the one decoding pass.
@@ -90,7 +96,7 @@ class Soundtrack:
             raise ValueError("the source is known once all blocks have been taken")
         with self._path.open("rb") as file:
             digest = hashlib.file_digest(file, "sha256").hexdigest()
-        return self._described(sha256=digest, frames=self._frames, warnings=tuple(self._warnings(self._frames)))
+        return self.described(sha256=digest, frames=self._frames, warnings=tuple(self._warnings(self._frames)))
 
     def close(self) -> None:
         """Release the file and the spool."""
@@ -136,9 +142,10 @@ class Soundtrack:
             lasts, found = declared / self.rate_hz, frames / self.rate_hz
             yield f"the file declares {lasts:.3f} s of sound but only {found:.3f} s could be read: the end is missing"
 
-    def _described(self, *, sha256: str = "", frames: int = 0, warnings: tuple[str, ...] = ()) -> Source:
+    def described(self, *, sha256: str = "", frames: int = 0, warnings: tuple[str, ...] = ()) -> Source:
+        """Return what is known before the sound is decoded, with what is given."""
         facts = self._track.facts
-        return Source(
+        source = Source(
             name=self._path.name,
             sha256=sha256,
             sample_rate_hz=facts.rate_hz,
@@ -151,16 +158,23 @@ class Soundtrack:
             mix=self._mix,
             warnings=warnings,
         )
+        return with_timebase(source, self._timebase)
 
 
 def open_soundtrack(
-    path: Path, *, stream: int | None = None, mix: str = "mains", spool_folder: Path | None = None
+    path: Path,
+    *,
+    stream: int | None = None,
+    mix: str = "mains",
+    spool_folder: Path | None = None,
+    timebase: Timebase = AS_FILMED,
 ) -> Soundtrack:
     """Open one sound track of an audio file or a film.
 
     `stream` counts the sound tracks from 0; without it the one that the file marks as default is taken, else the
-    first. `mix` is explained in `mix.py`. Compressed sound is spooled to a temporary file in `spool_folder`. Raises
-    SoundtrackError where the file cannot be read or has no such track or channel.
+    first. `mix` is explained in `mix.py`. Compressed sound is spooled to a temporary file in `spool_folder`.
+    `timebase` is what the user knows better about its timecode. Raises SoundtrackError where the file cannot be read
+    or has no such track or channel, RuleError where the time base does not go with the film.
     """
     with _naming(path):
         _require_file(path)
@@ -172,10 +186,12 @@ def open_soundtrack(
                 raise SoundtrackError(f"the sample rate is {facts.rate_hz} Hz; expected {limits}")
             matrix = mix_matrix(facts.layout, facts.channels, mix)
             spool = None if isinstance(track, PcmTrack) else Spool(spool_folder, columns=matrix.shape[1])
+            opened = Soundtrack(path, track, matrix=matrix, mix=mix, spool=spool, timebase=timebase)
+            opened.described()
         except BaseException:
             track.close()
             raise
-    return Soundtrack(path, track, matrix=matrix, mix=mix, spool=spool)
+    return opened
 
 
 @contextmanager

@@ -1,0 +1,99 @@
+"""Events as markers on the film's frames, for formats that count frames."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import PurePath
+
+from ..errors import RuleError
+from ..model import Event, Source, Timeline
+from ..timecode import FrameScale, FrameTime, frame_scale, frame_time
+from .order import with_ends
+
+FRAME_FORMATS = frozenset({"resolve", "cmx3600", "avid", "fcp7", "otio", "fcpxml"})
+"""Formats that count frames: without a frame rate they cannot be written."""
+
+_FCP7_MOST_FRAMES = 60
+_SOUND_ONLY = frozenset(
+    [
+        ".aac",
+        ".ac3",
+        ".aif",
+        ".aiff",
+        ".caf",
+        ".eac3",
+        ".flac",
+        ".m4a",
+        ".mka",
+        ".mp3",
+        ".ogg",
+        ".opus",
+        ".rf64",
+        ".w64",
+        ".wav",
+    ]
+)
+
+
+@dataclass(frozen=True)
+class Marker:
+    """An event on the frame that starts nearest to it; `frames` is how long it lasts, at most to the next one."""
+
+    event: Event
+    frame: int
+    offset_s: Fraction
+    frames: int
+
+    @property
+    def at(self) -> FrameTime:
+        """Return the frame and the sub-frame offset."""
+        return FrameTime(self.frame, self.offset_s)
+
+
+@dataclass(frozen=True)
+class FrameMarkers:
+    """A film's events on its frames: how frames are counted, the frames that the film covers, the markers in order.
+
+    Frames count from 00:00:00:00. `start` is the picture's first frame, or an earlier one where an event comes before
+    the picture; `stop` lies behind the film's end and behind every event.
+    """
+
+    scale: FrameScale
+    start: int
+    stop: int
+    markers: tuple[Marker, ...]
+
+
+def frame_markers(timeline: Timeline, *, format_name: str) -> FrameMarkers:
+    """Return a timeline's events on the film's frames. Raises RuleError where the film has no frame rate."""
+    source = timeline.source
+    require_frame_rate([format_name], source)
+    scale = frame_scale(source)
+    assert scale is not None
+    markers = []
+    for event, stop in with_ends(timeline):
+        place = frame_time(source, event.onset_sample, scale)
+        frames = frame_time(source, stop, scale).frame - place.frame
+        markers.append(Marker(event, place.frame, place.offset_s, max(1, frames)))
+    start = min([scale.first_frame, *(marker.frame for marker in markers)])
+    end = frame_time(source, source.frames, scale).frame
+    stop = max([start + 1, end, *(marker.frame + marker.frames for marker in markers)])
+    return FrameMarkers(scale, start, stop, tuple(markers))
+
+
+def require_frame_rate(formats: Iterable[str], source: Source) -> None:
+    """Raise RuleError where one of the formats counts frames and cannot count the source's."""
+    scale = frame_scale(source)
+    for name in formats:
+        if name in FRAME_FORMATS and scale is None:
+            rate = source.frame_rate
+            found = f"{rate} frames a second, which no timecode counts" if rate else "no frame rate"
+            raise RuleError(f"--format {name}: {source.name} has {found}; give the film's, such as --frame-rate 24")
+        if name == "fcp7" and scale is not None and scale.nominal > _FCP7_MOST_FRAMES:
+            found = f"{float(scale.rate):.6g} frames a second"
+            raise RuleError(f"--format {name}: {source.name} has {found}; this format holds up to {_FCP7_MOST_FRAMES}")
+
+
+def has_picture(source: Source) -> bool:
+    """Return whether the source is a film, by its name, rather than sound alone."""
+    return PurePath(source.name).suffix.lower() not in _SOUND_ONLY

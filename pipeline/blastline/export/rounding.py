@@ -1,0 +1,72 @@
+"""How exactly each format holds a time, and how far it moves the events of a film."""
+
+import math
+from collections.abc import Callable, Iterable
+from fractions import Fraction
+
+from ..model import Source, Timeline
+from ..timecode import frame_scale, frame_time, picture_time
+from .frames import FRAME_FORMATS
+from .midi import pulse
+from .webvtt import STEP_S
+
+Shift = Callable[[int], Fraction]
+
+
+def resolution(name: str) -> str:
+    """Return how exactly a format holds the time of an event, in words."""
+    if name in FRAME_FORMATS:
+        return "nearest frame, with the sub-frame offset as text"
+    return {
+        "schema": "no times",
+        "webvtt": "1 ms",
+        "midi": "sample, at every usual rate",
+        "audacity": "1 ns: the sample",
+        "reaper": "1 ns: the sample",
+    }.get(name, "sample")
+
+
+def rounding(timeline: Timeline, formats: Iterable[str]) -> tuple[str, ...]:
+    """Return a line for each way in which some of the formats round the times of this timeline's events.
+
+    Formats that hold every event at its sample have no line. A shift is positive where the
+    format has the event later than it is.
+    """
+    ways: dict[str, tuple[list[str], Shift]] = {}
+    for name in dict.fromkeys(formats):
+        found = _way(name, timeline.source)
+        if found is not None:
+            ways.setdefault(found[0], ([], found[1]))[0].append(name)
+    return tuple(_line(timeline, names, way, shift) for way, (names, shift) in ways.items())
+
+
+def _line(timeline: Timeline, names: Iterable[str], way: str, shift: Shift) -> str:
+    shifts = [(shift(event.onset_sample), event.id) for event in timeline.events]
+    if not shifts:
+        return f"{', '.join(names)}: {way}; there are no events"
+    largest, event = max(shifts, key=lambda each: abs(each[0]))
+    return f"{', '.join(names)}: {way}; {event} moves farthest, by {float(1000 * largest):+.3f} ms"
+
+
+def _way(name: str, source: Source) -> tuple[str, Shift] | None:
+    """Return how a format rounds, in words, and the function from an onset to how much later the format has it."""
+    scale = frame_scale(source)
+    if name in FRAME_FORMATS and scale is not None:
+        half_ms = float(500 / scale.rate)
+        counting = " drop-frame" if scale.drop_frame else ""
+        words = f"times are whole frames, {float(scale.rate):.6g} a second{counting}, at most {half_ms:.2f} ms off"
+        return words, lambda sample: -frame_time(source, sample, scale).offset_s
+    if name == "webvtt":
+        return "times are whole milliseconds", lambda sample: _stepped(picture_time(source, sample), STEP_S)
+    beat = pulse(source.sample_rate_hz)
+    tick_s = Fraction(beat.tempo_us, 1_000_000 * beat.ticks_per_beat)
+    if name == "midi" and tick_s * source.sample_rate_hz != 1:
+        return f"a tick is {float(10**6 * tick_s):.2f} us", lambda sample: _stepped(
+            Fraction(sample, source.sample_rate_hz), tick_s
+        )
+    return None
+
+
+def _stepped(time_s: Fraction, step_s: Fraction) -> Fraction:
+    """Return how much later the nearest step from 0 is."""
+    return max(0, math.floor(time_s / step_s + Fraction(1, 2))) * step_s - time_s

@@ -1,0 +1,39 @@
+"""WebVTT: subtitles, to see the events over the film in any player or browser."""
+
+from fractions import Fraction
+from pathlib import Path
+
+from ..model import Timeline
+from ..timecode import picture_time
+from .order import with_ends
+from .words import label, one_line
+
+STEP_S = Fraction(1, 1000)
+
+
+def write_webvtt(timeline: Timeline, path: Path) -> None:
+    """Write a cue per event, named by its id, from its onset to the next one's or to the end of its window.
+
+    Times are of the picture, in milliseconds; an event before the picture's first frame is shown at 0.
+    """
+    source = timeline.source
+    parts = ["WEBVTT\n"]
+    for event, end in with_ends(timeline):
+        start, stop = (_step(picture_time(source, sample)) for sample in (event.onset_sample, end))
+        times = f"{_clock(start)} --> {_clock(max(start + 1, stop))}"
+        parts.append(f"{_text(one_line(event.id))}\n{times}\n{_text(label(event))}\n")
+    path.write_text("\n".join(parts), encoding="utf-8", newline="\n")
+
+
+def _step(time_s: Fraction) -> int:
+    """Return the nearest step from 0."""
+    return max(0, (time_s / STEP_S + Fraction(1, 2)).__floor__())
+
+
+def _clock(step: int) -> str:
+    return f"{step // 3_600_000:02}:{step // 60_000 % 60:02}:{step // 1000 % 60:02}.{step % 1000:03}"
+
+
+def _text(text: str) -> str:
+    """Return the text as it may stand in a cue; escaping `>` also takes the arrow out of names."""
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")

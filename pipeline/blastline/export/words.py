@@ -1,0 +1,52 @@
+"""What a marker says: the event's name, how sure it is, its place in a burst, its level and its drive."""
+
+import unicodedata
+from fractions import Fraction
+
+from ..model import Event
+from ..timecode import FrameTime
+
+_NOT_TEXT = frozenset({"Cc", "Cs", "Zl", "Zp"})
+
+
+def one_line(text: str) -> str:
+    """Return the text as one line without control characters: what every text format and XML can hold.
+
+    >>> one_line("reel\\t1\\nnew \\x00cut")
+    'reel 1 new cut'
+    """
+    kept = "".join(" " if unicodedata.category(letter) in _NOT_TEXT else letter for letter in text)
+    return " ".join(kept.translate({0xFFFE: " ", 0xFFFF: " "}).split())
+
+
+def label(event: Event) -> str:
+    """Return an event in a few words: its id first, then confidence, burst and shot, peak and drive model."""
+    burst = "" if event.burst is None else f" burst {event.burst}.{event.shot_in_burst}"
+    model = f" {event.drive.model}" if event.drive else ""
+    return f"{one_line(event.id)} {event.confidence:.2f}{burst} {event.peak_dbfs:.1f} dBFS{model}"
+
+
+def note(event: Event, offset_s: Fraction) -> str:
+    """Return what a marker on a frame does not show: the words of `label` in full, and the sub-frame offset."""
+    said = [f"confidence {event.confidence:.2f}"]
+    if event.burst is not None:
+        said.append(f"burst {event.burst} shot {event.shot_in_burst}")
+    said.append(f"peak {event.peak_dbfs:.1f} dBFS")
+    if event.drive is not None:
+        said.append(f"drive {event.drive.model}")
+    said.append(f"sub-frame {offset_text(offset_s)}")
+    return ", ".join(said)
+
+
+def offset_text(offset_s: Fraction) -> str:
+    """Return a sub-frame offset with its sign, in milliseconds.
+
+    >>> offset_text(Fraction(1, 80)), offset_text(Fraction(-1, 48_000))
+    ('+12.50 ms', '-0.02 ms')
+    """
+    return f"{float(1000 * offset_s):+.2f} ms"
+
+
+def framed_label(event: Event, at: FrameTime) -> str:
+    """Return the event in a few words with its sub-frame offset, for formats whose markers hold one text."""
+    return f"{label(event)} {offset_text(at.offset_s)}"

@@ -1,0 +1,110 @@
+"""What a user says about a film's timecode, and the source that results from it."""
+
+import math
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+
+import msgspec
+
+from .errors import RuleError
+from .model import Source, Timeline
+from .timecode import (
+    CLOCK,
+    DROP_FRAME_RATES,
+    LABEL,
+    clock_seconds,
+    exact_offset,
+    frame_of,
+    label,
+    standard_rate,
+    timecode_at,
+)
+
+_RATE = re.compile(r"(\d+(?:\.\d+)?|\d+/\d+)(df|ndf)?", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Timebase:
+    """What the user says about a film's timecode; None where the film's own word stands."""
+
+    start_timecode: str | None = None
+    frame_rate: Fraction | None = None
+    drop_frame: bool | None = None
+
+
+AS_FILMED = Timebase()
+"""The film's own timecode."""
+
+
+def parse_timebase(start_timecode: str | None, frame_rate: str | None) -> Timebase:
+    """Return what a user wrote: a start such as 01:00:00:00, a rate such as 23.976, 25, 29.97df or 24000/1001.
+
+    Raises RuleError for a rate that timecode does not have, and for drop-frame at one that has none.
+    """
+    if start_timecode is not None and not (LABEL.fullmatch(start_timecode) or CLOCK.fullmatch(start_timecode)):
+        raise RuleError(f"--start-timecode {start_timecode!r}: expected HH:MM:SS:FF, or HH:MM:SS;FF for drop-frame")
+    if frame_rate is None:
+        return Timebase(start_timecode)
+    match = _RATE.fullmatch(frame_rate)
+    rate = standard_rate(Fraction(match[1])) if match and Fraction(match[1].partition("/")[2] or 1) else None
+    if match is None or rate is None:
+        expected = "23.976, 24, 25, 29.97, 29.97df, 30, 48, 50, 59.94, 59.94df or 60"
+        raise RuleError(f"--frame-rate {frame_rate!r}: no rate of film timecode; expected {expected}")
+    drop_frame = None if match[2] is None else match[2].lower() == "df"
+    if drop_frame and rate not in DROP_FRAME_RATES:
+        raise RuleError(f"--frame-rate {frame_rate!r}: only 29.97, 59.94 and 119.88 have drop-frame")
+    return Timebase(start_timecode, rate, drop_frame)
+
+
+def with_timebase(source: Source, timebase: Timebase) -> Source:
+    """Return the source with what the user says about its timecode.
+
+    Raises RuleError where the start does not go with the frame rate.
+    """
+    if timebase == AS_FILMED:
+        return source
+    start = timebase.start_timecode or source.start_timecode
+    rate = str(timebase.frame_rate) if timebase.frame_rate else source.frame_rate
+    known = standard_rate(Fraction(rate)) if rate else None
+    if known is None:
+        if start and LABEL.fullmatch(start):
+            raise RuleError(f"--start-timecode {start!r}: the film has no frame rate; give --frame-rate as well")
+        return msgspec.structs.replace(source, start_timecode=start, frame_rate=rate)
+    moved = msgspec.structs.replace(source, start_timecode=start, frame_rate=rate)
+    return _counted(moved, known, timebase)
+
+
+def retimed(timeline: Timeline, timebase: Timebase) -> Timeline:
+    """Return the timeline with what the user says about its timecode; no event moves against the sound.
+
+    Raises RuleError where the start does not go with the frame rate.
+    """
+    source = with_timebase(timeline.source, timebase)
+    if source == timeline.source:
+        return timeline
+    events = tuple(
+        msgspec.structs.replace(event, timecode=timecode_at(source, event.onset_sample)) for event in timeline.events
+    )
+    return msgspec.structs.replace(timeline, source=source, events=events)
+
+
+def _counted(source: Source, rate: Fraction, timebase: Timebase) -> Source:
+    """Return the source with a start that counts frames as the user says."""
+    start, nominal = source.start_timecode or "", math.ceil(rate)
+    asked = timebase.drop_frame
+    if CLOCK.fullmatch(start) or not start:
+        if not asked:
+            return source
+        whole, rest = divmod(clock_seconds(start) * rate, 1)
+        return msgspec.structs.replace(
+            source,
+            start_timecode=label(int(whole), nominal, drop_frame=True),
+            start_offset_s=float(exact_offset(source) + rest / rate),
+        )
+    drops = start[8] != ":" if asked is None else asked
+    if drops and rate not in DROP_FRAME_RATES:
+        raise RuleError(f"--start-timecode {start!r}: {float(rate):.6g} frames a second have no drop-frame")
+    text = f"{start[:8]}{';' if drops else ':'}{start[9:]}"
+    frame_of(text, nominal, drop_frame=drops)
+    return msgspec.structs.replace(source, start_timecode=text)

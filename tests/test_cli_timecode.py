@@ -1,0 +1,146 @@
+"""The film's timecode on the command line: said by the user, asked for where it is needed, told where it rounds."""
+
+import json
+from pathlib import Path
+
+import pytest
+import soundfile
+import wavinfo
+
+from blastline.export import FORMATS, read_timeline
+from blastline.export.frames import FRAME_FORMATS
+from blastline.model import encode
+from commands import RATE_HZ, blastline, write_film
+from films import COUNTINGS, film
+
+BELIEVE = "[verify]\nthreshold = 0.0\ncompany_threshold = 0.0\nreport_from = 0.0\n"
+
+
+@pytest.fixture(scope="module")
+def mix(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_film(tmp_path_factory.mktemp("mix") / "mix.wav", length_s=2.5, shots_s=(1.0,))
+
+
+@pytest.fixture(scope="module")
+def rules(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("rules")
+    (folder / "quality").mkdir()
+    (folder / "quality" / "draft.toml").write_text(BELIEVE)
+    return folder
+
+
+@pytest.fixture
+def saved(tmp_path: Path) -> Path:
+    file = tmp_path / "timeline.json"
+    file.write_bytes(encode(film(COUNTINGS[1], onsets=[999, 48_000])))
+    return file
+
+
+def test_a_mix_gets_timecode_and_frame_formats_when_the_rate_is_said(mix: Path, rules: Path, tmp_path: Path) -> None:
+    ended = blastline(
+        *("render", mix, "-o", tmp_path / "out", "--quality", "draft", "--rules", rules),
+        *("--frame-rate", "23.976", "--start-timecode", "01:00:00:00", "--format", ",".join(FORMATS)),
+    )
+    assert ended.code == 0, ended
+    told = [line for line in ended.err.splitlines() if "whole frames" in line]
+    assert [line.split(":")[0].split(", ") for line in told] == [[name for name in FORMATS if name in FRAME_FORMATS]]
+    timeline = read_timeline(tmp_path / "out" / "timeline.json")
+    assert (timeline.source.start_timecode, timeline.source.frame_rate) == ("01:00:00:00", "24000/1001")
+    assert timeline.events[0].timecode == "01:00:01:00"
+    reference = wavinfo.WavInfoReader(str(tmp_path / "out" / "drive.wav")).bext.time_reference
+    assert reference == 3603.6 * RATE_HZ
+    report = (tmp_path / "out" / "report.html").read_text("utf-8")
+    for known in FORMATS.values():
+        assert f'<a href="{known.file_name}">' in report
+        assert (tmp_path / "out" / known.file_name).exists()
+    assert blastline("check", tmp_path / "out", "--audio", mix, "--quiet").code == 0
+
+
+def test_a_mix_without_a_frame_rate_is_refused_before_it_is_heard(mix: Path, tmp_path: Path) -> None:
+    ended = blastline("render", mix, "-o", tmp_path / "out", "--format", "json,resolve", "--quiet")
+    assert ended.complaint == "--format resolve: mix.wav has no frame rate; give the film's, such as --frame-rate 24"
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        ("--frame-rate fast", "--frame-rate 'fast': no rate of film timecode"),
+        ("--start-timecode 1:00", "--start-timecode '1:00': expected HH:MM:SS:FF"),
+        ("--start-timecode 01:00:00:00", "the film has no frame rate; give --frame-rate as well"),
+        ("--start-timecode 00:01:00;00 --frame-rate 29.97", "drop-frame has no such number"),
+    ],
+)
+@pytest.mark.parametrize("command", ["render", "detect"])
+def test_timecode_that_cannot_be_is_one_line(
+    mix: Path, tmp_path: Path, command: str, words: str, complaint: str
+) -> None:
+    assert complaint in blastline(command, mix, "-o", tmp_path / "out", *words.split(), "--quiet").complaint
+    assert not (tmp_path / "out").exists()
+
+
+def test_detect_names_events_by_the_users_timecode(mix: Path, rules: Path) -> None:
+    words = ("--quality", "draft", "--rules", rules, "--frame-rate", "29.97df", "--start-timecode", "00:59:59;00")
+    ended = blastline("detect", mix, *words, "--quiet")
+    [event, *_] = json.loads(ended.out)["events"]
+    assert event["timecode"] == "01:00:00;00"
+
+
+def test_export_tells_what_rounding_moves_and_is_quiet_when_asked(saved: Path, tmp_path: Path) -> None:
+    ended = blastline("export", saved, "--format", "otio,avid,webvtt,csv", "-o", tmp_path / "cues")
+    assert ended.code == 0
+    assert ended.out.splitlines() == [
+        str(tmp_path / "cues" / FORMATS[name].file_name) for name in ("otio", "avid", "webvtt", "csv")
+    ]
+    assert ended.err.splitlines() == [
+        "otio, avid: times are whole frames, 24 a second, at most 20.83 ms off; "
+        "shot-0001 moves farthest, by -20.812 ms",
+        "webvtt: times are whole milliseconds; shot-0001 moves farthest, by +0.188 ms",
+    ]
+    quiet = blastline("export", saved, "--format", "otio", "-o", tmp_path / "cues", "--overwrite", "--quiet")
+    assert (quiet.code, quiet.err) == (0, "")
+
+
+def test_export_takes_another_timecode(saved: Path, tmp_path: Path) -> None:
+    words = ("--frame-rate", "25", "--start-timecode", "10:00:00:00")
+    assert blastline("export", saved, "--format", "json,avid", "-o", tmp_path / "cues", *words).code == 0
+    written = read_timeline(tmp_path / "cues" / "timeline.json")
+    assert [event.timecode for event in written.events] == ["10:00:00:01", "10:00:01:00"]
+    assert "10:00:01:00" in (tmp_path / "cues" / "timeline.avid.txt").read_text("utf-8")
+    assert [event.onset_sample for event in written.events] == [999, 48_000]
+
+
+def test_formats_lists_each_with_its_tool() -> None:
+    lines = blastline("formats").out.splitlines()
+    assert [line.split()[0] for line in lines[::2]] == list(FORMATS)
+    for known, (first, second) in zip(FORMATS.values(), zip(lines[::2], lines[1::2], strict=True), strict=True):
+        assert known.file_name in first
+        assert second.strip() == known.tool
+
+
+def test_the_drive_of_a_broadcast_wave_keeps_its_time_of_day(rules: Path, mix: Path, tmp_path: Path) -> None:
+    """A rate alone names the frames; the time reference stays the file's own, to the sample."""
+    samples, rate_hz = soundfile.read(mix)
+    first = blastline(
+        "render",
+        mix,
+        "-o",
+        tmp_path / "a",
+        "--quality",
+        "draft",
+        "--rules",
+        rules,
+        "--frame-rate",
+        "25",
+        "--start-timecode",
+        "10:00:00:07",
+        "--format",
+        "json",
+        "--no-report",
+    )
+    assert first.code == 0, first
+    stamped = tmp_path / "a" / "drive.wav"  # a broadcast wave with 10:00:00:07 at 25 frames a second
+    again = blastline("detect", stamped, "--quality", "draft", "--rules", rules, "--frame-rate", "24", "--quiet")
+    source = json.loads(again.out)["source"]
+    assert source["start_timecode"] == "10:00:00.280000"
+    assert (len(samples), rate_hz) == (source["frames"], RATE_HZ)

@@ -1,0 +1,379 @@
+"""Formats that count frames, read by what we did not write: every event within half a frame, its offset beside it."""
+
+import io
+import re
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+from xml.etree import ElementTree
+
+import msgspec
+import opentimelineio as otio
+import pycmx
+import pytest
+
+from blastline.errors import RuleError
+from blastline.export import export_timeline, require_frame_rate
+from blastline.export.frames import FRAME_FORMATS
+from blastline.model import Timeline
+from films import COUNTINGS, HOSTILE, ONSETS, Counting, film
+
+Found = list[tuple[str, Fraction]]
+"""Names or texts of markers with their times, in seconds of real time from the film's first frame."""
+
+every_counting = pytest.mark.parametrize("counting", COUNTINGS, ids=lambda each: f"{each.rate}@{each.start}")
+
+
+def written(timeline: Timeline, folder: Path, name: str) -> Path:
+    [file] = export_timeline(timeline, folder, formats=[name])
+    return file
+
+
+def frames_of(timecode: str, counting: Counting) -> int:
+    """Return a timecode's frame, by opentimelineio, from the film's first one; past midnight it counts on."""
+    rate = float(counting.fraction)
+    assert (";" in timecode) == counting.drop_frame
+    frame, start = (round(otio.opentime.from_timecode(text, rate).value) for text in (timecode, counting.start))
+    day = round(otio.opentime.from_timecode("23:59:59" + counting.start[8] + "00", rate).value) + round(rate)
+    return int(frame - start) % int(day)
+
+
+def assert_each_event_is_there(found: Found, timeline: Timeline, counting: Counting) -> None:
+    """Check that each event has one marker that names it, at most half a frame away, which says how far."""
+    half = Fraction(1, 2) / counting.fraction
+    for event in timeline.events:
+        [(text, time_s)] = [each for each in found if re.search(rf"\b{event.id}\b", each[0])]
+        exact_s = Fraction(event.onset_sample, 48_000)
+        assert abs(exact_s - time_s) <= half
+        offsets = re.findall(r"[+-]\d+\.\d\d(?= ms)", text)
+        assert any(abs(Fraction(offset) / 1000 - (exact_s - time_s)) <= Fraction(6, 10**6) for offset in offsets)
+        if not re.search(r" \+ |; ", text):
+            assert f"{event.confidence:.2f}" in text
+            assert f"{event.peak_dbfs:.1f} dBFS" in text
+            assert event.drive is None or event.drive.model in text
+
+
+def resolve_markers(text: str, counting: Counting) -> list[tuple[str, str, str, Fraction, int]]:
+    """Return the markers of a Resolve EDL by its rules: note, colour, name, time and frames."""
+    title, fcm, empty, *rest = text.split("\n")
+    assert title.startswith("TITLE: ")
+    assert (fcm, empty) == ("FCM: DROP FRAME" if counting.drop_frame else "FCM: NON-DROP FRAME", "")
+    clock = r"\d\d:\d\d:\d\d[:;]\d\d"
+    found = []
+    for number, (head, said, gap) in enumerate(zip(rest[::3], rest[1::3], rest[2::3], strict=False), start=1):
+        match = re.fullmatch(rf"(\d{{3,}})  001      V     C        ({clock}) ({clock}) \2 \3  ", head)
+        assert match
+        assert int(match[1]) == number
+        start, after = (frames_of(match[group], counting) for group in (2, 3))
+        assert after == start + 1
+        marker = re.fullmatch(r"([^|]*) \|C:ResolveColor(Red|Blue) \|M:([^|]+) \|D:([1-9]\d*)", said)
+        assert marker
+        assert gap == ""
+        found.append((marker[1], marker[2], marker[3], start / counting.fraction, int(marker[4])))
+    return found
+
+
+@every_counting
+def test_resolve(tmp_path: Path, counting: Counting) -> None:
+    timeline = film(counting)
+    text = written(timeline, tmp_path, "resolve").read_text("utf-8")
+    markers = resolve_markers(text, counting)
+    assert_each_event_is_there([(f"{n} {name}", time_s) for n, _, name, time_s, _ in markers], timeline, counting)
+    assert len({time_s for *_, time_s, _ in markers}) == len(markers)
+    edits = list(pycmx.parse_cmx3600(io.StringIO(text)).events)
+    assert len(edits) == len(markers)
+    for edit, (_, _, _, time_s, _) in zip(edits, markers, strict=True):
+        assert frames_of(edit.edits[0].record_in, counting) / counting.fraction == time_s
+    assert abs(markers[-1][-1] - counting.fraction / 2) <= 1
+
+
+def test_events_on_one_frame_share_a_marker_that_names_them_all(tmp_path: Path) -> None:
+    counting = COUNTINGS[1]
+    timeline = film(counting, onsets=[48_000, 48_100, 48_200, 96_000])
+    markers = resolve_markers(written(timeline, tmp_path, "resolve").read_text("utf-8"), counting)
+    assert [len(re.findall("shot-", name)) for _, _, name, _, _ in markers] == [3, 1]
+    assert_each_event_is_there([(f"{n} {name}", time_s) for n, _, name, time_s, _ in markers], timeline, counting)
+    lines = written(timeline, tmp_path, "avid").read_text("utf-8").splitlines()
+    assert [line.count("shot-") for line in lines] == [3, 1]
+
+
+@every_counting
+def test_avid(tmp_path: Path, counting: Counting) -> None:
+    timeline = film(counting)
+    found = []
+    for line in written(timeline, tmp_path, "avid").read_text("utf-8").split("\n")[:-1]:
+        user, timecode, track, colour, comment, one = line.split("\t")
+        assert (user, track, one) == ("blastline", "TC1", "1")
+        assert colour in ("red", "blue")
+        found.append((comment, frames_of(timecode, counting) / counting.fraction))
+    assert_each_event_is_there(found, timeline, counting)
+
+
+@every_counting
+def test_cmx3600(tmp_path: Path, counting: Counting) -> None:
+    timeline = film(counting)
+    file = written(timeline, tmp_path, "cmx3600")
+    text = file.read_text("utf-8")
+    [event] = pycmx.parse_cmx3600(io.StringIO(text)).events
+    [edit] = event.edits
+    assert (edit.source, edit.clip_name, edit.record_in) == ("FILM", "film.mkv", counting.start)
+    assert (edit.source_in, edit.source_out) == (edit.record_in, edit.record_out)
+    length_s = frames_of(edit.record_out, counting) / counting.fraction
+    assert abs(length_s - Fraction(timeline.source.frames, 48_000)) <= 1 / counting.fraction
+    clock = r"\d\d:\d\d:\d\d" + counting.start[8] + r"\d\d"
+    found = re.findall(rf"^\* LOC: ({clock}) (?:RED    |BLUE   ) (\S.*)$", text, re.MULTILINE)
+    times = [(said, frames_of(timecode, counting) / counting.fraction) for timecode, said in found]
+    assert len(times) == len(ONSETS)
+    assert_each_event_is_there(times, timeline, counting)
+    if not counting.drop_frame:  # the adapter does not read locators with a semicolon
+        [clip] = otio.adapters.read_from_file(str(file), rate=float(counting.fraction)).find_clips()
+        assert [marker.name for marker in clip.markers] == [said for _, said in found]
+        start = clip.source_range.start_time
+        read = [round((marker.marked_range.start_time - start).value) / counting.fraction for marker in clip.markers]
+        assert read == [time_s for _, time_s in times]
+
+
+def sequence_markers(sequence: Any, counting: Counting) -> Found:
+    rate = float(counting.fraction)
+    assert all(marker.marked_range.start_time.rate == pytest.approx(rate) for marker in sequence.tracks.markers)
+    return [(_said(m), round(m.marked_range.start_time.value) / counting.fraction) for m in sequence.tracks.markers]
+
+
+def _said(marker: Any) -> str:
+    comment = marker.metadata.get("fcp_xml", {}).get("comment") or marker.comment
+    return f"{marker.name} {comment}"
+
+
+@every_counting
+def test_otio(tmp_path: Path, counting: Counting) -> None:
+    timeline = film(counting)
+    sequence = otio.adapters.read_from_file(str(written(timeline, tmp_path, "otio")))
+    assert (
+        frames_of(sequence.global_start_time.to_timecode(float(counting.fraction), counting.drop_frame), counting) == 0
+    )
+    assert_each_event_is_there(sequence_markers(sequence, counting), timeline, counting)
+    in_order = sorted(timeline.events, key=lambda event: event.onset_sample)
+    for marker, event in zip(sequence.tracks.markers, in_order, strict=True):
+        facts = marker.metadata["blastline"]
+        assert (facts["id"], facts["onset_sample"]) == (event.id, event.onset_sample)
+        assert (facts["burst"], facts["shot_in_burst"]) == (event.burst, event.shot_in_burst)
+    video, audio = sequence.tracks
+    assert (video.kind, audio.kind) == ("Video", "Audio")
+    [clip] = video
+    assert clip.source_range.start_time == sequence.global_start_time
+    assert (clip.media_reference.target_url, clip.name) == ("film.mkv", "film.mkv")
+    start = clip.source_range.start_time
+    on_clip = [(_said(m), round((m.marked_range.start_time - start).value) / counting.fraction) for m in clip.markers]
+    assert on_clip == sequence_markers(sequence, counting)
+
+
+@every_counting
+def test_fcp7(tmp_path: Path, counting: Counting) -> None:
+    timeline = film(counting)
+    file = written(timeline, tmp_path, "fcp7")
+    sequence = otio.adapters.read_from_file(str(file), "fcp_xml")
+    assert_each_event_is_there(sequence_markers(sequence, counting), timeline, counting)
+    assert (
+        frames_of(sequence.global_start_time.to_timecode(float(counting.fraction), counting.drop_frame), counting) == 0
+    )
+    [clip] = sequence.tracks[0]
+    on_clip = [(_said(m), round(m.marked_range.start_time.value) / counting.fraction) for m in clip.markers]
+    assert on_clip == sequence_markers(sequence, counting)
+    root = ElementTree.parse(file).getroot()
+    assert (root.tag, root.get("version")) == ("xmeml", "4")
+    for timecode in root.iter("timecode"):
+        assert timecode.findtext("string") == counting.start
+        assert timecode.findtext("displayformat") == ("DF" if counting.drop_frame else "NDF")
+    for rate in root.iter("rate"):
+        ntsc = counting.fraction.denominator != 1
+        assert rate.findtext("ntsc") == ("TRUE" if ntsc else "FALSE")
+        assert Fraction(rate.findtext("timebase", "")) == round(counting.fraction)
+
+
+CHILDREN = {
+    "fcpxml": ("resources", "event"),
+    "resources": ("format", "asset"),
+    "asset": ("media-rep",),
+    "event": ("project",),
+    "project": ("sequence",),
+    "sequence": ("spine",),
+    "format": (),
+    "media-rep": (),
+    "marker": (),
+}
+"""What FCPXML's published grammar lets us write: the children of each element, in this order."""
+
+NEEDED = {
+    "format": {"id"},
+    "asset": {"id"},
+    "media-rep": {"src"},
+    "sequence": {"format"},
+    "asset-clip": {"ref"},
+    "gap": {"duration"},
+    "marker": {"start", "value"},
+}
+
+
+def fcpxml_markers(file: Path, counting: Counting) -> Found:
+    """Return the markers of an FCPXML file by the rules of its grammar, with real time from the film's first frame."""
+    text = file.read_text("utf-8")
+    assert text.startswith('<?xml version="1.0" encoding="UTF-8"?>\n<!DOCTYPE fcpxml>\n<fcpxml version="1.9">')
+    root = ElementTree.fromstring(text)
+    for element in root.iter():
+        assert NEEDED.get(element.tag, set()) <= set(element.attrib)
+        tags = tuple(child.tag for child in element)
+        if element.tag in CHILDREN:
+            assert tags == CHILDREN[element.tag]
+        elif element.tag in ("asset-clip", "gap"):
+            assert set(tags) <= {"marker"}
+        else:
+            assert element.tag == "spine"
+            assert tags in (("asset-clip",), ("gap", "asset-clip"))
+        for key in {"start", "duration", "offset", "tcStart", "frameDuration"} & set(element.attrib):
+            assert re.fullmatch(r"-?\d+(/\d+)?s", element.attrib[key])
+            frames = seconds(element.attrib[key]) * counting.fraction
+            assert frames.denominator == 1  # Final Cut refuses what is not on a frame
+    sequence = root.find(".//sequence")
+    assert sequence is not None
+    assert sequence.get("tcFormat") == ("DF" if counting.drop_frame else "NDF")
+    start_s, end_s = seconds(sequence.attrib["tcStart"]), seconds(sequence.attrib["tcStart"])
+    found = []
+    for clip in root.findall(".//spine/*"):
+        assert seconds(clip.attrib["offset"]) == end_s
+        end_s += seconds(clip.attrib["duration"])
+        shift_s = seconds(clip.attrib["offset"]) - seconds(clip.attrib["start"]) - start_s
+        for marker in clip:
+            time_s = seconds(marker.attrib["start"]) + shift_s
+            assert seconds(clip.attrib["start"]) <= seconds(marker.attrib["start"])
+            assert time_s + seconds(marker.attrib["duration"]) <= end_s - start_s
+            found.append((f"{marker.attrib['value']} {marker.attrib['note']}", time_s))
+    assert end_s - start_s == seconds(sequence.attrib["duration"])
+    return found
+
+
+def seconds(text: str) -> Fraction:
+    return Fraction(text.removesuffix("s"))
+
+
+@every_counting
+def test_fcpxml(tmp_path: Path, counting: Counting) -> None:
+    timeline = film(counting)
+    file = written(timeline, tmp_path, "fcpxml")
+    assert_each_event_is_there(fcpxml_markers(file, counting), timeline, counting)
+    start_s = seconds(ElementTree.parse(file).getroot().findall(".//sequence")[0].attrib["tcStart"])
+    first = otio.opentime.from_timecode(counting.start, float(counting.fraction))
+    assert start_s == round(first.value) / counting.fraction
+    if counting.rate == "24000/1001":
+        assert 'frameDuration="1001/24000s"' in file.read_text("utf-8")
+
+
+def test_a_shot_before_the_picture_has_its_place(tmp_path: Path) -> None:
+    counting, offset_s = Counting("25", "01:00:00:00"), -0.2
+    timeline = film(counting, onsets=[480, 48_000], offset_s=offset_s)
+    half = Fraction(1, 50)
+
+    def near(found: list[Fraction], shift_s: Fraction) -> None:
+        onsets = [Fraction(480, 48_000) - Fraction(1, 5), 1 - Fraction(1, 5)]
+        assert len(found) == 2
+        assert all(abs(time_s - shift_s - onset) <= half for time_s, onset in zip(found, onsets, strict=True))
+
+    before_s = Fraction(5, 25)  # 0.19 s before the first picture: five frames
+    near([time_s for _, time_s in fcpxml_markers(written(timeline, tmp_path, "fcpxml"), counting)], before_s)
+    for name in ("otio", "fcp7"):
+        sequence = otio.adapters.read_from_file(
+            str(written(timeline, tmp_path, name)), "fcp_xml" if name == "fcp7" else None
+        )
+        assert sequence.global_start_time.to_timecode() == "00:59:59:20"
+        near([time_s for _, time_s in sequence_markers(sequence, counting)], before_s)
+        gap, clip = sequence.tracks[0]
+        assert gap.duration().value == 5
+        assert len(clip.markers) == 1
+    for name in ("resolve", "avid", "cmx3600"):
+        assert "00:59:59:20" in written(timeline, tmp_path, name).read_text("utf-8")
+
+
+def test_timecode_goes_on_past_midnight(tmp_path: Path) -> None:
+    counting = Counting("24", "23:59:59:00")
+    timeline = film(counting, onsets=[0, 48_000, 96_000])
+    markers = resolve_markers(written(timeline, tmp_path, "resolve").read_text("utf-8"), counting)
+    assert [time_s for *_, time_s, _ in markers] == [0, 1, 2]
+    for name in ("resolve", "avid", "cmx3600"):
+        assert "00:00:00:00" in written(timeline, tmp_path, name).read_text("utf-8")
+    assert [time_s for _, time_s in fcpxml_markers(written(timeline, tmp_path, "fcpxml"), counting)] == [0, 1, 2]
+    for name, adapter in (("otio", None), ("fcp7", "fcp_xml")):
+        sequence = otio.adapters.read_from_file(str(written(timeline, tmp_path, name)), adapter)
+        assert [time_s for _, time_s in sequence_markers(sequence, counting)] == [0, 1, 2]
+
+
+@pytest.mark.parametrize("name", sorted(FRAME_FORMATS))
+def test_names_that_break_careless_writers(tmp_path: Path, name: str) -> None:
+    counting = COUNTINGS[1]
+    plain = film(counting, name=HOSTILE)
+    odd = tuple(msgspec.structs.replace(event, id=f"{event.id} a|b\t<&>\n") for event in plain.events)
+    timeline = msgspec.structs.replace(plain, events=odd)
+    file = written(timeline, tmp_path, name)
+    readers: dict[str, Callable[[], list[str]]] = {
+        "resolve": lambda: [each[2] for each in resolve_markers(file.read_text("utf-8"), counting)],
+        "avid": lambda: [line.split("\t")[4] for line in file.read_text("utf-8").splitlines()],
+        "cmx3600": lambda: [m.name for m in otio.adapters.read_from_file(str(file)).find_clips()[0].markers],
+        "otio": lambda: [m.name for m in otio.adapters.read_from_file(str(file)).tracks.markers],
+        "fcp7": lambda: [m.name for m in otio.adapters.read_from_file(str(file), "fcp_xml").tracks.markers],
+        "fcpxml": lambda: [said for said, _ in fcpxml_markers(file, counting)],
+    }
+    names = " ".join(readers[name]())
+    assert all(f"shot-{number:04} a{'/' if name == 'resolve' else '|'}b <&>" in names for number in range(1, 11))
+    if name in ("otio", "fcp7"):
+        [clip] = otio.adapters.read_from_file(str(file), "fcp_xml" if name == "fcp7" else None).tracks[0]
+        assert unquote(clip.media_reference.target_url) == HOSTILE
+    if name == "fcpxml":
+        [media] = ElementTree.parse(file).getroot().findall(".//media-rep")
+        assert unquote(media.attrib["src"]) == HOSTILE
+
+
+@pytest.mark.parametrize("name", sorted(FRAME_FORMATS))
+def test_without_a_frame_rate_they_are_refused_in_one_line(tmp_path: Path, name: str) -> None:
+    sound = msgspec.structs.replace(film(), source=msgspec.structs.replace(film().source, frame_rate=None))
+    line = f"--format {name}: film.mkv has no frame rate; give the film's, such as --frame-rate 24"
+    with pytest.raises(RuleError, match=re.escape(line)):
+        export_timeline(sound, tmp_path, formats=[name])
+    odd = msgspec.structs.replace(sound.source, frame_rate="27/2")
+    with pytest.raises(RuleError, match="has 27/2 frames a second, which no timecode counts"):
+        require_frame_rate(["csv", name], odd)
+    require_frame_rate(["csv", "midi"], odd)
+
+
+@pytest.mark.parametrize("rate", ["100", "120000/1001", "120"])
+def test_fast_rates_are_written_or_refused_in_one_line(tmp_path: Path, rate: str) -> None:
+    counting = Counting(rate, "01:00:00;00" if "/" in rate else "01:00:00:00")
+    timeline = film(counting)
+    with pytest.raises(
+        RuleError, match=r"--format fcp7: film\.mkv has [\d.]+ frames a second; this format holds up to 60"
+    ):
+        export_timeline(timeline, tmp_path, formats=["fcp7"])
+    found = fcpxml_markers(written(timeline, tmp_path, "fcpxml"), counting)
+    assert_each_event_is_there(found, timeline, counting)
+    for name in sorted(FRAME_FORMATS - {"fcp7"}):
+        assert written(timeline, tmp_path, name).exists()
+
+
+@pytest.mark.parametrize("name", sorted(FRAME_FORMATS))
+def test_a_film_without_shots_can_be_opened(tmp_path: Path, name: str) -> None:
+    counting = COUNTINGS[3]
+    file = written(film(counting, onsets=[]), tmp_path, name)
+    if name in ("otio", "fcp7"):
+        assert len(otio.adapters.read_from_file(str(file), "fcp_xml" if name == "fcp7" else None).tracks.markers) == 0
+    elif name == "fcpxml":
+        assert fcpxml_markers(file, counting) == []
+    elif name == "cmx3600":
+        assert len(list(pycmx.parse_cmx3600(io.StringIO(file.read_text("utf-8"))).events)) == 1
+
+
+def test_sound_alone_has_no_picture_track(tmp_path: Path) -> None:
+    timeline = film(name="mix.wav")
+    sequence = otio.adapters.read_from_file(str(written(timeline, tmp_path, "otio")))
+    [track] = sequence.tracks
+    assert track.kind == "Audio"
+    assert len(track[0].markers) == len(ONSETS)
+    assert "hasVideo" not in written(timeline, tmp_path, "fcpxml").read_text("utf-8")

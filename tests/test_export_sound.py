@@ -1,0 +1,276 @@
+"""Formats that hold seconds, milliseconds or ticks, read by what we did not write: every event at its time."""
+
+import csv
+import json
+import re
+from fractions import Fraction
+from pathlib import Path
+
+import jsonschema
+import mido
+import msgspec
+import pandas
+import pytest
+import webvtt
+
+from blastline.export import FORMATS, export_timeline, resolution, rounding
+from blastline.export.midi import NOTE, pulse, velocity
+from blastline.export.table import COLUMNS, table
+from blastline.export.words import label, one_line
+from blastline.model import Timeline, encode
+from films import COUNTINGS, HOSTILE, ONSETS, Counting, film
+
+RATES_HZ = [8_000, 11_025, 16_000, 22_050, 32_000, 44_100, 48_000, 88_200, 96_000, 176_400, 192_000, 384_000]
+
+
+def written(timeline: Timeline, folder: Path, name: str) -> Path:
+    [file] = export_timeline(timeline, folder, formats=[name])
+    return file
+
+
+def in_order(timeline: Timeline) -> list[int]:
+    return sorted(event.onset_sample for event in timeline.events)
+
+
+# MIDI
+
+
+def notes(file: mido.MidiFile) -> list[tuple[int, int, int]]:
+    """Return start, end and velocity of each note, in ticks; a note that is not ended fails."""
+    [track] = [track for track in file.tracks if track.name == "shots"]
+    found: list[tuple[int, int, int]] = []
+    open_at: list[tuple[int, int]] = []
+    now = 0
+    for message in track:
+        now += message.time
+        if message.type == "note_on" and message.velocity:
+            assert open_at == []  # what overlaps on one pitch cuts itself off
+            open_at = [(now, message.velocity)]
+        elif message.type in ("note_off", "note_on"):
+            assert message.note == NOTE
+            [(start, level)] = open_at
+            found.append((start, now, level))
+            open_at = []
+    assert open_at == []
+    return found
+
+
+def tick_s(file: mido.MidiFile) -> Fraction:
+    [tempo] = [message.tempo for message in file.tracks[0] if message.type == "set_tempo"]
+    return Fraction(tempo, 1_000_000 * file.ticks_per_beat)
+
+
+@pytest.mark.parametrize("rate_hz", RATES_HZ)
+def test_midi_ticks_are_samples(tmp_path: Path, rate_hz: int) -> None:
+    timeline = film(rate_hz=rate_hz)
+    file = mido.MidiFile(written(timeline, tmp_path, "midi"), charset="utf-8")
+    assert tick_s(file) == Fraction(1, rate_hz)
+    assert file.ticks_per_beat <= 0x7FFF
+    assert [start for start, _, _ in notes(file)] == in_order(timeline)
+    assert rounding(timeline, ["midi"]) == ()
+
+
+def test_midi_of_a_rate_without_a_pulse_is_at_the_nearest_tick(tmp_path: Path) -> None:
+    timeline = film(rate_hz=44_101)
+    file = mido.MidiFile(written(timeline, tmp_path, "midi"))
+    for (start, _, _), onset in zip(notes(file), in_order(timeline), strict=True):
+        assert abs(start * tick_s(file) - Fraction(onset, 44_101)) <= tick_s(file) / 2
+    [line] = rounding(timeline, ["midi"])
+    assert line.startswith("midi: a tick is 20.83 us; shot-")
+
+
+def test_midi_of_a_film_that_is_silent_for_hours(tmp_path: Path) -> None:
+    onsets = [48_000, 9 * 3600 * 48_000, 23 * 3600 * 48_000 + 1]
+    file_path = written(film(onsets=onsets), tmp_path, "midi")
+    file = mido.MidiFile(file_path)
+    assert [start for start, _, _ in notes(file)] == onsets
+    assert all(message.time <= 0x0FFFFFFF for track in file.tracks for message in track)
+    assert file.length == pytest.approx(onsets[-1] / 48_000 + 0.5)
+
+
+def test_midi_notes_have_the_level_and_markers_the_names(tmp_path: Path) -> None:
+    timeline = film(name=HOSTILE)
+    file = mido.MidiFile(written(timeline, tmp_path, "midi"), charset="utf-8")
+    by_onset = sorted(timeline.events, key=lambda event: event.onset_sample)
+    assert [level for _, _, level in notes(file)] == [velocity(event.peak_dbfs) for event in by_onset]
+    assert file.tracks[0].name == one_line(HOSTILE)
+    now, found = 0, []
+    for message in file.tracks[0]:
+        now += message.time
+        if message.type == "marker":
+            found.append((now, message.text))
+    assert found == [(event.onset_sample, label(event)) for event in by_onset]
+
+
+def test_velocity_rises_with_level_and_stays_within_midi() -> None:
+    levels = [velocity(peak_dbfs) for peak_dbfs in range(-300, 20)]
+    assert levels == sorted(levels)
+    assert (levels[0], levels[-1]) == (1, 127)
+
+
+@pytest.mark.parametrize(
+    ("rate", "start", "expected"),
+    [
+        ("24", "01:00:00:12", (24, 1, 0, 0, 12, 0)),
+        ("25", "10:00:00:24", (25, 10, 0, 0, 24, 0)),
+        ("30", "01:00:00:00", (30, 1, 0, 0, 0, 0)),
+        ("30000/1001", "00:59:59;29", (29.97, 0, 59, 59, 29, 0)),
+        ("48", "01:00:00:03", (24, 1, 0, 0, 1, 50)),
+        ("50", "01:00:00:01", (25, 1, 0, 0, 0, 50)),
+        ("60000/1001", "00:01:00;04", (29.97, 0, 1, 0, 2, 0)),
+        ("60", "01:00:00:02", (30, 1, 0, 0, 1, 0)),
+        ("24000/1001", "01:00:00:00", None),
+        ("30000/1001", "01:00:00:00", None),
+    ],
+)
+def test_midi_has_the_start_where_it_has_the_rate(
+    tmp_path: Path, rate: str, start: str, expected: tuple[float, int, int, int, int, int] | None
+) -> None:
+    file = mido.MidiFile(written(film(Counting(rate, start)), tmp_path, "midi"))
+    found = [
+        (m.frame_rate, m.hours, m.minutes, m.seconds, m.frames, m.sub_frames)
+        for m in file.tracks[0]
+        if m.type == "smpte_offset"
+    ]
+    assert found == ([] if expected is None else [expected])
+
+
+def test_midi_start_is_that_of_the_sound(tmp_path: Path) -> None:
+    timeline = film(Counting("25", "01:00:00:00"), offset_s=-0.0102)
+    [offset] = [m for m in mido.MidiFile(written(timeline, tmp_path, "midi")).tracks[0] if m.type == "smpte_offset"]
+    assert (offset.hours, offset.minutes, offset.seconds, offset.frames, offset.sub_frames) == (0, 59, 59, 24, 75)
+
+
+@pytest.mark.parametrize("rate_hz", [*RATES_HZ, 47_952, 44_101, 1_000, 12_345])
+def test_the_pulse_is_a_tempo_that_midi_can_hold(rate_hz: int) -> None:
+    beat = pulse(rate_hz)
+    assert 1 <= beat.ticks_per_beat <= 0x7FFF
+    assert 1 <= beat.tempo_us <= 0xFFFFFF
+    for sample in (0, 1, rate_hz, 7 * 3600 * rate_hz + 1):
+        time_s = Fraction(beat.ticks(sample, rate_hz) * beat.tempo_us, 1_000_000 * beat.ticks_per_beat)
+        assert abs(time_s - Fraction(sample, rate_hz)) <= Fraction(beat.tempo_us, 2_000_000 * beat.ticks_per_beat)
+
+
+# WebVTT
+
+
+def test_webvtt_to_the_millisecond(tmp_path: Path) -> None:
+    timeline = film(name=HOSTILE, offset_s=0.0205)
+    captions = webvtt.read(str(written(timeline, tmp_path, "webvtt"))).captions
+    by_onset = sorted(timeline.events, key=lambda event: event.onset_sample)
+    assert [caption.identifier for caption in captions] == [event.id for event in by_onset]
+    for caption, event in zip(captions, by_onset, strict=True):
+        exact_s = event.onset_sample / 48_000 + 0.0205
+        assert re.fullmatch(r"\d\d:\d\d:\d\d\.\d{3}", caption.start)
+        assert abs(_clock_s(caption.start) - exact_s) <= 0.0005 + 1e-9
+        assert _clock_s(caption.end) > _clock_s(caption.start)
+        assert caption.text == label(event)
+    assert re.fullmatch(
+        r"webvtt: times are whole milliseconds; shot-\d+ moves farthest, by [+-]0\.\d{3} ms",
+        rounding(timeline, ["webvtt"])[0],
+    )
+
+
+def test_webvtt_shows_what_comes_before_the_picture_at_its_start(tmp_path: Path) -> None:
+    [caption] = webvtt.read(str(written(film(onsets=[480], offset_s=-0.5), tmp_path, "webvtt"))).captions
+    assert caption.start == "00:00:00.000"
+    assert caption.end > caption.start
+
+
+def test_webvtt_arrows_and_tags_in_names_are_text(tmp_path: Path) -> None:
+    plain = film(onsets=[48_000])
+    [event] = plain.events
+    odd = msgspec.structs.replace(plain, events=(msgspec.structs.replace(event, id="a --> b <i>&amp;"),))
+    text = written(odd, tmp_path, "webvtt").read_text("utf-8")
+    assert text.count("-->") == 1
+    [caption] = webvtt.read(str(tmp_path / "timeline.vtt")).captions
+    assert caption.raw_text.startswith("a --&gt; b &lt;i&gt;&amp;amp; 0.97")
+
+
+def _clock_s(text: str) -> float:
+    match = re.fullmatch(r"(\d+):([0-5]\d):([0-5]\d\.\d+)", text)
+    assert match
+    return 3600 * int(match[1]) + 60 * int(match[2]) + float(match[3])
+
+
+# REAPER, Audacity, tables
+
+
+@pytest.mark.parametrize("rate_hz", [44_100, 48_000, 192_000])
+def test_reaper_regions_are_at_the_sample(tmp_path: Path, rate_hz: int) -> None:
+    timeline = film(name=HOSTILE, rate_hz=rate_hz)
+    raw = written(timeline, tmp_path, "reaper").read_bytes()
+    assert not raw.startswith(b"\xef\xbb\xbf")
+    rows = list(csv.DictReader(raw.decode("utf-8").splitlines()))
+    assert raw.startswith(b"#,Name,Start,End,Length\n")
+    by_onset = sorted(timeline.events, key=lambda event: event.onset_sample)
+    assert [row["#"] for row in rows] == [f"R{number}" for number in range(1, len(rows) + 1)]
+    for row, event, after in zip(rows, by_onset, [*by_onset[1:], None], strict=True):
+        start, end, length = (round(_clock_s(row[key]) * rate_hz) for key in ("Start", "End", "Length"))
+        assert (row["Name"], start) == (label(event), event.onset_sample)
+        assert end == start + length
+        assert end <= (event.window.stop if after is None else after.onset_sample)
+
+
+def test_labels_with_commas_quotes_and_tabs_stay_one_field(tmp_path: Path) -> None:
+    plain = film(onsets=[48_000])
+    odd = tuple(msgspec.structs.replace(event, id='a,"b"\tc\nd') for event in plain.events)
+    timeline = msgspec.structs.replace(plain, events=odd)
+    [row] = csv.DictReader(written(timeline, tmp_path, "reaper").read_text("utf-8").splitlines())
+    assert row["Name"].startswith('a,"b" c d 0.97')
+    [line] = written(timeline, tmp_path, "audacity").read_text("utf-8").splitlines()
+    assert line.split("\t")[2].startswith('a,"b" c d 0.97')
+
+
+def test_labels_tell_what_a_designer_needs() -> None:
+    shots = {event.id: event for event in film().events}
+    assert label(shots["shot-0001"]) == "shot-0001 0.97 -3.1 dBFS filter"
+    assert label(shots["shot-0004"]) == "shot-0004 0.50 burst 1.4 -9.0 dBFS"
+
+
+def test_the_table_says_how_far_from_its_frame_an_event_is(tmp_path: Path) -> None:
+    timeline = film(COUNTINGS[3])
+    read = pandas.read_csv(written(timeline, tmp_path, "csv"), dtype=dict(COLUMNS))
+    assert read["timecode_offset_ms"].abs().max() <= 500 * 1001 / 30_000
+    bare = msgspec.structs.replace(timeline, source=msgspec.structs.replace(timeline.source, frame_rate=None))
+    assert pandas.read_csv(written(bare, tmp_path, "csv"))["timecode_offset_ms"].isna().all()
+
+
+def test_the_table_has_one_plain_type_a_column() -> None:
+    whole = table(film())
+    assert {name: str(dtype) for name, dtype in whole.dtypes.items()} == dict(COLUMNS)
+    assert whole["burst"].isna().sum() == len(ONSETS) - 3
+    assert table(film(onsets=[])).dtypes.equals(whole.dtypes)
+
+
+# JSON Schema
+
+
+def test_the_schema_accepts_what_we_write_and_refuses_what_is_wrong(tmp_path: Path) -> None:
+    rules = json.loads(written(film(), tmp_path, "schema").read_text("utf-8"))
+    jsonschema.Draft202012Validator.check_schema(rules)
+    validator = jsonschema.Draft202012Validator(rules)
+    for counting in COUNTINGS:
+        validator.validate(json.loads(encode(film(counting, name=HOSTILE))))
+    wrong = json.loads(encode(film()))
+    wrong["events"][0]["confidence"] = 2
+    assert [error.json_path for error in validator.iter_errors(wrong)] == ["$.events[0].confidence"]
+    shipped = Path(__file__).parents[1] / "docs" / "timeline.schema.json"
+    assert json.loads(shipped.read_text("utf-8")) == rules
+
+
+# What is said about rounding
+
+
+def test_rounding_names_the_event_that_moves_farthest() -> None:
+    timeline = film(COUNTINGS[1], onsets=[0, 999, 48_000])
+    assert rounding(timeline, ["json", "resolve", "csv", "otio", "resolve"]) == (
+        "resolve, otio: times are whole frames, 24 a second, at most 20.83 ms off; "
+        "shot-0002 moves farthest, by -20.812 ms",
+    )
+    assert rounding(film(onsets=[]), ["webvtt"]) == ("webvtt: times are whole milliseconds; there are no events",)
+
+
+def test_every_format_says_how_exact_it_is() -> None:
+    assert all(resolution(name) for name in FORMATS)
+    assert resolution("fcp7") == "nearest frame, with the sub-frame offset as text"
