@@ -75,9 +75,12 @@ def render(
         report=report,
         overwrite=overwrite,
     )
+    notes: list[str] = []
     with shown_progress(quiet=quiet) as progress:
-        timeline = run.render(film, folder, options, progress)
+        timeline = run.render(film, folder, options, progress, notes.append)
     if not quiet:
+        for note in notes:
+            typer.echo(note, err=True)
         say_summary(timeline, folder / "report.html" if report else folder)
     say_checks(timeline, quiet=quiet, err=True)
     return _code(timeline)
@@ -166,15 +169,51 @@ def export(
         Path,
         typer.Option("-o", "--output", metavar="DIR", help="Folder for the files.", rich_help_panel=WRITING),
     ],
+    drive: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="The drive, for the formats that are made from it: ahap, haptic, hjif.",
+            show_default="drive.wav beside the timeline",
+            rich_help_panel=DRIVING,
+        ),
+    ] = None,
+    actuator: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME|FILE",
+            help="The actuator that the drive was made for.",
+            show_default="as the timeline says",
+            rich_help_panel=DRIVING,
+        ),
+    ] = None,
+    rules: RulesOption = None,
     overwrite: Overwrite = False,
+    quiet: Quiet = False,
 ) -> None:
     """Write a timeline in the formats of other tools; prints each file's name.
+
+    The haptic formats also say, on stderr, what they could not hold exactly.
 
     Example: `blastline export result/timeline.json --format csv,audacity -o cues`
     """
     from .. import run
 
-    for file in run.export(timeline, folder, formats=listed(formats), overwrite=overwrite):
+    def note(line: str) -> None:
+        if not quiet:
+            typer.echo(line, err=True)
+
+    files = run.export(
+        timeline,
+        folder,
+        formats=listed(formats),
+        drive=drive,
+        actuator=actuator,
+        rules=rules,
+        overwrite=overwrite,
+        note=note,
+    )
+    for file in files:
         typer.echo(file)
 
 

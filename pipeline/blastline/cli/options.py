@@ -47,7 +47,7 @@ Formats = Annotated[
     typer.Option(
         "--format",
         metavar="F[,F...]",
-        help="Timeline files to write: json, csv, audacity.",
+        help="Timeline files to write: json, csv, audacity; from the drive: ahap, haptic, hjif.",
         rich_help_panel=WRITING,
     ),
 ]

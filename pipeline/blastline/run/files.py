@@ -4,22 +4,68 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from .. import synth
-from ..export import export_timeline, known_formats, read_timeline
+from ..errors import TimelineError
+from ..export import HapticTrack, export_timeline, known_formats, needs_drive, read_timeline
+from ..model import Timeline
+from ..ruleset import load_actuator, load_haptics
+from ..soundtrack import open_soundtrack
 from ..staging import staged
+from .haptics import Note, no_note, require_length, rounding_notes, track_of
+from .listening import BLOCK
 from .progress import Progress, no_progress
+from .rendering import DRIVE_NAME
 
 
-def export(timeline: Path, folder: Path, *, formats: Iterable[str], overwrite: bool = False) -> list[Path]:
+def export(
+    timeline: Path,
+    folder: Path,
+    *,
+    formats: Iterable[str],
+    drive: Path | None = None,
+    actuator: str | None = None,
+    rules: Path | None = None,
+    overwrite: bool = False,
+    note: Note = no_note,
+) -> list[Path]:
     """Write a timeline in other formats into `folder` and return the files.
 
-    Raises BlastlineError for a timeline, format or folder that cannot be used; nothing is written then.
+    The haptic formats are made from the drive, looked for beside the timeline, and `note` is told their rounding.
+    Raises BlastlineError for a timeline, drive, format or folder that cannot be used; nothing is written then.
     """
     read = read_timeline(timeline)
-    chosen = known_formats(formats)
-    names = [known.file_name for known in chosen]
-    with staged(folder, names=names, overwrite=overwrite) as hidden:
-        export_timeline(read, hidden, formats=[known.name for known in chosen])
-    return [folder / name for name in names]
+    names = [known.name for known in known_formats(formats)]
+    files = [file for known in known_formats(names) for file in known.files]
+    with staged(folder, names=files, overwrite=overwrite) as hidden:
+        track = None
+        if needs_drive(names):
+            track = _haptic_track(read, timeline, drive=drive, actuator=actuator, rules=rules, note=note)
+        written = export_timeline(read, hidden, formats=names, track=track, rounding=rounding_notes(note))
+    return [folder / file.name for file in written]
+
+
+def _haptic_track(
+    timeline: Timeline, path: Path, *, drive: Path | None, actuator: str | None, rules: Path | None, note: Note
+) -> HapticTrack:
+    """Return what the haptic formats are written from; `path` is the timeline's file, beside which its drive lies."""
+    name = actuator or (timeline.actuator.name if timeline.actuator else None)
+    if name is None:
+        raise TimelineError(
+            f"{path}: has no drive and names no actuator; haptic formats are made from a drive: `blastline render` "
+            "makes one, or give --drive and --actuator"
+        )
+    profile, _ = load_actuator(name, rules)
+    file = drive or path.parent / DRIVE_NAME
+    if drive is None and not file.is_file():
+        raise TimelineError(f"{file}: no such file; haptic formats are made from the drive: give it with --drive")
+    with open_soundtrack(file) as made:
+        for _ in made.blocks(BLOCK):
+            pass
+        require_length(timeline, made, file)
+        track = track_of(timeline, made, profile=profile, rules=load_haptics(rules), note=note)
+    if timeline.events and not track.stretches:
+        count = len(timeline.events)
+        raise TimelineError(f"{file}: is at rest in the windows of all {count} shots: not the drive of this timeline")
+    return track
 
 
 def synthesise(

@@ -12,13 +12,14 @@ import msgspec
 from .. import scene
 from ..align import check_files
 from ..errors import OutputError
-from ..export import export_timeline, known_formats
+from ..export import HapticTrack, export_timeline, known_formats, needs_drive
 from ..model import ActuatorRef, Background, Clip, DriveChoice, DriveInfo, Phase, Quality, Span, Timeline
 from ..render import RenderedWindow, compose, drive_filters, measure, needed_audio, render_window
 from ..report import OverviewMeter, write_report
-from ..ruleset import ActuatorProfile, Rules, load_actuator, load_rules
+from ..ruleset import ActuatorProfile, HapticRules, Rules, load_actuator, load_haptics, load_rules
 from ..soundtrack import Cue, Soundtrack, open_soundtrack, write_drive
 from ..staging import staged
+from .haptics import Note, no_note, rounding_notes, track_of
 from .listening import BLOCK, Listened, assemble, event_id, listen
 from .progress import Progress, no_progress
 
@@ -53,16 +54,24 @@ class Setup:
     progress: Progress = field(repr=False)
 
 
-def render(film: Path, folder: Path, options: RenderOptions, progress: Progress = no_progress) -> Timeline:
+def render(
+    film: Path, folder: Path, options: RenderOptions, progress: Progress = no_progress, note: Note = no_note
+) -> Timeline:
     """Find the shots of a film and write drive, timeline and report to `folder`; return the timeline with its checks.
 
+    `note` is told what the haptic formats among the chosen ones could not hold exactly.
     Raises BlastlineError for input, rules or an output folder that cannot be used; nothing is written then.
     """
     profile, digest = load_actuator(options.actuator, options.rules)
     rules = load_rules(options.quality, options.rules)
+    haptics = load_haptics(options.rules)
     setup = Setup(options, rules, profile, ActuatorRef(profile.name, digest), progress)
     formats = known_formats(options.formats)
-    names = [DRIVE_NAME, *(known.file_name for known in formats), *([REPORT_NAME] if options.report else [])]
+    names = [
+        DRIVE_NAME,
+        *(file for known in formats for file in known.files),
+        *([REPORT_NAME] if options.report else []),
+    ]
     _refuse_to_replace(film, folder, names)
     with staged(folder, names=names, overwrite=options.overwrite) as hidden:
         with open_soundtrack(film, stream=options.stream, mix=options.mix, spool_folder=hidden) as track:
@@ -74,6 +83,7 @@ def render(film: Path, folder: Path, options: RenderOptions, progress: Progress 
             )
             with open_soundtrack(hidden / DRIVE_NAME) as drive:
                 timeline = checked(timeline, track, drive, setup)
+                haptic = _haptic_track(timeline, drive, setup, haptics, note)
                 if meter is not None:
                     setup.progress("reporting", 0, None)
                     write_report(
@@ -85,8 +95,17 @@ def render(film: Path, folder: Path, options: RenderOptions, progress: Progress 
                         profile=profile,
                         options={"drive": options.drive, "phase": options.phase, "background": options.background},
                     )
-        export_timeline(timeline, hidden, formats=options.formats)
+        export_timeline(timeline, hidden, formats=options.formats, track=haptic, rounding=rounding_notes(note))
     return timeline
+
+
+def _haptic_track(
+    timeline: Timeline, drive: Soundtrack, setup: Setup, rules: HapticRules, note: Note
+) -> HapticTrack | None:
+    """Return what the haptic formats are written from, where any was asked for; the drive has been decoded."""
+    if not needs_drive(setup.options.formats):
+        return None
+    return track_of(timeline, drive, profile=setup.profile, rules=rules, note=note)
 
 
 def _write_drive(path: Path, heard: Listened, setup: Setup) -> dict[int, DriveInfo]:

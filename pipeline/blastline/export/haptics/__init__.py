@@ -1,0 +1,49 @@
+"""The haptic formats: the drive as breakpoints, for the players of vibration.
+
+drive.wav + timeline ─► pulses and stretches (`haptic_track`) ─► reduced to breakpoints ─► .ahap | .haptic | .hjif
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+
+from .ahap import CONTINUOUS, TRANSIENTS, write_ahap
+from .hjif import FILE, write_hjif
+from .making import haptic_track
+from .meta import INDEX, REELS, write_haptic
+from .rounding import Rounding
+from .track import DriveReader, HapticTrack, Pulse, Stretch
+
+
+@dataclass(frozen=True)
+class HapticFormat:
+    """A format that is written from the drive: its name on the command line, the tools that open it, its writer.
+
+    `files` are the names that it writes; one with a `*` stands for as many as the film is long.
+    """
+
+    name: str
+    files: tuple[str, ...]
+    tool: str
+    write: Callable[[HapticTrack, Path], Rounding]
+
+
+_ALL = (
+    HapticFormat("ahap", (CONTINUOUS, TRANSIENTS), "Core Haptics: iPhone and iPad apps, game engines", write_ahap),
+    HapticFormat("haptic", (REELS, INDEX), "Meta Haptics Studio, FMOD, Wwise, Unity, Unreal", write_haptic),
+    HapticFormat("hjif", (FILE,), "MPEG haptics encoders and players", write_hjif),
+)
+
+HAPTIC_FORMATS: Mapping[str, HapticFormat] = MappingProxyType({known.name: known for known in _ALL})
+
+__all__ = [
+    "HAPTIC_FORMATS",
+    "DriveReader",
+    "HapticFormat",
+    "HapticTrack",
+    "Pulse",
+    "Rounding",
+    "Stretch",
+    "haptic_track",
+]

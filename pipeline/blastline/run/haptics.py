@@ -1,0 +1,51 @@
+"""The drive as haptic formats read it: found, shown to belong to its timeline, and made into a haptic track."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import TimelineError
+from ..export import HapticTrack, Rounding, haptic_track
+from ..model import Span, Timeline
+from ..ruleset import ActuatorProfile, HapticRules
+from ..soundtrack import Soundtrack
+
+Note = Callable[[str], None]
+"""Is told in a line what a user has to know of a result."""
+
+
+def no_note(line: str) -> None:
+    """Tell nobody."""
+
+
+def track_of(
+    timeline: Timeline, drive: Soundtrack, *, profile: ActuatorProfile, rules: HapticRules, note: Note
+) -> HapticTrack:
+    """Return the haptic track of a drive that has been decoded; `note` is told of shots that it does not move for."""
+
+    def read(span: Span) -> NDArray[np.float64]:
+        return np.asarray(drive.cut(span).driving, dtype=np.float64)
+
+    made = haptic_track(timeline, read, profile=profile, rules=rules)
+    if made.silent:
+        some = ", ".join(made.silent[:3]) + (", ..." if len(made.silent) > 3 else "")
+        note(f"the drive is at rest at {len(made.silent)} of {len(timeline.events)} shots, which get no pulse: {some}")
+    return made
+
+
+def require_length(timeline: Timeline, drive: Soundtrack, name: Path) -> None:
+    """Raise TimelineError where a drive, which has been decoded, has another rate or length than its timeline."""
+    source = drive.source()
+    for key, found, expected in (
+        ("samples a second", source.sample_rate_hz, timeline.source.sample_rate_hz),
+        ("samples", source.frames, timeline.source.frames),
+    ):
+        if found != expected:
+            raise TimelineError(f"{name}: has {found} {key}, the timeline {expected}: not the drive of this timeline")
+
+
+def rounding_notes(note: Note) -> Callable[[str, Rounding], None]:
+    """Return what tells a note the rounding of each format."""
+    return lambda name, rounding: note(f"{name}: {rounding}")
