@@ -195,9 +195,9 @@ class AlignRules(Table, frozen=True):
 class HapticRules(Table, frozen=True):
     """`haptics.toml`: how the drive becomes the breakpoints of the haptic formats.
 
-    The amplitude is sqrt(2) times the RMS over the next `average_ms`, read every `step_ms`; the frequency the mean of
-    the spectrum over the next `spectrum_ms`, read every `spectrum_step_ms`. Straight lines between breakpoints stay
-    within the two errors. An echo is a pulse where its attack reaches `least_echo` of the actuator's limit,
+    The amplitude is sqrt(2) times the RMS over `average_ms`, read every `step_ms`; the frequency the mean of the
+    spectrum over the next `spectrum_ms`, read every `spectrum_step_ms`. Straight lines between breakpoints stay within
+    the two errors. An echo is a pulse where its attack reaches `least_echo` of the actuator's limit,
     `echo_apart_ms` after the pulse before it. A `.haptic` file covers about `reel_s` of the film.
     """
 

@@ -1,13 +1,15 @@
-"""The drive's amplitude and frequency over time, looking ahead from each point but never across an attack.
+"""The drive's amplitude and frequency over time, never averaged across an attack.
 
-    amplitude(t) = min(1, sqrt(2 mean(drive^2 over [t, min(t + average, next attack)))))
+    amplitude(t) = min(1, sqrt(2 mean(drive^2 over [s, min(s + average, next attack)))))
+    s = max(last attack before t or at it, t - average)
 
-is what a sine needs to have the drive's power. An average that looked back would report every attack late and one that
-looked across it early; this one has all of an attack in the point at its start, after a point a millisecond before:
+is what a sine needs to have the drive's power. An average that only looks back reports every attack late, and one that
+looks across it early. This one has all of an attack in the point at its start, keeps it for the length of the average,
+so that no power is lost, and rises on the line that leads up to it from a point a millisecond before:
 
-    ------.                    an attack begins at a point of its own,
-           \\    .             and the line that leads up to it takes the millisecond before
-            `---' `--.__
+            .------.
+           /        `-.
+    ------'            `----
 """
 
 import math
@@ -38,8 +40,10 @@ def grid(attacks: list[int], stop: int, *, step: int, gap: int) -> NDArray[np.in
 def amplitudes(drive: Samples, points: NDArray[np.int64], attacks: list[int], *, average: int) -> Samples:
     """Return the amplitude at each point, as in the formula above; all are indices into `drive`."""
     energy = np.concatenate([[0.0], np.cumsum(drive * drive)])
-    ends = np.minimum(points + average, _ends(points, attacks, len(drive)))
-    mean = (energy[ends] - energy[points]) / np.maximum(ends - points, 1)
+    walls = np.array(attacks)
+    starts = np.maximum(walls[np.searchsorted(walls, points, side="right") - 1], points - average)
+    ends = np.minimum(starts + average, _ends(points, attacks, len(drive)))
+    mean = (energy[ends] - energy[starts]) / np.maximum(ends - starts, 1)
     return np.asarray(np.minimum(np.sqrt(2.0 * np.maximum(mean, 0.0)), 1.0), dtype=np.float64)
 
 
