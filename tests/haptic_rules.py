@@ -8,6 +8,7 @@
 Nothing here imports what writes the files. Each `..._played` returns what a player makes of a file.
 """
 
+import itertools
 import json
 import re
 from dataclasses import dataclass
@@ -23,21 +24,28 @@ Points = list[tuple[float, float]]
 
 @dataclass(frozen=True)
 class Played:
-    """What a player makes of a file: (time in s, amplitude) of pulses; amplitude and frequency as broken lines."""
+    """What a player makes of a file: (time in s, amplitude) of pulses; amplitude and frequency as broken lines.
+
+    The amplitude is the given power of its line.
+    """
 
     pulses: Points
     amplitude: Points
     frequency: Points
+    power: int = 1
 
     def amplitude_at(self, times_s: NDArray[np.float64]) -> NDArray[np.float64]:
-        return _line(self.amplitude, times_s)
+        return _line(self.amplitude, times_s) ** self.power
 
     def frequency_at(self, times_s: NDArray[np.float64]) -> NDArray[np.float64]:
         return _line(self.frequency, times_s)
 
 
 def _line(points: Points, times_s: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.interp(times_s, [time_s for time_s, _ in points], [value for _, value in points])
+    if not points:
+        return np.zeros(len(times_s))
+    line = np.interp(times_s, [time_s for time_s, _ in points], [value for _, value in points])
+    return np.asarray(line, dtype=np.float64)
 
 
 def strict_json(path: Path) -> Any:
@@ -62,7 +70,7 @@ def ahap_played(continuous: Path, transients: Path) -> Played:
     assert {event["EventType"] for event in events} == {"HapticContinuous"}
     assert {event["EventType"] for event in pulses} == {"HapticTransient"}
     assert none == []
-    for event, following in zip(events, events[1:], strict=False):
+    for event, following in itertools.pairwise(events):
         assert event["Time"] + event["EventDuration"] <= following["Time"] + 1.1e-6
     intensity = _ahap_line(curves, "HapticIntensityControl")
     covered = [(event["Time"] - 1.1e-6, event["Time"] + event["EventDuration"] + 1.1e-6) for event in events]
@@ -72,8 +80,9 @@ def ahap_played(continuous: Path, transients: Path) -> Played:
     assert set(full) <= {0.0, 1.0}
     return Played(
         [(event["Time"], _ahap_parameters(event)["HapticIntensity"] ** 2) for event in pulses],
-        [(time_s, value) for time_s, value in intensity],
+        intensity,
         _ahap_line(curves, "HapticSharpnessControl"),
+        power=2,
     )
 
 
@@ -292,8 +301,7 @@ def _within_one(played: Played) -> None:
     strengths = np.array([strength for _, strength in played.pulses])
     times_s = np.unique((starts[:, None] + np.linspace(0.0, TRANSIENT_S, 23)).ravel())
     sounding = (times_s[:, None] >= starts - 1e-9) & (times_s[:, None] <= starts + TRANSIENT_S + 1e-9)
-    waves = played.amplitude_at(times_s) if played.amplitude else np.zeros(len(times_s))
-    assert np.max(waves + sounding @ strengths) <= 1.0 + 1e-9
+    assert np.max(played.amplitude_at(times_s) + sounding @ strengths) <= 1.0 + 1e-9
 
 
 def _whole(value: object) -> bool:

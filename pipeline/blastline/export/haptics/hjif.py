@@ -196,16 +196,22 @@ def _with_room(amplitude: Curve, transients: Sequence[tuple[int, float, Pulse]])
     positions = [position for position, _, _ in transients]
     first, last = bisect_left(positions, start - TRANSIENT_TICKS), bisect_right(positions, stop)
     near = [(p, a) for p, a, _ in transients[first:last]]
-    corners = [tick for p, _ in near for tick in (p, p + TRANSIENT_TICKS) if start <= tick <= stop]
-    ticks = np.union1d(amplitude.samples, np.array(corners, np.int64))
-    values = amplitude.at(ticks)
+    corners = [amplitude.samples]
+    ceilings: list[tuple[int, float]] = []
     for position, _ in near:
-        beside = sum(a for p, a in near if p <= position <= p + TRANSIENT_TICKS)
-        during = (ticks >= position) & (ticks <= position + TRANSIENT_TICKS)
-        values[during] = np.minimum(values[during], max(0.0, 1.0 - beside))
-    # a corner that changes nothing is not written
-    kept = np.isin(ticks, amplitude.samples) | (values < amplitude.at(ticks))
-    return Curve(ticks[kept], values[kept])
+        ceiling = max(0.0, 1.0 - sum(a for p, a in near if p <= position <= p + TRANSIENT_TICKS))
+        end = position + TRANSIENT_TICKS
+        during = amplitude.part(max(start, position), max(start, min(stop, end)))
+        if np.max(during.values) > ceiling:
+            ceilings.append((position, ceiling))
+            # one tick outside, the wave is what it was
+            corners.append(np.clip([position - 1, position, end, end + 1], start, stop))
+    ticks = np.unique(np.concatenate(corners))
+    values = amplitude.at(ticks)
+    for position, ceiling in ceilings:
+        during_ticks = (ticks >= position) & (ticks <= position + TRANSIENT_TICKS)
+        values[during_ticks] = np.minimum(values[during_ticks], ceiling)
+    return Curve(ticks, values)
 
 
 def _on_ticks(curve: Curve, rate_hz: int) -> Curve:
