@@ -32,6 +32,11 @@ class Format:
         """Return the names of all files of the format, which is one."""
         return (self.file_name,)
 
+    @property
+    def sets(self) -> tuple[str, ...]:
+        """Return the patterns of further files, of which there are none."""
+        return ()
+
 
 _ALL = (
     Format("json", ".json", "blastline itself and scripts: everything that is known", write_json),
@@ -80,5 +85,6 @@ def export_timeline(
             errors = each.write(track, folder)
             if rounding is not None:
                 rounding(each.name, errors)
-        written += [file for name in each.files for file in sorted(folder.glob(name))]
+        written += [folder / name for name in each.files]
+        written += [file for pattern in each.sets for file in sorted(folder.glob(pattern))]
     return written

@@ -10,7 +10,7 @@ from ..model import Timeline
 from ..ruleset import load_actuator, load_haptics
 from ..soundtrack import open_soundtrack
 from ..staging import staged
-from .haptics import Note, no_note, require_length, rounding_notes, track_of
+from .haptics import Note, no_note, require_length, rounding_notes, tell_silent, track_of
 from .listening import BLOCK
 from .progress import Progress, no_progress
 from .rendering import DRIVE_NAME
@@ -35,7 +35,8 @@ def export(
     read = read_timeline(timeline)
     names = [known.name for known in known_formats(formats)]
     files = [file for known in known_formats(names) for file in known.files]
-    with staged(folder, names=files, overwrite=overwrite) as hidden:
+    sets = [pattern for known in known_formats(names) for pattern in known.sets]
+    with staged(folder, names=files, sets=sets, overwrite=overwrite) as hidden:
         track = None
         if needs_drive(names):
             track = _haptic_track(read, timeline, drive=drive, actuator=actuator, rules=rules, note=note)
@@ -61,10 +62,11 @@ def _haptic_track(
         for _ in made.blocks(BLOCK):
             pass
         require_length(timeline, made, file)
-        track = track_of(timeline, made, profile=profile, rules=load_haptics(rules), note=note)
+        track = track_of(timeline, made, profile=profile, rules=load_haptics(rules))
     if timeline.events and not track.stretches:
         count = len(timeline.events)
         raise TimelineError(f"{file}: is at rest in the windows of all {count} shots: not the drive of this timeline")
+    tell_silent(track, note)
     return track
 
 

@@ -20,19 +20,20 @@ def no_note(line: str) -> None:
     """Tell nobody."""
 
 
-def track_of(
-    timeline: Timeline, drive: Soundtrack, *, profile: ActuatorProfile, rules: HapticRules, note: Note
-) -> HapticTrack:
-    """Return the haptic track of a drive that has been decoded; `note` is told of shots that it does not move for."""
+def track_of(timeline: Timeline, drive: Soundtrack, *, profile: ActuatorProfile, rules: HapticRules) -> HapticTrack:
+    """Return the haptic track of a drive that has been decoded."""
 
     def read(span: Span) -> NDArray[np.float64]:
         return np.asarray(drive.cut(span).driving, dtype=np.float64)
 
-    made = haptic_track(timeline, read, profile=profile, rules=rules)
-    if made.silent:
-        some = ", ".join(made.silent[:3]) + (", ..." if len(made.silent) > 3 else "")
-        note(f"the drive is at rest at {len(made.silent)} of {len(timeline.events)} shots, which get no pulse: {some}")
-    return made
+    return haptic_track(timeline, read, profile=profile, rules=rules)
+
+
+def tell_silent(track: HapticTrack, note: Note) -> None:
+    """Tell which shots the drive does not move the seat for, if any."""
+    if track.silent:
+        some = ", ".join(track.silent[:3]) + (", ..." if len(track.silent) > 3 else "")
+        note(f"the drive is at rest at {len(track.silent)} of the shots, which get no pulse: {some}")
 
 
 def require_length(timeline: Timeline, drive: Soundtrack, name: Path) -> None:

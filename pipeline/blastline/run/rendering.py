@@ -12,14 +12,14 @@ import msgspec
 from .. import scene
 from ..align import check_files
 from ..errors import OutputError
-from ..export import HapticTrack, export_timeline, known_formats, needs_drive
+from ..export import export_timeline, known_formats, needs_drive
 from ..model import ActuatorRef, Background, Clip, DriveChoice, DriveInfo, Phase, Quality, Span, Timeline
 from ..render import RenderedWindow, compose, drive_filters, measure, needed_audio, render_window
 from ..report import OverviewMeter, write_report
-from ..ruleset import ActuatorProfile, HapticRules, Rules, load_actuator, load_haptics, load_rules
+from ..ruleset import ActuatorProfile, Rules, load_actuator, load_haptics, load_rules
 from ..soundtrack import Cue, Soundtrack, open_soundtrack, write_drive
 from ..staging import staged
-from .haptics import Note, no_note, rounding_notes, track_of
+from .haptics import Note, no_note, rounding_notes, tell_silent, track_of
 from .listening import BLOCK, Listened, assemble, event_id, listen
 from .progress import Progress, no_progress
 
@@ -72,8 +72,9 @@ def render(
         *(file for known in formats for file in known.files),
         *([REPORT_NAME] if options.report else []),
     ]
+    sets = [pattern for known in formats for pattern in known.sets]
     _refuse_to_replace(film, folder, names)
-    with staged(folder, names=names, overwrite=options.overwrite) as hidden:
+    with staged(folder, names=names, sets=sets, overwrite=options.overwrite) as hidden:
         with open_soundtrack(film, stream=options.stream, mix=options.mix, spool_folder=hidden) as track:
             meter = OverviewMeter(track.rate_hz) if options.report else None
             heard = listen(track, rules, progress, meter)
@@ -83,7 +84,10 @@ def render(
             )
             with open_soundtrack(hidden / DRIVE_NAME) as drive:
                 timeline = checked(timeline, track, drive, setup)
-                haptic = _haptic_track(timeline, drive, setup, haptics, note)
+                haptic = None
+                if needs_drive(options.formats):
+                    haptic = track_of(timeline, drive, profile=profile, rules=haptics)
+                    tell_silent(haptic, note)
                 if meter is not None:
                     setup.progress("reporting", 0, None)
                     write_report(
@@ -97,15 +101,6 @@ def render(
                     )
         export_timeline(timeline, hidden, formats=options.formats, track=haptic, rounding=rounding_notes(note))
     return timeline
-
-
-def _haptic_track(
-    timeline: Timeline, drive: Soundtrack, setup: Setup, rules: HapticRules, note: Note
-) -> HapticTrack | None:
-    """Return what the haptic formats are written from, where any was asked for; the drive has been decoded."""
-    if not needs_drive(setup.options.formats):
-        return None
-    return track_of(timeline, drive, profile=setup.profile, rules=rules, note=note)
 
 
 def _write_drive(path: Path, heard: Listened, setup: Setup) -> dict[int, DriveInfo]:

@@ -18,20 +18,21 @@ from .track import DriveReader, HapticTrack, Pulse, Stretch
 
 @dataclass(frozen=True)
 class HapticFormat:
-    """A format that is written from the drive: its name on the command line, the tools that open it, its writer.
+    """A format that is written from the drive: its name on the command line, its files, the tools that open it.
 
-    `files` are the names that it writes; one with a `*` stands for as many as the film is long.
+    `sets` are patterns of further files, of which there are more the longer the film is.
     """
 
     name: str
     files: tuple[str, ...]
     tool: str
     write: Callable[[HapticTrack, Path], Rounding]
+    sets: tuple[str, ...] = ()
 
 
 _ALL = (
     HapticFormat("ahap", (CONTINUOUS, TRANSIENTS), "Core Haptics: iPhone and iPad apps, game engines", write_ahap),
-    HapticFormat("haptic", (REELS, INDEX), "Meta Haptics Studio, FMOD, Wwise, Unity, Unreal", write_haptic),
+    HapticFormat("haptic", (INDEX,), "Meta Haptics Studio, FMOD, Wwise, Unity, Unreal", write_haptic, (REELS,)),
     HapticFormat("hjif", (FILE,), "MPEG haptics encoders and players", write_hjif),
 )
 
