@@ -50,7 +50,7 @@ def power_amplitude(drive: Samples, sample: int, *, start: int, attacks: list[in
 def test_every_shot_and_strong_echo_is_a_pulse_at_its_time(tmp_path: Path, name: str) -> None:
     found = played(track_of(FILM, drive_of(FILM, peak=0.5)), tmp_path, name)
     times_s = [time_s for time_s, _ in found.pulses]
-    np.testing.assert_allclose(times_s, np.array(ATTACKS) / RATE_HZ, rtol=0.0, atol=TIME_MS[name] / 1000.0)
+    np.testing.assert_allclose(times_s, np.array(ATTACKS) / RATE_HZ, rtol=0.0, atol=TIME_MS[name] / 1000.0 + 1e-12)
     shot, echo = found.pulses[:2]
     assert echo[1] < shot[1]
 
@@ -115,7 +115,7 @@ def test_the_frequency_is_that_of_the_drive(tmp_path: Path, tone_hz: float) -> N
     lowest_highest = {"ahap": (65.0, 300.0), "haptic": (30.0, 600.0), "hjif": (0.0, 1.0)}
     for name, (low, high) in lowest_highest.items():
         heard = low + (high - low) * played(track, tmp_path, name).frequency_at(about_s)
-        np.testing.assert_allclose(heard, tone_hz, rtol=0.1, atol=2.0 + RULES.frequency_error_hz)
+        np.testing.assert_allclose(heard, tone_hz, rtol=0.1 + RULES.frequency_error)
 
 
 def test_an_hour_later_everything_is_an_hour_later(tmp_path: Path) -> None:
@@ -324,7 +324,7 @@ def test_an_onset_behind_the_end_of_the_film_is_refused() -> None:
         track_of(film([event(2 * RATE_HZ)], RATE_HZ), np.zeros(RATE_HZ))
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
 def test_whatever_the_events_the_files_keep_to_the_rules(tmp_path: Path, data: st.DataObject) -> None:
     """Windows of one sample, overlaps, onsets outside their window or too near, the first and the last frame."""
@@ -346,7 +346,7 @@ def test_whatever_the_events_the_files_keep_to_the_rules(tmp_path: Path, data: s
         if track.pulses:
             expected = np.array([pulse.sample / rate for pulse in track.pulses])
             times_s = [time_s for time_s, _ in found.pulses]
-            np.testing.assert_allclose(times_s, expected, rtol=0.0, atol=TIME_MS[name] / 1000.0)
+            np.testing.assert_allclose(times_s, expected, rtol=0.0, atol=TIME_MS[name] / 1000.0 + 1e-12)
 
 
 @given(st.lists(st.floats(0.0, 1.0), min_size=2, max_size=60), st.floats(0.001, 0.5))

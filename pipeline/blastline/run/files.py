@@ -59,9 +59,8 @@ def _haptic_track(
     if drive is None and not file.is_file():
         raise TimelineError(f"{file}: no such file; haptic formats are made from the drive: give it with --drive")
     with open_soundtrack(file) as made:
-        for _ in made.blocks(BLOCK):
-            pass
-        require_length(timeline, made, file)
+        frames = sum(len(block.span) for block in made.blocks(BLOCK))
+        require_length(timeline, file, rate_hz=made.rate_hz, frames=frames)
         track = track_of(timeline, made, profile=profile, rules=load_haptics(rules))
     if timeline.events and not track.stretches:
         count = len(timeline.events)

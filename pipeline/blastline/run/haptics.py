@@ -36,12 +36,11 @@ def tell_silent(track: HapticTrack, note: Note) -> None:
         note(f"the drive is at rest at {len(track.silent)} of the shots, which get no pulse: {some}")
 
 
-def require_length(timeline: Timeline, drive: Soundtrack, name: Path) -> None:
-    """Raise TimelineError where a drive, which has been decoded, has another rate or length than its timeline."""
-    source = drive.source()
+def require_length(timeline: Timeline, name: Path, *, rate_hz: int, frames: int) -> None:
+    """Raise TimelineError where a drive has another rate or length than its timeline; `name` is its file."""
     for key, found, expected in (
-        ("samples a second", source.sample_rate_hz, timeline.source.sample_rate_hz),
-        ("samples", source.frames, timeline.source.frames),
+        ("samples a second", rate_hz, timeline.source.sample_rate_hz),
+        ("samples", frames, timeline.source.frames),
     ):
         if found != expected:
             raise TimelineError(f"{name}: has {found} {key}, the timeline {expected}: not the drive of this timeline")

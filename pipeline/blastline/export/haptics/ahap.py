@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .curve import Curve, reduced
-from .rounding import Rounding, clipped, late_ms, off
+from .rounding import Rounding, late_ms, mistuned, within
 from .track import HapticTrack, Stretch
 
 CONTINUOUS, TRANSIENTS = "timeline.continuous.ahap", "timeline.transients.ahap"
@@ -59,9 +59,11 @@ def _stretch(stretch: Stretch, track: HapticTrack) -> tuple[list[Pattern], Round
     rate_hz, span = track.rate_hz, stretch.span
     root = stretch.amplitude.with_values(np.sqrt(stretch.amplitude.values))
     # |a^2 - b^2| = |a - b| (a + b), at most twice |a - b| where both are at most 1
-    intensity = _rounded(reduced(root, track.amplitude_error / 2.0))
-    sharp = stretch.frequency_hz.with_values(_sharpnesses(stretch.frequency_hz.values))
-    sharpness = _rounded(reduced(sharp, track.frequency_error_hz / (SHARP_HZ - DULL_HZ)))
+    few = reduced(root, track.amplitude_error / 2.0)
+    intensity = few.with_values(np.round(few.values, 4))
+    tone_hz, notes = within(stretch.frequency_hz, DULL_HZ, SHARP_HZ)
+    few_hz = reduced(tone_hz, track.frequency_error, relative=True)
+    sharpness = few_hz.with_values(np.round(_sharpnesses(few_hz.values), 4))
     start_s, stop_s = span.start / rate_hz, span.stop / rate_hz
     patterns = [*_events(start_s, stop_s)]
     patterns += _curves("HapticIntensityControl", intensity, rate_hz)
@@ -71,9 +73,9 @@ def _stretch(stretch: Stretch, track: HapticTrack) -> tuple[list[Pattern], Round
     return patterns, Rounding(
         late_ms(times_s, np.round(times_s, _DECIMALS)),
         float(np.max(np.abs(played.values - stretch.amplitude.values))),
-        off(sharp, sharpness) * (SHARP_HZ - DULL_HZ),
+        mistuned(tone_hz, sharpness.with_values(DULL_HZ + (SHARP_HZ - DULL_HZ) * sharpness.values)),
         points=len(intensity) + len(sharpness),
-        notes=clipped(stretch.frequency_hz.values, DULL_HZ, SHARP_HZ),
+        notes=notes,
     )
 
 
@@ -130,7 +132,3 @@ def _sharpness(frequency_hz: float) -> float:
 
 def _sharpnesses(frequencies_hz: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.clip((frequencies_hz - DULL_HZ) / (SHARP_HZ - DULL_HZ), 0.0, 1.0)
-
-
-def _rounded(curve: Curve) -> Curve:
-    return curve.with_values(np.round(curve.values, 4))

@@ -1,5 +1,6 @@
 """A quantity over time as points with straight lines between them, and fewer points within a stated error."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,26 +33,27 @@ class Curve:
         return Curve(samples, self.at(samples))
 
 
-def reduced(curve: Curve, tolerance: float) -> Curve:
+def reduced(curve: Curve, tolerance: float, *, relative: bool = False) -> Curve:
     """Return some of the points of a curve, first and last among them, whose lines pass all others within `tolerance`.
 
-    The farthest point is kept and the same is asked on both its sides (Ramer 1972, Douglas and Peucker 1973, with the
-    distance in the value alone, as time is exact).
+    From a point kept, the lines that pass within the tolerance of each point after it lie in a cone that narrows from
+    point to point; the last point that lies in its own cone is the next to keep, so that one pass is enough. A relative
+    tolerance is a part of each value, all above 0.
     """
-    samples, values = curve.samples.astype(np.float64), curve.values
-    kept = {0, len(curve) - 1}
-    open_ranges = [(0, len(curve) - 1)]
-    while open_ranges:
-        first, last = open_ranges.pop()
-        if last - first < 2:
-            continue
-        slope = (values[last] - values[first]) / (samples[last] - samples[first])
-        line = values[first] + slope * (samples[first + 1 : last] - samples[first])
-        off = np.abs(values[first + 1 : last] - line)
-        farthest = int(np.argmax(off))
-        if off[farthest] > tolerance:
-            middle = first + 1 + farthest
-            kept.add(middle)
-            open_ranges += [(first, middle), (middle, last)]
-    chosen = np.array(sorted(kept))
+    samples, values = curve.samples.tolist(), curve.values.tolist()
+    margins = (tolerance * curve.values if relative else np.full(len(values), tolerance)).tolist()
+    kept = [0]
+    while kept[-1] < len(samples) - 1:
+        start, value = samples[kept[-1]], values[kept[-1]]
+        low, high, best = -math.inf, math.inf, kept[-1] + 1
+        for at in range(kept[-1] + 1, len(samples)):
+            time, rise = samples[at] - start, values[at] - value
+            slope = rise / time
+            if low <= slope <= high:
+                best = at
+            low, high = max(low, (rise - margins[at]) / time), min(high, (rise + margins[at]) / time)
+            if low > high:
+                break
+        kept.append(best)
+    chosen = np.array(kept)
     return Curve(curve.samples[chosen], curve.values[chosen])

@@ -11,6 +11,7 @@ import itertools
 import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from numpy.typing import NDArray
 
 from ...errors import TimelineError
 from .curve import Curve, reduced
-from .rounding import Rounding, late_ms, off
+from .rounding import Rounding, late_ms, mistuned, off
 from .track import HapticTrack, Pulse, Stretch
 
 FILE = "timeline.hjif"
@@ -153,7 +154,7 @@ def _wave(
     """Return a stretch as effects of at most `LONGEST_EFFECT` ticks that follow one on another, and its errors."""
     rate_hz = track.rate_hz
     line = reduced(stretch.amplitude, track.amplitude_error)
-    tone = reduced(stretch.frequency_hz, track.frequency_error_hz)
+    tone = reduced(stretch.frequency_hz, track.frequency_error, relative=True)
     amplitude, frequency = _on_ticks(line, rate_hz), _on_ticks(tone, rate_hz)
     room = _with_room(amplitude, transients)
     held = float(np.max(amplitude.at(room.samples) - room.values))
@@ -167,7 +168,7 @@ def _wave(
     errors = Rounding(
         late_ms(exact_s, written_s),
         off(stretch.amplitude, line.with_values(np.round(line.values, _VALUE_DECIMALS))),
-        off(stretch.frequency_hz, tone.with_values(np.round(tone.values))),
+        mistuned(stretch.frequency_hz, tone.with_values(np.round(tone.values))),
         points=len(room) + len(frequency),
         notes=("beside a transient the wave leaves it room, so that both stay within 1",) if held > 0.0 else (),
     )
@@ -193,8 +194,8 @@ def _effect(amplitude: Curve, frequency: Curve) -> Json:
 def _with_room(amplitude: Curve, transients: Sequence[tuple[int, float, Pulse]]) -> Curve:
     """Return the wave, at most what is left beside each transient while it lasts; all times are in ticks."""
     start, stop = int(amplitude.samples[0]), int(amplitude.samples[-1])
-    positions = [position for position, _, _ in transients]
-    first, last = bisect_left(positions, start - TRANSIENT_TICKS), bisect_right(positions, stop)
+    first = bisect_left(transients, start - TRANSIENT_TICKS, key=itemgetter(0))
+    last = bisect_right(transients, stop, key=itemgetter(0))
     near = [(p, a) for p, a, _ in transients[first:last]]
     corners = [amplitude.samples]
     ceilings: list[tuple[int, float]] = []

@@ -48,7 +48,7 @@ def haptic_track(
         tuple(pulses),
         tuple(stretches),
         rules.amplitude_error,
-        rules.frequency_error_hz,
+        rules.frequency_error,
         rules.reel_s,
         tuple(silent),
     )

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...model import Span
 from .curve import Curve, reduced
 from .reels import reel_edges
-from .rounding import Rounding, clipped, late_ms, off
+from .rounding import Rounding, late_ms, mistuned, off, within
 from .track import HapticTrack, Pulse
 
 REELS, INDEX = "timeline.reel-*.haptic", "timeline.reels.csv"
@@ -68,13 +68,13 @@ def _lines(track: HapticTrack) -> tuple[Curve, Curve, Rounding]:
         own = onsets[(onsets >= stretch.span.start) & (onsets <= stretch.span.stop)]
         samples = np.union1d(few.samples, own)
         line = Curve(samples, np.round(few.at(samples), _VALUE_DECIMALS))
-        tone = stretch.frequency_hz.with_values(_normalised(stretch.frequency_hz.values))
-        toned = reduced(tone, track.frequency_error_hz / (HIGH_HZ - LOW_HZ))
-        toned = toned.with_values(np.round(toned.values, _VALUE_DECIMALS))
+        tone_hz, notes = within(stretch.frequency_hz, LOW_HZ, HIGH_HZ)
+        few_hz = reduced(tone_hz, track.frequency_error, relative=True)
+        toned = few_hz.with_values(np.round(_normalised(few_hz.values), _VALUE_DECIMALS))
         amplitudes.append(line)
         frequencies.append(toned)
-        errors = (off(stretch.amplitude, line), off(tone, toned) * (HIGH_HZ - LOW_HZ))
-        notes = clipped(stretch.frequency_hz.values, LOW_HZ, HIGH_HZ)
+        back_hz = toned.with_values(LOW_HZ + (HIGH_HZ - LOW_HZ) * toned.values)
+        errors = (off(stretch.amplitude, line), mistuned(tone_hz, back_hz))
         rounding |= Rounding(0.0, *errors, points=len(line) + len(toned), notes=notes)
     return _chained(amplitudes), _chained(frequencies), rounding
 

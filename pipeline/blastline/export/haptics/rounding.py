@@ -12,13 +12,13 @@ from .curve import Curve
 class Rounding:
     """The largest errors of a format's files against the drive's envelope, and how much they hold.
 
-    `time_ms` is of any point or pulse; `amplitude` (1 is the actuator's limit) and `frequency_hz` are of the lines
-    between the points against the curves as read, times apart. `notes` tell what else an author has to know.
+    `time_ms` is of any point or pulse; `amplitude` (1 is the actuator's limit) and `frequency` (a part of it) are of
+    the lines between the points against the curves as read, times apart. `notes` are what else an author has to know.
     """
 
     time_ms: float = 0.0
     amplitude: float = 0.0
-    frequency_hz: float = 0.0
+    frequency: float = 0.0
     pulses: int = 0
     points: int = 0
     notes: tuple[str, ...] = ()
@@ -28,7 +28,7 @@ class Rounding:
         return Rounding(
             max(self.time_ms, other.time_ms),
             max(self.amplitude, other.amplitude),
-            max(self.frequency_hz, other.frequency_hz),
+            max(self.frequency, other.frequency),
             self.pulses + other.pulses,
             self.points + other.points,
             tuple(dict.fromkeys([*self.notes, *other.notes])),
@@ -36,9 +36,11 @@ class Rounding:
 
     def __str__(self) -> str:
         """Return one line for people."""
-        errors = f"times within {self.time_ms:.2g} ms, amplitudes within {self.amplitude:.2g} of the limit"
-        holds = f"{self.pulses} pulses, {self.points} points"
-        return "; ".join([f"{holds}: {errors}, frequencies within {self.frequency_hz:.2g} Hz", *self.notes])
+        told = (
+            f"{self.pulses} pulses, {self.points} points: times within {self.time_ms:.2g} ms, "
+            f"amplitudes within {self.amplitude:.2g} of the limit, frequencies within {100.0 * self.frequency:.2g} %"
+        )
+        return "; ".join([told, *self.notes])
 
 
 def off(dense: Curve, written: Curve) -> float:
@@ -46,11 +48,17 @@ def off(dense: Curve, written: Curve) -> float:
     return float(np.max(np.abs(written.at(dense.samples) - dense.values)))
 
 
-def clipped(frequencies_hz: NDArray[np.float64], low_hz: float, high_hz: float) -> tuple[str, ...]:
-    """Return the note that a format's range of frequencies was left, if it was."""
-    if np.all((frequencies_hz >= low_hz) & (frequencies_hz <= high_hz)):
-        return ()
-    return (f"frequencies outside {low_hz:.0f} to {high_hz:.0f} Hz are written as the nearer of these",)
+def within(curve: Curve, low_hz: float, high_hz: float) -> tuple[Curve, tuple[str, ...]]:
+    """Return frequencies within the range that a format has for them, and the note that some were not."""
+    inside = np.clip(curve.values, low_hz, high_hz)
+    if np.array_equal(inside, curve.values):
+        return curve, ()
+    return curve.with_values(inside), (f"frequencies outside {low_hz:.0f} to {high_hz:.0f} Hz are put at its ends",)
+
+
+def mistuned(dense: Curve, written: Curve) -> float:
+    """Return how far written frequencies are from a curve at most, as a part of it."""
+    return float(np.max(np.abs(written.at(dense.samples) / dense.values - 1.0)))
 
 
 def late_ms(exact_s: NDArray[np.float64], written_s: NDArray[np.float64]) -> float:

@@ -60,7 +60,7 @@ class HapticTrack:
     pulses: tuple[Pulse, ...]
     stretches: tuple[Stretch, ...]
     amplitude_error: float
-    frequency_error_hz: float
+    frequency_error: float
     reel_s: float
     silent: tuple[str, ...] = ()
 
