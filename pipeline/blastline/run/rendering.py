@@ -59,19 +59,15 @@ def render(
 ) -> Timeline:
     """Find the shots of a film and write drive, timeline and report to `folder`; return the timeline with its checks.
 
-    `note` is told what the haptic formats among the chosen ones could not hold exactly.
-    Raises BlastlineError for input, rules or an output folder that cannot be used; nothing is written then.
+    `note` is told what the haptic formats among the chosen ones could not hold exactly. Raises BlastlineError for
+    input, rules or an output folder that cannot be used; nothing is written then.
     """
     profile, digest = load_actuator(options.actuator, options.rules)
-    rules = load_rules(options.quality, options.rules)
-    haptics = load_haptics(options.rules)
+    rules, haptics = load_rules(options.quality, options.rules), load_haptics(options.rules)
     setup = Setup(options, rules, profile, ActuatorRef(profile.name, digest), progress)
     formats = known_formats(options.formats)
-    names = [
-        DRIVE_NAME,
-        *(file for known in formats for file in known.files),
-        *([REPORT_NAME] if options.report else []),
-    ]
+    files = [file for known in formats for file in known.files]
+    names = [DRIVE_NAME, *files, *([REPORT_NAME] if options.report else [])]
     sets = [pattern for known in formats for pattern in known.sets]
     _refuse_to_replace(film, folder, names)
     with staged(folder, names=names, sets=sets, overwrite=options.overwrite) as hidden:
