@@ -39,7 +39,8 @@ def test_a_render_is_summed_up(monkeypatch: pytest.MonkeyPatch) -> None:
     made = msgspec.structs.replace(found, source=damaged)
     asked: list[Any] = []
 
-    def render(film: Path, folder: Path, options: Any, progress: Any) -> Timeline:
+    def render(film: Path, folder: Path, options: Any, progress: Any, note: Any) -> Timeline:
+        note("hjif: rounded")
         asked.append((film, folder, options))
         progress("listening", 1, 2)
         progress("listening", 2, 2)
@@ -50,6 +51,7 @@ def test_a_render_is_summed_up(monkeypatch: pytest.MonkeyPatch) -> None:
     assert (ended.code, ended.out) == (0, "")
     assert ended.err.splitlines() == [
         "blastline: listening ...",
+        "hjif: rounded",
         "2 shots, 1 burst",
         "drive: 1 filter",
         "warning: 2 samples were not numbers",
@@ -66,7 +68,7 @@ def test_a_render_is_summed_up(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_every_option_of_render_arrives(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Any] = []
 
-    def render(film: Path, folder: Path, options: Any, progress: Any) -> Timeline:
+    def render(film: Path, folder: Path, options: Any, progress: Any, note: Any) -> Timeline:
         asked.append(options)
         return timeline()
 
