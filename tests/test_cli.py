@@ -167,7 +167,12 @@ def test_rules_show_is_what_a_folder_of_ones_own_may_hold(tmp_path: Path) -> Non
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text, encoding="utf-8")
     assert load_rules("draft", tmp_path).digest == load_rules("draft").digest
-    assert blastline("rules", "check", tmp_path).out.splitlines() == ["align.toml", "quality/draft.toml", "scenes.toml"]
+    assert blastline("rules", "check", tmp_path).out.splitlines() == [
+        "align.toml",
+        "haptics.toml",
+        "quality/draft.toml",
+        "scenes.toml",
+    ]
 
 
 def test_rules_show_has_the_users_value_and_says_where_numbers_come_from(tmp_path: Path) -> None:

@@ -137,6 +137,31 @@ def test_beyond_4_gib_it_is_rf64_and_silence_takes_no_room(path: Path) -> None:
         assert (file.frames, file.format) == (frames, "RF64")
         file.seek(frames - 3)
         np.testing.assert_array_equal(file.read(3), [0.0, 0.5, -0.5])
+    info = wavinfo.WavInfoReader(str(path))
+    assert info.cues is not None
+    [last] = info.cues.cues
+    assert (last.position, info.cues.label_and_note(last.name)[0], info.cues.range(last.name)) == (
+        frames - 2,
+        "last",
+        2,
+    )
+    assert info.data.frame_count == frames
+
+
+def test_a_marker_later_than_32_bits_is_left_out(path: Path) -> None:
+    frames = 2**32 + 10
+    with path.open("wb") as probe:
+        probe.truncate(1 << 22)
+    if path.stat().st_blocks > 64:
+        pytest.skip("this file system keeps no holes")
+    cues = [Cue(2**32 - 1, "last that fits", 5), Cue(2**32, "one later")]
+    write_drive(path, [clip([0.5], 2**32)], rate_hz=RATE_HZ, frames=frames, cues=cues)
+    info = wavinfo.WavInfoReader(str(path))
+    assert info.cues is not None
+    assert [(cue.position, info.cues.label_and_note(cue.name)[0]) for cue in info.cues.cues] == [
+        (2**32 - 1, "last that fits")
+    ]
+    assert soundfile.info(path).frames == frames
 
 
 def test_the_same_drive_is_the_same_file(tmp_path: Path) -> None:

@@ -141,3 +141,63 @@ def test_a_folder_that_must_not_be_written_is_named(tmp_path: Path) -> None:
     tmp_path.chmod(0o500)
     with pytest.raises(OutputError, match=r"cannot write here: Permission denied"):
         run_into(tmp_path / "out")
+
+
+REELS = ("reel-1.haptic", "reel-2.haptic", "reel-3.haptic")
+
+
+def reels_into(folder: Path, count: int, text: str, *, overwrite: bool = False) -> None:
+    with staged(folder, names=["index.csv"], sets=["reel-*.haptic"], overwrite=overwrite) as hidden:
+        for name in ("index.csv", *REELS[:count]):
+            (hidden / name).write_text(f"{text} {name}")
+
+
+def test_of_a_set_nothing_stays_that_an_earlier_run_left(tmp_path: Path) -> None:
+    reels_into(tmp_path, 3, "first")
+    (tmp_path / "reel.haptic").write_text("mine")
+    reels_into(tmp_path, 1, "second", overwrite=True)
+    assert state(tmp_path) == {
+        "index.csv": "second index.csv",
+        "reel-1.haptic": "second reel-1.haptic",
+        "reel.haptic": "mine",
+    }
+
+
+def test_any_file_of_a_set_is_an_earlier_result(tmp_path: Path) -> None:
+    (tmp_path / "reel-9.haptic").write_text("mine")
+    with pytest.raises(OutputError, match=r"reel-9\.haptic: exists already; give --overwrite"):
+        reels_into(tmp_path, 1, "second")
+    assert state(tmp_path) == {"reel-9.haptic": "mine"}
+
+
+def test_a_star_in_a_name_is_no_pattern(tmp_path: Path) -> None:
+    (tmp_path / "found-mine.json").write_text("mine")
+    with staged(tmp_path, names=["found*.json"], overwrite=True) as hidden:
+        (hidden / "found*.json").write_text("new")
+    assert state(tmp_path) == {"found-mine.json": "mine", "found*.json": "new"}
+
+
+@pytest.mark.parametrize("allowed", range(8))
+def test_a_set_that_cannot_be_replaced_whole_stays_as_it_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, allowed: int
+) -> None:
+    """Whichever move fails, what there was before is there again: four put the new in place, two clear away."""
+    reels_into(tmp_path, 3, "first")
+    before = state(tmp_path)
+    replace, moves = Path.replace, 0
+
+    def failing(self: Path, target: Path) -> Path:
+        nonlocal moves
+        moves += 1
+        if moves == allowed + 1:
+            raise OSError(errno.EIO, os.strerror(errno.EIO), str(self))
+        return replace(self, target)
+
+    monkeypatch.setattr(Path, "replace", failing)
+    if allowed < 6:
+        with pytest.raises(OSError, match="Input/output error"):
+            reels_into(tmp_path, 1, "second", overwrite=True)
+        assert state(tmp_path) == before
+    else:
+        reels_into(tmp_path, 1, "second", overwrite=True)
+        assert "reel-2.haptic" not in state(tmp_path)

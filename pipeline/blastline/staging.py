@@ -14,19 +14,20 @@ from .errors import BlastlineError, OutputError
 
 
 @contextmanager
-def staged(folder: Path, *, names: Collection[str], overwrite: bool) -> Iterator[Path]:
+def staged(folder: Path, *, names: Collection[str], overwrite: bool, sets: Collection[str] = ()) -> Iterator[Path]:
     """Yield a hidden folder to write into; on success move all its files into `folder`.
 
-    `names` are the files that the run is going to write. Raises OutputError where one of them exists and `overwrite`
-    is not set, or where `folder` cannot be made or written.
+    `names` are the files that the run is going to write; `sets` are patterns such as `reel-*.haptic`, for files whose
+    number is not known yet: those that an earlier run left and this one does not write again are removed. Raises
+    OutputError where one of them exists and `overwrite` is not set, or where `folder` cannot be made or written.
     """
-    _refuse_existing(folder, names, overwrite)
+    _refuse_existing(folder, names, sets, overwrite)
     made = _missing_parents(folder)
     try:
         hidden = _hidden_folder(folder)
         try:
             yield hidden
-            _move_all(hidden, folder)
+            _move_all(hidden, folder, sets)
             made = []
         except OSError as error:
             told = _output_error(error, hidden, folder)
@@ -57,14 +58,15 @@ def _output_error(error: OSError, hidden: Path, folder: Path) -> OutputError | N
     return OutputError(f"{folder / place.relative_to(hidden)}: cannot write: {error.strerror}")
 
 
-def _refuse_existing(folder: Path, names: Collection[str], overwrite: bool) -> None:
+def _refuse_existing(folder: Path, names: Collection[str], sets: Collection[str], overwrite: bool) -> None:
     if folder.exists() and not folder.is_dir():
         raise OutputError(f"{folder}: is a file; expected a folder for the results")
-    for name in names:
-        _refuse_folder(folder / name)
-    there = [name for name in names if (folder / name).exists()]
+    there = [folder / name for name in names if (folder / name).exists()]
+    there += [file for pattern in sets for file in sorted(folder.glob(pattern))]
+    for file in there:
+        _refuse_folder(file)
     if there and not overwrite:
-        raise OutputError(f"{folder / there[0]}: exists already; give --overwrite to replace it, or another folder")
+        raise OutputError(f"{there[0]}: exists already; give --overwrite to replace it, or another folder")
 
 
 def _refuse_folder(target: Path) -> None:
@@ -77,10 +79,11 @@ def _missing_parents(folder: Path) -> list[Path]:
     return [path for path in (folder, *folder.parents) if not path.exists()]
 
 
-def _move_all(hidden: Path, folder: Path) -> None:
-    """Move every file into place; where that fails half-way, put back what was there before."""
+def _move_all(hidden: Path, folder: Path, sets: Collection[str]) -> None:
+    """Move every file into place, and away what else was of a set; where that fails half-way, put all of it back."""
     files = sorted(path.relative_to(hidden) for path in hidden.rglob("*") if path.is_file())
     earlier = Path(tempfile.mkdtemp(prefix="earlier-", dir=hidden))
+    stale = {path.relative_to(folder) for pattern in sets for path in folder.glob(pattern)} - set(files)
     done: list[Path] = []
     try:
         for file in files:
@@ -92,7 +95,11 @@ def _move_all(hidden: Path, folder: Path) -> None:
                 (earlier / file).parent.mkdir(parents=True, exist_ok=True)
                 target.replace(earlier / file)
             (hidden / file).replace(target)
+        for file in sorted(stale):
+            (folder / file).replace(earlier / file)
     except BaseException:
+        for file in stale:
+            _put_back(earlier / file, folder / file, moved=False)
         for file in done:
             _put_back(earlier / file, folder / file, moved=not (hidden / file).exists())
         raise

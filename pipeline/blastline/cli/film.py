@@ -196,12 +196,31 @@ def export(
     ],
     start_timecode: StartTimecode = None,
     frame_rate: FrameRate = None,
+    drive: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="The drive, for the formats that are made from it: ahap, haptic, hjif.",
+            show_default="drive.wav beside the timeline",
+            rich_help_panel=DRIVING,
+        ),
+    ] = None,
+    actuator: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME|FILE",
+            help="The actuator that the drive was made for.",
+            show_default="as the timeline says",
+            rich_help_panel=DRIVING,
+        ),
+    ] = None,
+    rules: RulesOption = None,
     overwrite: Overwrite = False,
     quiet: Quiet = False,
 ) -> None:
     """Write a timeline in the formats of other tools; prints each file's name.
 
-    What rounding to frames or milliseconds moves is told on standard error.
+    What rounding to frames or milliseconds moves, and what a haptic format cannot hold, is told on standard error.
 
     Example: `blastline export result/timeline.json --format resolve,reaper -o cues`
     """
@@ -216,6 +235,9 @@ def export(
         folder,
         formats=listed(formats),
         timebase=parse_timebase(start_timecode, frame_rate),
+        drive=drive,
+        actuator=actuator,
+        rules=rules,
         overwrite=overwrite,
         note=note,
     )

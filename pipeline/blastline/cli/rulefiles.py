@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import msgspec
 import typer
 
-from ..ruleset import check_rules, load_rules, to_builtins
+from ..ruleset import check_rules, load_haptics, load_rules, to_builtins
 from .options import QualityOption, RulesOption
 
 group = typer.Typer(help="The numbers that blastline works with, and yours in their place.")
@@ -21,7 +21,13 @@ def show(quality: QualityOption = "standard", rules: RulesOption = None) -> None
     """
     merged = load_rules(quality, rules)
     typer.echo(f"# digest {merged.digest}")
-    for name, table in ((f"quality/{quality}", merged.tier), ("scenes", merged.scenes), ("align", merged.align)):
+    tables = {
+        f"quality/{quality}": merged.tier,
+        "scenes": merged.scenes,
+        "align": merged.align,
+        "haptics": load_haptics(rules),
+    }
+    for name, table in tables.items():
         typer.echo(f"\n# {name}.toml")
         for line in _toml(to_builtins(table)):
             typer.echo(line)

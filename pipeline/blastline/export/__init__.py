@@ -1,15 +1,23 @@
 """The timeline as files: one writer for each tool that opens it, and the reader of `timeline.json`."""
 
-from .formats import FORMATS, Format, export_timeline, known_formats
+from .formats import FORMATS, Format, export_timeline, known_formats, needs_drive
 from .frames import require_frame_rate
+from .haptics import HAPTIC_FORMATS, DriveReader, HapticFormat, HapticTrack, Rounding, haptic_track
 from .reading import read_timeline
 from .rounding import resolution, rounding
 
 __all__ = [
     "FORMATS",
+    "HAPTIC_FORMATS",
+    "DriveReader",
     "Format",
+    "HapticFormat",
+    "HapticTrack",
+    "Rounding",
     "export_timeline",
+    "haptic_track",
     "known_formats",
+    "needs_drive",
     "read_timeline",
     "require_frame_rate",
     "resolution",

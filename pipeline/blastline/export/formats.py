@@ -12,6 +12,7 @@ from .avid import write_avid
 from .cmx3600 import write_cmx3600
 from .editorial import write_fcp7, write_otio
 from .fcpxml import write_fcpxml
+from .haptics import HAPTIC_FORMATS, HapticFormat, HapticTrack, Rounding
 from .midi import write_midi
 from .reaper import write_reaper
 from .resolve import write_resolve
@@ -34,6 +35,16 @@ class Format:
     def file_name(self) -> str:
         """Return the name of the file that the format is written to."""
         return f"timeline{self.suffix}"
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """Return the names of all files of the format, which is one."""
+        return (self.file_name,)
+
+    @property
+    def sets(self) -> tuple[str, ...]:
+        """Return the patterns of further files, of which there are none."""
+        return ()
 
 
 _ALL = (
@@ -95,21 +106,44 @@ _ALL = (
 FORMATS: Mapping[str, Format] = MappingProxyType({known.name: known for known in _ALL})
 
 
-def known_formats(names: Iterable[str]) -> tuple[Format, ...]:
+def known_formats(names: Iterable[str]) -> tuple[Format | HapticFormat, ...]:
     """Return the formats of the given names, each once and in order; RuleError for a name that is none."""
     unique = tuple(dict.fromkeys(names))
+    every: dict[str, Format | HapticFormat] = {**FORMATS, **HAPTIC_FORMATS}
     for name in unique:
-        if name not in FORMATS:
-            raise RuleError(f"--format {name!r}: no such format; expected some of: {', '.join(FORMATS)}")
-    return tuple(FORMATS[name] for name in unique)
+        if name not in every:
+            raise RuleError(f"--format {name!r}: no such format; expected some of: {', '.join(every)}")
+    return tuple(every[name] for name in unique)
 
 
-def export_timeline(timeline: Timeline, folder: Path, *, formats: Iterable[str]) -> list[Path]:
-    """Write the timeline into an existing folder, one file per format, and return the files.
+def needs_drive(names: Iterable[str]) -> bool:
+    """Return whether any of these formats is made from the drive."""
+    return any(name in HAPTIC_FORMATS for name in names)
 
-    A file of the same name is replaced. Raises RuleError for an unknown format before anything is written.
+
+def export_timeline(
+    timeline: Timeline,
+    folder: Path,
+    *,
+    formats: Iterable[str],
+    track: HapticTrack | None = None,
+    rounding: Callable[[str, Rounding], None] | None = None,
+) -> list[Path]:
+    """Write the timeline into an existing folder and return the files; those of one format follow one on another.
+
+    A file of the same name is replaced. The haptic formats are written from `track`, and `rounding` is told what each
+    could not hold exactly. Raises RuleError for an unknown format before anything is written.
     """
-    chosen = known_formats(formats)
-    for each in chosen:
-        each.write(timeline, folder / each.file_name)
-    return [folder / each.file_name for each in chosen]
+    written: list[Path] = []
+    for each in known_formats(formats):
+        if isinstance(each, Format):
+            each.write(timeline, folder / each.file_name)
+        else:
+            if track is None:
+                raise ValueError(f"the format {each.name} is made from a haptic track")
+            errors = each.write(track, folder)
+            if rounding is not None:
+                rounding(each.name, errors)
+        written += [folder / name for name in each.files]
+        written += [file for pattern in each.sets for file in sorted(folder.glob(pattern))]
+    return written

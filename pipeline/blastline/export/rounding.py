@@ -20,6 +20,9 @@ def resolution(name: str) -> str:
     return {
         "schema": "no times",
         "webvtt": "1 ms",
+        "hjif": "1 ms",
+        "haptic": "0.05 ms",
+        "ahap": "0.001 ms",
         "midi": "sample, at every usual rate",
         "audacity": "1 ns: the sample",
         "reaper": "1 ns: the sample",

@@ -3,11 +3,12 @@
 `tables` holds one struct for each table of a rule file, `files` finds, merges and reads them.
 """
 
-from .files import Rules, actuator_names, check_rules, load_actuator, load_rules, rules_path
+from .files import Rules, actuator_names, check_rules, load_actuator, load_haptics, load_rules, rules_path
 from .tables import (
     ActuatorProfile,
     AlignRules,
     BurstRules,
+    HapticRules,
     OnsetRules,
     QualityRules,
     RenderRules,
@@ -23,6 +24,7 @@ __all__ = [
     "ActuatorProfile",
     "AlignRules",
     "BurstRules",
+    "HapticRules",
     "OnsetRules",
     "QualityRules",
     "RenderRules",
@@ -35,6 +37,7 @@ __all__ = [
     "actuator_names",
     "check_rules",
     "load_actuator",
+    "load_haptics",
     "load_rules",
     "rules_path",
     "to_builtins",

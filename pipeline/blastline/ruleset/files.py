@@ -18,7 +18,7 @@ import msgspec
 
 from ..errors import RuleError, misfit
 from ..model import Quality
-from .tables import ActuatorProfile, AlignRules, QualityRules, SceneRules, Table, to_builtins
+from .tables import ActuatorProfile, AlignRules, HapticRules, QualityRules, SceneRules, Table, to_builtins
 
 _T = TypeVar("_T", bound=Table)
 
@@ -63,6 +63,12 @@ def load_rules(quality: Quality, overlay: Path | None = None) -> Rules:
     digest = hashlib.sha256(msgspec.json.encode([to_builtins(t) for t in (tier, scenes, align)]))
     digest.update(model.read_bytes())
     return Rules(quality, tier, scenes, align, digest.hexdigest(), overlay)
+
+
+def load_haptics(overlay: Path | None = None) -> HapticRules:
+    """Read the rules of the haptic formats, which change no timeline; RuleError as for `load_rules`."""
+    _require_folder(overlay)
+    return _merged("haptics.toml", HapticRules, overlay)
 
 
 def actuator_names(overlay: Path | None = None) -> list[str]:
@@ -112,8 +118,14 @@ def check_rules(overlay: Path) -> Iterator[str]:
 
     Raises RuleError at the first that is not, or where a file is none that blastline reads.
     """
-    known = {"scenes.toml", "align.toml", *(f"quality/{q}.toml" for q in ("draft", "standard", "reference"))}
+    known = {
+        "scenes.toml",
+        "align.toml",
+        "haptics.toml",
+        *(f"quality/{q}.toml" for q in ("draft", "standard", "reference")),
+    }
     load_rules("standard", overlay)
+    load_haptics(overlay)
     for file in sorted(p for p in overlay.rglob("*.toml") if p.is_file()):
         relative = file.relative_to(overlay).as_posix()
         if relative.startswith("actuators/"):

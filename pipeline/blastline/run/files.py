@@ -4,16 +4,25 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from .. import synth
+from ..errors import TimelineError
 from ..export import (
+    HapticTrack,
     export_timeline,
     known_formats,
+    needs_drive,
     read_timeline,
     require_frame_rate,
     rounding,
 )
+from ..model import Timeline
+from ..ruleset import load_actuator, load_haptics
+from ..soundtrack import open_soundtrack
 from ..staging import staged
 from ..timebase import AS_FILMED, Timebase, retimed
+from .haptics import require_length, rounding_notes, tell_silent, track_of
+from .listening import BLOCK
 from .progress import Note, Progress, no_note, no_progress
+from .rendering import DRIVE_NAME
 
 
 def export(
@@ -22,23 +31,56 @@ def export(
     *,
     formats: Iterable[str],
     timebase: Timebase = AS_FILMED,
+    drive: Path | None = None,
+    actuator: str | None = None,
+    rules: Path | None = None,
     overwrite: bool = False,
     note: Note = no_note,
 ) -> list[Path]:
     """Write a timeline in other formats into `folder` and return the files.
 
-    `timebase` is what the user says about the film's timecode; `note` is told what rounding moves.
-    Raises BlastlineError for a timeline, format, time base or folder that cannot be used; nothing is written then.
+    `timebase` is what the user says about the film's timecode. The haptic formats are made from the drive, looked for
+    beside the timeline. `note` is told what had to be rounded.
+    Raises BlastlineError for a timeline, drive, format, time base or folder it cannot use, and writes nothing then.
     """
-    chosen = known_formats(formats)
+    names = [known.name for known in known_formats(formats)]
     read = retimed(read_timeline(timeline), timebase)
-    require_frame_rate([known.name for known in chosen], read.source)
-    names = [known.file_name for known in chosen]
-    with staged(folder, names=names, overwrite=overwrite) as hidden:
-        export_timeline(read, hidden, formats=[known.name for known in chosen])
-    for line in rounding(read, [known.name for known in chosen]):
+    require_frame_rate(names, read.source)
+    files = [file for known in known_formats(names) for file in known.files]
+    sets = [pattern for known in known_formats(names) for pattern in known.sets]
+    with staged(folder, names=files, sets=sets, overwrite=overwrite) as hidden:
+        track = None
+        if needs_drive(names):
+            track = _haptic_track(read, timeline, drive=drive, actuator=actuator, rules=rules, note=note)
+        written = export_timeline(read, hidden, formats=names, track=track, rounding=rounding_notes(note))
+    for line in rounding(read, names):
         note(line)
-    return [folder / name for name in names]
+    return [folder / file.name for file in written]
+
+
+def _haptic_track(
+    timeline: Timeline, path: Path, *, drive: Path | None, actuator: str | None, rules: Path | None, note: Note
+) -> HapticTrack:
+    """Return what the haptic formats are written from; `path` is the timeline's file, beside which its drive lies."""
+    name = actuator or (timeline.actuator.name if timeline.actuator else None)
+    if name is None:
+        raise TimelineError(
+            f"{path}: has no drive and names no actuator; haptic formats are made from a drive: `blastline render` "
+            "makes one, or give --drive and --actuator"
+        )
+    profile, _ = load_actuator(name, rules)
+    file = drive or path.parent / DRIVE_NAME
+    if drive is None and not file.is_file():
+        raise TimelineError(f"{file}: no such file; haptic formats are made from the drive: give it with --drive")
+    with open_soundtrack(file) as made:
+        frames = sum(len(block.span) for block in made.blocks(BLOCK))
+        require_length(timeline, file, rate_hz=made.rate_hz, frames=frames)
+        track = track_of(timeline, made, profile=profile, rules=load_haptics(rules))
+    if timeline.events and not track.stretches:
+        count = len(timeline.events)
+        raise TimelineError(f"{file}: is at rest in the windows of all {count} shots: not the drive of this timeline")
+    tell_silent(track, note)
+    return track
 
 
 def synthesise(

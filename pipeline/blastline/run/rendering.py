@@ -12,15 +12,16 @@ import msgspec
 from .. import scene
 from ..align import check_files
 from ..errors import OutputError
-from ..export import export_timeline, known_formats, require_frame_rate, rounding
+from ..export import export_timeline, known_formats, needs_drive, require_frame_rate, rounding
 from ..model import ActuatorRef, Background, Clip, DriveChoice, DriveInfo, Phase, Quality, Span, Timeline
 from ..render import RenderedWindow, compose, drive_filters, measure, needed_audio, render_window
 from ..report import OverviewMeter, write_report
-from ..ruleset import ActuatorProfile, Rules, load_actuator, load_rules
+from ..ruleset import ActuatorProfile, Rules, load_actuator, load_haptics, load_rules
 from ..soundtrack import Cue, Soundtrack, open_soundtrack, write_drive
 from ..staging import staged
 from ..timebase import AS_FILMED, Timebase
 from .exports import exports
+from .haptics import rounding_notes, tell_silent, track_of
 from .listening import BLOCK, Listened, assemble, event_id, listen
 from .progress import Note, Progress, no_note, no_progress
 
@@ -65,12 +66,14 @@ def render(
     Raises BlastlineError for input, rules or an output folder that cannot be used; nothing is written then.
     """
     profile, digest = load_actuator(options.actuator, options.rules)
-    rules = load_rules(options.quality, options.rules)
+    rules, haptics = load_rules(options.quality, options.rules), load_haptics(options.rules)
     setup = Setup(options, rules, profile, ActuatorRef(profile.name, digest), progress)
     formats = known_formats(options.formats)
-    names = [DRIVE_NAME, *(known.file_name for known in formats), *([REPORT_NAME] if options.report else [])]
+    files = [file for known in formats for file in known.files]
+    names = [DRIVE_NAME, *files, *([REPORT_NAME] if options.report else [])]
+    sets = [pattern for known in formats for pattern in known.sets]
     _refuse_to_replace(film, folder, names)
-    with staged(folder, names=names, overwrite=options.overwrite) as hidden:
+    with staged(folder, names=names, sets=sets, overwrite=options.overwrite) as hidden:
         with open_soundtrack(
             film, stream=options.stream, mix=options.mix, spool_folder=hidden, timebase=options.timebase
         ) as track:
@@ -83,6 +86,10 @@ def render(
             )
             with open_soundtrack(hidden / DRIVE_NAME) as drive:
                 timeline = checked(timeline, track, drive, setup)
+                haptic = None
+                if needs_drive(options.formats):
+                    haptic = track_of(timeline, drive, profile=profile, rules=haptics)
+                    tell_silent(haptic, note)
                 if meter is not None:
                     setup.progress("reporting", 0, None)
                     write_report(
@@ -95,7 +102,7 @@ def render(
                         exports=exports(written=options.formats),
                         options={"drive": options.drive, "phase": options.phase, "background": options.background},
                     )
-        export_timeline(timeline, hidden, formats=options.formats)
+        export_timeline(timeline, hidden, formats=options.formats, track=haptic, rounding=rounding_notes(note))
     for line in rounding(timeline, options.formats):
         note(line)
     return timeline

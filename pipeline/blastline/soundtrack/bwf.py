@@ -16,6 +16,8 @@ RIFF_LIMIT = 0xFFFFFFFF
 ORIGINATOR = b"blastline"
 SAMPLE_BYTES = 3
 
+_LAST_PLACE = 0xFFFFFFFF
+
 
 @dataclass(frozen=True)
 class Cue:
@@ -47,12 +49,16 @@ def header(*, frames: int, rate_hz: int, time_reference: int, description: str, 
 
 
 def cue_chunks(cues: Sequence[Cue]) -> bytes:
-    """Return the chunks after the samples: the places of the markers, then their names and lengths."""
-    if not cues:
+    """Return the chunks after the samples: the places of the markers, then their names and lengths.
+
+    A place has 32 bits, in RF64 too: what comes later than 2^32 samples (24 hours at 48 kHz) gets no marker.
+    """
+    held = [cue for cue in cues if cue.sample <= _LAST_PLACE]
+    if not held:
         return b""
-    places = struct.pack("<I", len(cues))
+    places = struct.pack("<I", len(held))
     notes = b"adtl"
-    for number, cue in enumerate(cues, start=1):
+    for number, cue in enumerate(held, start=1):
         places += struct.pack("<II4sIII", number, cue.sample, b"data", 0, 0, cue.sample)
         notes += chunk(b"labl", struct.pack("<I", number) + cue.label.encode() + b"\0")
         if cue.length:

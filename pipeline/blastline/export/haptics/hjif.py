@@ -1,0 +1,227 @@
+"""MPEG's haptics interchange file, ISO/IEC 23090-31: for backrest and seat pan a band of transients and one of waves.
+
+    sum of a channel = transients (22 ms each in the reference player) + waves, clipped at 1
+
+So a transient is only what its attack's peak is above the wave, at least a tenth of it, and the wave leaves it that
+room: a wave of 0.95 beside a transient of 0.1 is written as 0.9. Positions are whole milliseconds: at the finest
+timescale a wave could last no more than 1.4 s in the 16 bits that the binary form has for its keyframes.
+"""
+
+import itertools
+import math
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterator, Sequence
+from operator import itemgetter
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import TimelineError
+from .curve import Curve, reduced
+from .rounding import Rounding, late_ms, mistuned, off
+from .track import HapticTrack, Pulse, Stretch
+
+FILE = "timeline.hjif"
+TICKS_PER_S = 1000
+LONGEST_EFFECT = 65_535
+MOST_EFFECTS = 65_535
+TRANSIENT_TICKS = 22
+LEAST_SHARE = 0.1
+
+BACKREST, SEAT_PAN = 0x300, 0xC00080
+"""Upper and lower back; waist and both thighs."""
+
+_QUIETEST = 1 / 255
+_VALUE_DECIMALS = 4
+_SHOT, _BURST = "WeaponCombat/Gun", "WeaponCombat/Machinegun"
+
+Json = dict[str, Any]
+Ticks = NDArray[np.int64]
+
+
+def write_hjif(track: HapticTrack, folder: Path) -> Rounding:
+    """Write the file. Raises TimelineError for more effects than the format can count."""
+    transients, rounding = _transients(track)
+    waves: list[Json] = []
+    for stretch in track.stretches:
+        effects, errors = _wave(stretch, transients, track)
+        waves += effects
+        rounding |= errors
+    for name, count in (("pulses", len(transients)), ("waves", len(waves))):
+        if count > MOST_EFFECTS:
+            raise TimelineError(f"hjif: {count} {name}: expected at most {MOST_EFFECTS}, all that the format can count")
+    low, high = math.floor(track.low_hz), math.ceil(track.high_hz)
+    limits = {"lower_frequency_limit": low, "upper_frequency_limit": high}
+    bands = [
+        {"band_type": "Transient", **limits, "effects": [_transient(*each) for each in transients]},
+        {"band_type": "VectorialWave", **limits, "effects": waves},
+    ]
+    (folder / FILE).write_bytes(msgspec.json.encode(_experience(track, bands)) + b"\n")
+    return rounding
+
+
+def _experience(track: HapticTrack, bands: list[Json]) -> Json:
+    """Return the whole file around the bands, which both parts of the seat share.
+
+    The date is required but no date of making is told, so that the same drive gives the same file.
+    """
+    seat = ((1, "backrest", BACKREST), (2, "seat pan", SEAT_PAN))
+    return {
+        "version": "2023",
+        "profile": "Main",
+        "level": 1,
+        "date": "1970-01-01",
+        "description": f"gunshot vibration for {track.title}",
+        "timescale": TICKS_PER_S,
+        "avatars": [],
+        "syncs": [{"timestamp": 0, "timescale": TICKS_PER_S}],
+        "perceptions": [
+            {
+                "id": 0,
+                "avatar_id": 0,
+                "description": "seat",
+                "perception_modality": "Vibrotactile",
+                "effect_library": [],
+                "reference_devices": [
+                    {
+                        "id": number,
+                        "name": track.actuator,
+                        "body_part_mask": mask,
+                        "minimum_frequency": track.low_hz,
+                        "maximum_frequency": track.high_hz,
+                        "type": "Unknown",
+                    }
+                    for number, _, mask in seat
+                ],
+                "channels": [
+                    {
+                        "id": number,
+                        "description": name,
+                        "gain": 1.0,
+                        "mixing_coefficient": 1.0,
+                        "body_part_mask": mask,
+                        "reference_device_id": number,
+                        "bands": bands,
+                    }
+                    for number, name, mask in seat
+                ],
+            }
+        ],
+    }
+
+
+def _transients(track: HapticTrack) -> tuple[list[tuple[int, float, Pulse]], Rounding]:
+    """Return (position, amplitude, pulse) for each pulse: its peak above the wave, within what others leave of 1."""
+    found: list[tuple[int, float, Pulse]] = []
+    for pulse, wave in zip(track.pulses, _waves_at(track), strict=True):
+        position = int(_ticks(np.array([pulse.sample]), track.rate_hz)[0])
+        beside = sum(a for p, a, _ in found[-TRANSIENT_TICKS:] if position - p <= TRANSIENT_TICKS)
+        share = max(pulse.amplitude - wave, LEAST_SHARE * pulse.amplitude, _QUIETEST)
+        found.append((position, round(max(0.0, min(share, 1.0 - beside)), _VALUE_DECIMALS), pulse))
+    exact_s = np.array([pulse.sample for pulse in track.pulses], np.int64) / track.rate_hz
+    written_s = np.array([position for position, _, _ in found], np.int64) / TICKS_PER_S
+    return found, Rounding(late_ms(exact_s, written_s), pulses=len(found))
+
+
+def _waves_at(track: HapticTrack) -> Iterator[float]:
+    """Yield the amplitude of the wave at each pulse."""
+    places = iter(track.stretches)
+    stretch = next(places, None)
+    for pulse in track.pulses:
+        while stretch is not None and stretch.span.stop < pulse.sample:
+            stretch = next(places, None)
+        yield 0.0 if stretch is None else float(stretch.amplitude.at(np.array([pulse.sample]))[0])
+
+
+def _transient(position: int, amplitude: float, pulse: Pulse) -> Json:
+    keyframe = {
+        "relative_position": 0,
+        "amplitude_modulation": amplitude,
+        "frequency_modulation": round(pulse.frequency_hz),
+    }
+    effect: Json = {"effect_type": "Basis", "position": position, "phase": 0.0, "base_signal": "Sine"}
+    if not pulse.is_echo:
+        effect["semantic_keywords"] = _BURST if pulse.burst else _SHOT
+    return {**effect, "keyframes": [keyframe]}
+
+
+def _wave(
+    stretch: Stretch, transients: Sequence[tuple[int, float, Pulse]], track: HapticTrack
+) -> tuple[list[Json], Rounding]:
+    """Return a stretch as effects of at most `LONGEST_EFFECT` ticks that follow one on another, and its errors."""
+    rate_hz = track.rate_hz
+    line = reduced(stretch.amplitude, track.amplitude_error)
+    tone = reduced(stretch.frequency_hz, track.frequency_error, relative=True)
+    amplitude, frequency = _on_ticks(line, rate_hz), _on_ticks(tone, rate_hz)
+    room = _with_room(amplitude, transients)
+    held = float(np.max(amplitude.at(room.samples) - room.values))
+    start, stop = int(amplitude.samples[0]), int(amplitude.samples[-1])
+    edges = [*range(start, stop, LONGEST_EFFECT), stop]
+    effects = [
+        _effect(room.part(first, last), frequency.part(first, last)) for first, last in itertools.pairwise(edges)
+    ]
+    exact_s = np.concatenate([line.samples, tone.samples]) / rate_hz
+    written_s = np.concatenate([_ticks(c.samples, rate_hz) for c in (line, tone)]) / TICKS_PER_S
+    errors = Rounding(
+        late_ms(exact_s, written_s),
+        off(stretch.amplitude, line.with_values(np.round(line.values, _VALUE_DECIMALS))),
+        mistuned(stretch.frequency_hz, tone.with_values(np.round(tone.values))),
+        points=len(room) + len(frequency),
+        notes=("beside a transient the wave leaves it room, so that both stay within 1",) if held > 0.0 else (),
+    )
+    return effects, errors
+
+
+def _effect(amplitude: Curve, frequency: Curve) -> Json:
+    keyframes: dict[int, Json] = {}
+    for tick, value in zip(amplitude.samples.tolist(), amplitude.values.tolist(), strict=True):
+        keyframes[tick] = {"amplitude_modulation": round(value, _VALUE_DECIMALS)}
+    for tick, value in zip(frequency.samples.tolist(), frequency.values.tolist(), strict=True):
+        keyframes.setdefault(tick, {})["frequency_modulation"] = round(value)
+    start = int(amplitude.samples[0])
+    return {
+        "effect_type": "Basis",
+        "position": start,
+        "phase": 0.0,
+        "base_signal": "Sine",
+        "keyframes": [{"relative_position": tick - start, **keyframes[tick]} for tick in sorted(keyframes)],
+    }
+
+
+def _with_room(amplitude: Curve, transients: Sequence[tuple[int, float, Pulse]]) -> Curve:
+    """Return the wave, at most what is left beside each transient while it lasts; all times are in ticks."""
+    start, stop = int(amplitude.samples[0]), int(amplitude.samples[-1])
+    first = bisect_left(transients, start - TRANSIENT_TICKS, key=itemgetter(0))
+    last = bisect_right(transients, stop, key=itemgetter(0))
+    near = [(p, a) for p, a, _ in transients[first:last]]
+    corners = [amplitude.samples]
+    ceilings: list[tuple[int, float]] = []
+    for position, _ in near:
+        ceiling = max(0.0, 1.0 - sum(a for p, a in near if p <= position <= p + TRANSIENT_TICKS))
+        end = position + TRANSIENT_TICKS
+        during = amplitude.part(max(start, position), max(start, min(stop, end)))
+        if np.max(during.values) > ceiling:
+            ceilings.append((position, ceiling))
+            # one tick outside, the wave is what it was
+            corners.append(np.clip([position - 1, position, end, end + 1], start, stop))
+    ticks = np.unique(np.concatenate(corners))
+    values = amplitude.at(ticks)
+    for position, ceiling in ceilings:
+        during_ticks = (ticks >= position) & (ticks <= position + TRANSIENT_TICKS)
+        values[during_ticks] = np.minimum(values[during_ticks], ceiling)
+    return Curve(ticks, values)
+
+
+def _on_ticks(curve: Curve, rate_hz: int) -> Curve:
+    """Return the curve on whole ticks; of points that come to share one the strongest."""
+    ticks = _ticks(curve.samples, rate_hz)
+    chosen, firsts = np.unique(ticks, return_index=True)
+    return Curve(chosen, np.maximum.reduceat(curve.values, firsts))
+
+
+def _ticks(samples: NDArray[np.int64], rate_hz: int) -> Ticks:
+    """Return the nearest tick of each frame, halves upwards, in whole numbers throughout."""
+    return (2 * TICKS_PER_S * samples + rate_hz) // (2 * rate_hz)

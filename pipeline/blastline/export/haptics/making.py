@@ -1,0 +1,152 @@
+"""From a timeline and its drive to the haptic track that every haptic format is written from.
+
+windows ─► joined where they touch ─► the drive in each ─► pulses at shots and echoes ─► amplitude, frequency
+"""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ...errors import TimelineError
+from ...model import Event, Span, Timeline
+from ...ruleset import ActuatorProfile, HapticRules
+from ...units import samples_from_ms
+from .curve import Curve
+from .envelope import Samples, amplitude_curve, frequency_curve
+from .track import DriveReader, HapticTrack, Pulse, Stretch, ms_gap
+
+
+def haptic_track(
+    timeline: Timeline, drive: DriveReader, *, profile: ActuatorProfile, rules: HapticRules
+) -> HapticTrack:
+    """Return the vibration of a film as its drive has it: nothing is taken from the film's own sound.
+
+    A shot for which the drive stays at 0 gets no pulse and is named in `silent`. Raises TimelineError for a shot that
+    lies outside the film.
+    """
+    source = timeline.source
+    rate_hz, frames = source.sample_rate_hz, source.frames
+    _refuse_outside(timeline)
+    pulses: list[Pulse] = []
+    stretches: list[Stretch] = []
+    silent: list[str] = []
+    for span, events in _joined(timeline.events, frames=frames, gap=2 * ms_gap(rate_hz)):
+        samples = np.asarray(drive(span), dtype=np.float64)
+        own, quiet = _pulses(samples, events, origin=span.start, rate_hz=rate_hz, rules=rules)
+        silent += quiet
+        if np.any(samples):
+            stretch = _stretch(samples, own, origin=span.start, rate_hz=rate_hz, rules=rules, profile=profile)
+            stretches.append(stretch)
+            pulses += [_heard(pulse, stretch.frequency_hz) for pulse in own]
+    return HapticTrack(
+        rate_hz,
+        frames,
+        source.name,
+        profile.name,
+        profile.highpass.corner_hz,
+        profile.lowpass.corner_hz,
+        tuple(pulses),
+        tuple(stretches),
+        rules.amplitude_error,
+        rules.frequency_error,
+        rules.reel_s,
+        tuple(silent),
+    )
+
+
+def _refuse_outside(timeline: Timeline) -> None:
+    for index, event in enumerate(timeline.events):
+        if event.onset_sample >= timeline.source.frames:
+            raise TimelineError(
+                f"events[{index}].onset_sample = {event.onset_sample}: expected a frame of the film, "
+                f"which has {timeline.source.frames}"
+            )
+
+
+def _joined(events: Sequence[Event], *, frames: int, gap: int) -> Iterator[tuple[Span, list[Event]]]:
+    """Yield the windows of the events in order, those nearer than `gap` as one, each with its events."""
+    whole: Span | None = None
+    members: list[Event] = []
+    for event in sorted(events, key=lambda event: (_reach(event, frames).start, event.onset_sample)):
+        reach = _reach(event, frames)
+        if whole is not None and reach.start > whole.stop + gap:
+            yield whole, members
+            whole, members = None, []
+        whole = reach if whole is None else whole | reach
+        members.append(event)
+    if whole is not None:
+        yield whole, members
+
+
+def _reach(event: Event, frames: int) -> Span:
+    """Return an event's window inside the film, with its onset, wherever an edit has put that."""
+    window = Span(min(event.window.start, frames), min(event.window.stop, frames))
+    return window | Span(event.onset_sample, event.onset_sample + 1)
+
+
+def _pulses(
+    samples: Samples, events: Sequence[Event], *, origin: int, rate_hz: int, rules: HapticRules
+) -> tuple[list[Pulse], list[str]]:
+    """Return the pulses of a stretch in order, without their frequency, and the shots for which the drive is at rest.
+
+    The attack of a shot may begin a millisecond before its onset, as the drive may, and ends with the average.
+    """
+    lead, length = ms_gap(rate_hz), samples_from_ms(rules.average_ms, rate_hz)
+    onsets = sorted({event.onset_sample - origin for event in events})
+    found: list[Pulse] = []
+    silent: list[str] = []
+    for event in sorted(events, key=lambda event: event.onset_sample):
+        onset = event.onset_sample - origin
+        following = next((other for other in onsets if other > onset), len(samples))
+        peak = _peak(samples, onset - lead, min(onset + length, max(following - lead, onset + 1)))
+        if peak == 0.0:
+            silent.append(event.id)
+        elif not found or found[-1].sample < event.onset_sample:
+            found.append(Pulse(event.onset_sample, peak, 0.0, event.id, burst=event.burst is not None))
+    shots = [pulse.sample for pulse in found]
+    apart = samples_from_ms(rules.echo_apart_ms, rate_hz)
+    for event in events:
+        for echo in event.reflections:
+            start = echo.start - origin
+            if not 0 < start < len(samples) or any(abs(echo.start - shot) < apart for shot in shots):
+                continue
+            peak, before = _peak(samples, start, start + length), _peak(samples, start - length, start)
+            if peak >= rules.least_echo and peak > before:
+                found.append(Pulse(echo.start, peak, 0.0, event.id, is_echo=True))
+    return _apart(found, apart), silent
+
+
+def _apart(pulses: list[Pulse], apart: int) -> list[Pulse]:
+    """Return the pulses in order, without an echo that comes too soon after the pulse before it."""
+    kept: list[Pulse] = []
+    for pulse in sorted(pulses, key=lambda pulse: (pulse.sample, pulse.is_echo)):
+        if not (pulse.is_echo and kept and pulse.sample - kept[-1].sample < apart):
+            kept.append(pulse)
+    return kept
+
+
+def _peak(samples: Samples, start: int, stop: int) -> float:
+    inside = samples[max(0, start) : max(0, stop)]
+    return min(1.0, float(np.max(np.abs(inside)))) if inside.size else 0.0
+
+
+def _stretch(
+    samples: Samples,
+    pulses: Sequence[Pulse],
+    *,
+    origin: int,
+    rate_hz: int,
+    rules: HapticRules,
+    profile: ActuatorProfile,
+) -> Stretch:
+    attacks = [pulse.sample - origin for pulse in pulses]
+    amplitude = amplitude_curve(samples, attacks, origin=origin, rate_hz=rate_hz, rules=rules)
+    band = (profile.highpass.corner_hz, profile.lowpass.corner_hz)
+    frequency = frequency_curve(samples, attacks, amplitude, origin=origin, rate_hz=rate_hz, rules=rules, band=band)
+    return Stretch(amplitude, frequency)
+
+
+def _heard(pulse: Pulse, frequency_hz: Curve) -> Pulse:
+    """Return the pulse with the frequency that the drive has at its start."""
+    at = float(frequency_hz.at(np.array([pulse.sample]))[0])
+    return Pulse(pulse.sample, pulse.amplitude, at, pulse.event, is_echo=pulse.is_echo, burst=pulse.burst)

@@ -1,0 +1,45 @@
+"""The drive as haptic formats read it: found, shown to belong to its timeline, and made into a haptic track."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import TimelineError
+from ..export import HapticTrack, Rounding, haptic_track
+from ..model import Span, Timeline
+from ..ruleset import ActuatorProfile, HapticRules
+from ..soundtrack import Soundtrack
+from .progress import Note
+
+
+def track_of(timeline: Timeline, drive: Soundtrack, *, profile: ActuatorProfile, rules: HapticRules) -> HapticTrack:
+    """Return the haptic track of a drive that has been decoded."""
+
+    def read(span: Span) -> NDArray[np.float64]:
+        return np.asarray(drive.cut(span).driving, dtype=np.float64)
+
+    return haptic_track(timeline, read, profile=profile, rules=rules)
+
+
+def tell_silent(track: HapticTrack, note: Note) -> None:
+    """Tell which shots the drive does not move the seat for, if any."""
+    if track.silent:
+        some = ", ".join(track.silent[:3]) + (", ..." if len(track.silent) > 3 else "")
+        note(f"the drive is at rest at {len(track.silent)} of the shots, which get no pulse: {some}")
+
+
+def require_length(timeline: Timeline, name: Path, *, rate_hz: int, frames: int) -> None:
+    """Raise TimelineError where a drive has another rate or length than its timeline; `name` is its file."""
+    for key, found, expected in (
+        ("samples a second", rate_hz, timeline.source.sample_rate_hz),
+        ("samples", frames, timeline.source.frames),
+    ):
+        if found != expected:
+            raise TimelineError(f"{name}: has {found} {key}, the timeline {expected}: not the drive of this timeline")
+
+
+def rounding_notes(note: Note) -> Callable[[str, Rounding], None]:
+    """Return what tells a note the rounding of each format."""
+    return lambda name, rounding: note(f"{name}: {rounding}")
