@@ -38,6 +38,8 @@ def test_the_promised_commands_are_there() -> None:
         "synth",
         "actuator list",
         "actuator show",
+        "actuator identify",
+        "actuator fit",
         "rules show",
         "rules check",
     }
@@ -170,6 +172,7 @@ def test_rules_show_is_what_a_folder_of_ones_own_may_hold(tmp_path: Path) -> Non
     assert blastline("rules", "check", tmp_path).out.splitlines() == [
         "align.toml",
         "haptics.toml",
+        "measuring.toml",
         "quality/draft.toml",
         "scenes.toml",
     ]

@@ -12,7 +12,7 @@ import blastline
 PACKAGE = Path(blastline.__file__).parent
 
 GROUND = {"errors", "units", "model", "timecode", "timebase", "ruleset", "dsp", "staging", "__version__"}
-STAGES = {"soundtrack", "detect", "render", "align", "scene", "export", "report", "synth"}
+STAGES = {"actuator", "soundtrack", "detect", "render", "align", "scene", "export", "report", "synth"}
 MAY_IMPORT = (
     dict.fromkeys(GROUND, GROUND)
     | {stage: GROUND | {stage} for stage in STAGES}

@@ -1,13 +1,64 @@
-"""`actuator list` and `actuator show`."""
+"""`actuator list`, `show`, `identify` and `fit`."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from ..ruleset import actuator_names, load_actuator
-from .options import RulesOption
+from .measured import say_fitted, say_measured
+from .options import WRITING, Overwrite, Quiet, RulesOption
+from .progress import shown_progress
+
+FITTING, MEASURING = "Fitting", "Recordings"
 
 group = typer.Typer(help="Actuator profiles: what a seat does with a drive, and what the skin feels of it.")
+
+Output = Annotated[
+    Path,
+    typer.Option("-o", "--output", metavar="PROFILE", help="The profile to write (.toml).", rich_help_panel=WRITING),
+]
+PerceptionOption = Annotated[
+    str,
+    typer.Option(
+        "--perception",
+        metavar="NAME|FILE|none",
+        help="The skin's threshold: iso-2631-wk, mpeg-psychohaptic, or your table (.csv, .toml); none leaves it out.",
+        rich_help_panel=FITTING,
+    ),
+]
+PeakOption = Annotated[
+    float | None,
+    typer.Option(
+        "--peak-db",
+        metavar="DB",
+        help="Level of what is felt of a full-scale drive where it is felt best, against full-scale sound.",
+        show_default="as measured",
+        rich_help_panel=FITTING,
+    ),
+]
+GainOption = Annotated[
+    float | None,
+    typer.Option(
+        "--largest-gain-db",
+        metavar="DB",
+        min=6.0,
+        max=120.0,
+        help="How much more the compensator may gain at its worst frequency than at its best.",
+        show_default="60, from the rules",
+        rich_help_panel=FITTING,
+    ),
+]
+NameOption = Annotated[
+    str | None,
+    typer.Option(
+        "--name",
+        metavar="NAME",
+        help="The profile's name.",
+        show_default="that of its file",
+        rich_help_panel=WRITING,
+    ),
+]
 
 
 @group.command("list")
@@ -26,18 +77,137 @@ def show(
     name: Annotated[
         str, typer.Argument(metavar="NAME|FILE", help="A profile's name, or its .toml file.", show_default=False)
     ],
+    picture: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Draw Bode plots as well, into a .png, .svg or .pdf file.",
+            show_default="no picture",
+            rich_help_panel=WRITING,
+        ),
+    ] = None,
+    measured: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="CSV",
+            help="The measured response that belongs to it, for the picture.",
+            show_default="not drawn",
+            rich_help_panel=WRITING,
+        ),
+    ] = None,
+    perception: PerceptionOption = "none",
     rules: RulesOption = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """Print what is felt per volt (H) and what the compensator does about it (C), over frequency.
 
-    Example: `blastline actuator show crowson-t108sm`
+    Example: `blastline actuator show crowson-t108sm --picture bode.png`
     """
     from .. import run
 
+    if picture is None and (measured is not None or perception != "none"):
+        raise typer.BadParameter("--measured and --perception are drawn: expected --picture FILE as well")
     profile, digest = load_actuator(name, rules)
+    if picture is not None:
+        run.actuator_picture(name, picture, measured=measured, perception=perception, rules=rules, overwrite=overwrite)
     low, high = profile.lowpass, profile.highpass
     typer.echo(f"name    {profile.name}\nsource  {profile.source}\ndigest  {digest}")
     typer.echo(f"band    {high.corner_hz:g} Hz (order {high.order}) to {low.corner_hz:g} Hz (order {low.order})\n")
     typer.echo(f"{'Hz':>8} {'H dB':>8} {'H deg':>8} {'C dB':>8}")
     for frequency_hz, felt_db, felt_deg, compensator_db in run.actuator_table(name, rules):
         typer.echo(f"{frequency_hz:8.4g} {felt_db:8.2f} {felt_deg:8.1f} {compensator_db:8.2f}")
+
+
+@group.command()
+def identify(
+    excitation: Annotated[
+        Path,
+        typer.Option(metavar="WAV", help="What was sent to the actuator: noise.", rich_help_panel=MEASURING),
+    ],
+    response: Annotated[
+        Path,
+        typer.Option(metavar="WAV", help="What an accelerometer made of it.", rich_help_panel=MEASURING),
+    ],
+    output: Output,
+    excitation_channel: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=0, help="Its channel, from 0.", show_default="the only one", rich_help_panel=MEASURING
+        ),
+    ] = None,
+    response_channel: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=0, help="Its channel, from 0.", show_default="the only one", rich_help_panel=MEASURING
+        ),
+    ] = None,
+    csv: Annotated[
+        Path | None,
+        typer.Option(
+            "--csv",
+            metavar="CSV",
+            help="Write the measured response as well; `actuator fit` reads it.",
+            show_default="not written",
+            rich_help_panel=WRITING,
+        ),
+    ] = None,
+    perception: PerceptionOption = "none",
+    peak_db: PeakOption = None,
+    largest_gain_db: GainOption = None,
+    name: NameOption = None,
+    rules: RulesOption = None,
+    overwrite: Overwrite = False,
+    quiet: Quiet = False,
+) -> None:
+    """Measure an actuator from two recordings of one run, and write a profile of it.
+
+    Example: `blastline actuator identify --excitation noise.wav --response seat.wav -o my-seat.toml --csv my-seat.csv`
+    """
+    from .. import run
+
+    options = run.FitOptions(perception, peak_db, largest_gain_db, name, rules, overwrite)
+    with shown_progress(quiet=quiet) as progress:
+        made = run.identify_actuator(
+            excitation,
+            response,
+            output=output,
+            options=options,
+            csv=csv,
+            channels=(excitation_channel, response_channel),
+            progress=progress,
+        )
+    if not quiet:
+        say_measured(made)
+        say_fitted(made)
+
+
+@group.command()
+def fit(
+    measured: Annotated[
+        Path,
+        typer.Argument(
+            metavar="MEASURED",
+            help="A response (.csv) with the columns frequency_hz, gain_db and, where known, phase_deg, coherence.",
+            show_default=False,
+        ),
+    ],
+    output: Output,
+    perception: PerceptionOption = "none",
+    peak_db: PeakOption = None,
+    largest_gain_db: GainOption = None,
+    name: NameOption = None,
+    rules: RulesOption = None,
+    overwrite: Overwrite = False,
+    quiet: Quiet = False,
+) -> None:
+    """Fit a measured response with the skin's perception, and write a profile of it.
+
+    Example: `blastline actuator fit my-seat.csv -o my-seat.toml --perception mpeg-psychohaptic`
+    """
+    from .. import run
+
+    options = run.FitOptions(perception, peak_db, largest_gain_db, name, rules, overwrite)
+    with shown_progress(quiet=quiet) as progress:
+        made = run.fit_actuator(measured, output, options=options, progress=progress)
+    if not quiet:
+        say_fitted(made)

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import msgspec
 import typer
 
-from ..ruleset import check_rules, load_haptics, load_rules, to_builtins
+from ..ruleset import check_rules, load_haptics, load_measuring, load_rules, to_builtins
 from .options import QualityOption, RulesOption
 
 group = typer.Typer(help="The numbers that blastline works with, and yours in their place.")
@@ -26,6 +26,7 @@ def show(quality: QualityOption = "standard", rules: RulesOption = None) -> None
         "scenes": merged.scenes,
         "align": merged.align,
         "haptics": load_haptics(rules),
+        "measuring": load_measuring(rules),
     }
     for name, table in tables.items():
         typer.echo(f"\n# {name}.toml")

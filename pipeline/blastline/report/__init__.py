@@ -4,9 +4,10 @@ The page is a single HTML file that needs no network and no script: pictures are
 only sort and filter the table of shots.
 """
 
+from .bode import BodeCurve, write_bode
 from .exports import ExportRow
 from .overview import Overview, OverviewMeter
 from .page import write_report
 from .sounds import Cutter
 
-__all__ = ["Cutter", "ExportRow", "Overview", "OverviewMeter", "write_report"]
+__all__ = ["BodeCurve", "Cutter", "ExportRow", "Overview", "OverviewMeter", "write_bode", "write_report"]

@@ -3,15 +3,31 @@
 `tables` holds one struct for each table of a rule file, `files` finds, merges and reads them.
 """
 
-from .files import Rules, actuator_names, check_rules, load_actuator, load_haptics, load_rules, rules_path
+from .columns import FREQUENCY, Columns, read_columns
+from .files import (
+    Rules,
+    actuator_names,
+    check_rules,
+    check_stable,
+    load_actuator,
+    load_haptics,
+    load_measuring,
+    load_rules,
+    rules_path,
+)
+from .measuring import FitRules, IdentifyRules, MeasuringRules, PerceptionCurve
+from .perceptions import load_perception, perception_names
 from .tables import (
     ActuatorProfile,
     AlignRules,
     BurstRules,
     HapticRules,
+    HighPass,
+    LowPass,
     OnsetRules,
     QualityRules,
     RenderRules,
+    Response,
     ScanRules,
     SceneRules,
     SegmentRules,
@@ -21,13 +37,22 @@ from .tables import (
 )
 
 __all__ = [
+    "FREQUENCY",
     "ActuatorProfile",
     "AlignRules",
     "BurstRules",
+    "Columns",
+    "FitRules",
     "HapticRules",
+    "HighPass",
+    "IdentifyRules",
+    "LowPass",
+    "MeasuringRules",
     "OnsetRules",
+    "PerceptionCurve",
     "QualityRules",
     "RenderRules",
+    "Response",
     "Rules",
     "ScanRules",
     "SceneRules",
@@ -36,9 +61,14 @@ __all__ = [
     "WindowRules",
     "actuator_names",
     "check_rules",
+    "check_stable",
     "load_actuator",
     "load_haptics",
+    "load_measuring",
+    "load_perception",
     "load_rules",
+    "perception_names",
+    "read_columns",
     "rules_path",
     "to_builtins",
 ]

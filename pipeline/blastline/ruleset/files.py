@@ -18,6 +18,7 @@ import msgspec
 
 from ..errors import RuleError, misfit
 from ..model import Quality
+from .measuring import MeasuringRules, PerceptionCurve
 from .tables import ActuatorProfile, AlignRules, HapticRules, QualityRules, SceneRules, Table, to_builtins
 
 _T = TypeVar("_T", bound=Table)
@@ -53,10 +54,10 @@ def load_rules(quality: Quality, overlay: Path | None = None) -> Rules:
 
     Raises RuleError for a folder that does not exist or a file that does not fit.
     """
-    _require_folder(overlay)
-    tier = _merged(f"quality/{quality}.toml", QualityRules, overlay)
-    scenes = _merged("scenes.toml", SceneRules, overlay)
-    align = _merged("align.toml", AlignRules, overlay)
+    require_folder(overlay)
+    tier = merged(f"quality/{quality}.toml", QualityRules, overlay)
+    scenes = merged("scenes.toml", SceneRules, overlay)
+    align = merged("align.toml", AlignRules, overlay)
     model = rules_path(f"verifier/{tier.verify.model}", overlay)
     if not model.is_file():
         raise RuleError(f"{model}: no such file; [verify] model = {tier.verify.model!r} expects it under verifier/")
@@ -67,13 +68,22 @@ def load_rules(quality: Quality, overlay: Path | None = None) -> Rules:
 
 def load_haptics(overlay: Path | None = None) -> HapticRules:
     """Read the rules of the haptic formats, which change no timeline; RuleError as for `load_rules`."""
-    _require_folder(overlay)
-    return _merged("haptics.toml", HapticRules, overlay)
+    require_folder(overlay)
+    return merged("haptics.toml", HapticRules, overlay)
+
+
+def load_measuring(overlay: Path | None = None) -> MeasuringRules:
+    """Read the rules by which actuators are measured, with the user's folder laid over the built-in one.
+
+    Raises RuleError for a folder that does not exist or a file that does not fit.
+    """
+    require_folder(overlay)
+    return merged("measuring.toml", MeasuringRules, overlay)
 
 
 def actuator_names(overlay: Path | None = None) -> list[str]:
     """Return the names of the actuator profiles that `load_actuator` knows."""
-    _require_folder(overlay)
+    require_folder(overlay)
     folders = [builtin()] + ([overlay] if overlay else [])
     return sorted({file.stem for folder in folders for file in folder.glob("actuators/*.toml")})
 
@@ -83,7 +93,7 @@ def load_actuator(name: str, overlay: Path | None = None) -> tuple[ActuatorProfi
 
     Raises RuleError where it does not exist, does not fit, or describes an unstable actuator.
     """
-    _require_folder(overlay)
+    require_folder(overlay)
     path = Path(name) if name.endswith(".toml") else rules_path(f"actuators/{name}.toml", overlay)
     if not path.is_file():
         known = ", ".join(actuator_names(overlay))
@@ -122,19 +132,24 @@ def check_rules(overlay: Path) -> Iterator[str]:
         "scenes.toml",
         "align.toml",
         "haptics.toml",
+        "measuring.toml",
         *(f"quality/{q}.toml" for q in ("draft", "standard", "reference")),
     }
     load_rules("standard", overlay)
     load_haptics(overlay)
+    load_measuring(overlay)
     for file in sorted(p for p in overlay.rglob("*.toml") if p.is_file()):
         relative = file.relative_to(overlay).as_posix()
         if relative.startswith("actuators/"):
             load_actuator(str(file))
+        elif relative.startswith("perception/"):
+            convert(read_toml(file), PerceptionCurve, file)
         elif relative.startswith("quality/") and relative in known:
-            _merged(relative, QualityRules, overlay)
+            merged(relative, QualityRules, overlay)
         elif relative not in known:
             raise RuleError(
-                f"{file}: not a rule file that blastline reads; expected actuators/*.toml or {sorted(known)}"
+                f"{file}: not a rule file that blastline reads; "
+                f"expected actuators/*.toml, perception/*.toml or {sorted(known)}"
             )
         yield relative
 
@@ -175,12 +190,13 @@ def _numbers(plain: Any, key: str = "") -> Iterator[tuple[str, float]]:
         yield key, plain
 
 
-def _require_folder(overlay: Path | None) -> None:
+def require_folder(overlay: Path | None) -> None:
+    """Raise RuleError where the user's folder of rules is none."""
     if overlay is not None and not overlay.is_dir():
         raise RuleError(f"{overlay}: not a folder; --rules expects a folder laid out like the built-in rules")
 
 
-def _merged(relative: str, table: type[_T], overlay: Path | None) -> _T:
+def merged(relative: str, table: type[_T], overlay: Path | None) -> _T:
     """Return a rule file with the user's keys laid over it; messages name the file that holds the user's key."""
     path = builtin() / relative
     plain = read_toml(path)

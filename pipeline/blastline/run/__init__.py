@@ -3,22 +3,34 @@
 film -> find shots -> plan windows -> choose a model for each -> render -> write -> check what was written -> report
 """
 
-from .actuators import actuator_table
+from .actuators import (
+    FitOptions,
+    MadeProfile,
+    actuator_table,
+    fit_actuator,
+    identify_actuator,
+)
 from .checking import check
 from .exports import exports
 from .files import export, synthesise
 from .listening import detect
+from .pictures import actuator_picture
 from .progress import Progress, no_progress
 from .rendering import RenderOptions, render
 
 __all__ = [
+    "FitOptions",
+    "MadeProfile",
     "Progress",
     "RenderOptions",
+    "actuator_picture",
     "actuator_table",
     "check",
     "detect",
     "export",
     "exports",
+    "fit_actuator",
+    "identify_actuator",
     "no_progress",
     "render",
     "synthesise",

@@ -1,14 +1,82 @@
-"""An actuator's figures."""
+"""An actuator's figures, its measurement, and the profile that comes of it."""
 
+from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 
+import msgspec
 import numpy as np
 
+from ..actuator import (
+    BandError,
+    ExcessPhase,
+    FittedResponse,
+    Identified,
+    MeasuredResponse,
+    excess_phase,
+    fit,
+    fit_target,
+    fitted_profile,
+    identify,
+    inversion_db,
+    octave_errors,
+    peak,
+    profile_text,
+    read_measured,
+    recorded,
+    written,
+)
 from ..dsp import compensator, felt_response
-from ..ruleset import load_actuator
+from ..errors import OutputError, SoundtrackError
+from ..ruleset import (
+    ActuatorProfile,
+    FitRules,
+    PerceptionCurve,
+    load_actuator,
+    load_measuring,
+)
+from ..soundtrack import Soundtrack, open_soundtrack
+from ..staging import staged
 from ..units import levels_db
+from .pictures import NO_PERCEPTION, perception_curve
+from .progress import Progress, no_progress
 
 _TABLE_HZ = (1.0, 3.18, 10.0, 20.0, 31.5, 50.0, 80.0, 100.0, 150.0, 200.0, 292.0, 400.0, 500.0, 700.0, 1000.0, 2000.0)
+
+
+@dataclass(frozen=True)
+class FitOptions:
+    """What a user may ask of a fit, with what they get when they do not ask.
+
+    `peak_db` is the level that the felt response gets at its peak, None leaves it as measured; `largest_gain_db` of
+    None is that of the rules.
+    """
+
+    perception: str = NO_PERCEPTION
+    peak_db: float | None = None
+    largest_gain_db: float | None = None
+    name: str | None = None
+    rules: Path | None = None
+    overwrite: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class MadeProfile:
+    """A profile that was written, the fit that it holds with its errors by octave, and what led there.
+
+    The felt response peaks at `peak_hz` with `peak_db`. `excess` is None where no phase was measured, `identified`
+    where the response came from a CSV file.
+    """
+
+    profile: ActuatorProfile
+    fitted: FittedResponse
+    measured: MeasuredResponse
+    errors: tuple[BandError, ...]
+    inversion_db: float
+    peak_hz: float
+    peak_db: float
+    excess: ExcessPhase | None
+    identified: Identified | None = None
 
 
 def actuator_table(name: str, rules: Path | None = None) -> list[tuple[float, float, float, float]]:
@@ -22,3 +90,110 @@ def actuator_table(name: str, rules: Path | None = None) -> list[tuple[float, fl
     drive = compensator(profile).at(frequencies_hz)
     columns = (frequencies_hz, levels_db(np.abs(felt)), np.degrees(np.angle(felt)), levels_db(np.abs(drive)))
     return [(float(f), float(level), float(phase), float(gain)) for f, level, phase, gain in zip(*columns, strict=True)]
+
+
+def identify_actuator(
+    excitation: Path,
+    response: Path,
+    *,
+    output: Path,
+    options: FitOptions,
+    csv: Path | None = None,
+    channels: tuple[int | None, int | None] = (None, None),
+    progress: Progress = no_progress,
+) -> MadeProfile:
+    """Measure an actuator from two recordings, fit it, and write its profile, and its response to `csv`.
+
+    `channels` are those of excitation and response, None for the only one. Raises BlastlineError for recordings, rules
+    or files that cannot be used; nothing is written then.
+    """
+    measuring = load_measuring(options.rules)
+    with ExitStack() as open_files:
+        progress("hearing", 0, None)
+        sent = open_files.enter_context(_open_channel(excitation, channels[0], "excitation"))
+        came = open_files.enter_context(_open_channel(response, channels[1], "response"))
+        heard = recorded(str(excitation), sent), recorded(str(response), came)
+        progress("identifying", 0, None)
+        identified = identify(*heard, rules=measuring.identify)
+    origin = f"measured from {response.name} against {excitation.name}"
+    return _fit_and_write(identified.measured, output, options, origin, progress, identified=identified, csv=csv)
+
+
+def fit_actuator(measured: Path, output: Path, *, options: FitOptions, progress: Progress = no_progress) -> MadeProfile:
+    """Fit a measured response from a CSV file and write its profile.
+
+    Raises BlastlineError for a measurement, rules or an output that cannot be used; nothing is written then.
+    """
+    response = read_measured(measured)
+    return _fit_and_write(response, output, options, f"measured in {measured.name}", progress)
+
+
+def _fit_and_write(
+    measured: MeasuredResponse,
+    output: Path,
+    options: FitOptions,
+    origin: str,
+    progress: Progress,
+    *,
+    identified: Identified | None = None,
+    csv: Path | None = None,
+) -> MadeProfile:
+    if output.suffix != ".toml":
+        raise OutputError(f"{output}: expected a name that ends in .toml, so that --actuator takes it")
+    if csv is not None and csv.suffix != ".csv":
+        raise OutputError(f"{csv}: expected a name that ends in .csv, so that `actuator fit` takes it")
+    rules = load_measuring(options.rules).fit
+    if options.largest_gain_db is not None:
+        rules = msgspec.structs.replace(rules, largest_gain_db=options.largest_gain_db)
+    curve = perception_curve(options.perception, options.rules)
+    texts = {} if csv is None else {csv: written(measured, origin)}
+    with ExitStack() as places:
+        progress("fitting", 0, None)
+        target = fit_target(measured, curve, rules=rules, name=origin)
+        fitted = fit(target, rules=rules, name=origin)
+        profile = fitted_profile(
+            fitted,
+            name=options.name or output.stem,
+            source=_source(fitted, origin, curve, rules),
+            origin="fitted in dB, minimum phase",
+            rules=rules,
+            peak_db=options.peak_db,
+        )
+        texts[output] = profile_text(profile)
+        for path, text in texts.items():
+            hidden = places.enter_context(staged(path.parent, names=[path.name], overwrite=options.overwrite))
+            (hidden / path.name).write_text(text, encoding="utf-8")
+    peak_hz, fitted_peak_db = peak(fitted.best.model, target.band_hz)
+    return MadeProfile(
+        profile,
+        fitted,
+        measured,
+        errors=tuple(octave_errors(fitted)),
+        inversion_db=inversion_db(fitted.best.model, target, rules=rules),
+        peak_hz=peak_hz,
+        peak_db=fitted_peak_db if options.peak_db is None else options.peak_db,
+        excess=excess_phase(measured),
+        identified=identified,
+    )
+
+
+def _source(fitted: FittedResponse, origin: str, curve: PerceptionCurve | None, rules: FitRules) -> str:
+    """Return where a profile comes from, in one line."""
+    skin = "no perception curve" if curve is None else f"perception {curve.name}, H_m = (1/T)^2 ({curve.source})"
+    low_hz, high_hz = fitted.target.band_hz
+    rivals = f"; eq. (2)'s form: {fitted.papers.error_db:.2f} dB" if fitted.papers else ""
+    return (
+        f"Actuator {origin}; {skin}. Fitted from {low_hz:.4g} to {high_hz:.4g} Hz within "
+        f"{fitted.best.error_db:.2f} dB rms{rivals}; chosen by Schwarz's criterion with {rules.negligible_db:g} dB "
+        f"negligible; inverse bounded to {rules.largest_gain_db:g} dB"
+    )
+
+
+def _open_channel(path: Path, channel: int | None, what: str) -> Soundtrack:
+    track = open_soundtrack(path, mix=str(channel or 0))
+    if channel is None and track.channels > 1:
+        track.close()
+        raise SoundtrackError(
+            f"{path}: has {track.channels} channels; expected --{what}-channel N to say which, counted from 0"
+        )
+    return track

@@ -1,0 +1,45 @@
+"""The actuator and the skin as measured things.
+
+excitation, response ─► identify ─► measured response ─┐
+CSV ─────────────────────────────────► read_measured ──┴─► fit_target ─► fit ─► profile
+thresholds ─► H_m = (1/T)^2 ───────────────────────────────────┘
+"""
+
+from .fit import BandError, Fit, FittedResponse, fit, octave_errors
+from .identify import Identified, identify
+from .inverse import inversion_db, peak
+from .measured import MeasuredResponse, read_measured, written
+from .phase import ExcessPhase, excess_phase, minimum_phase
+from .profile import fitted_profile, profile_text
+from .rational import Model, analogue, level_db
+from .recording import Recording, recorded
+from .target import FitTarget, fit_target
+from .thresholds import sensitivity_db
+
+__all__ = [
+    "BandError",
+    "ExcessPhase",
+    "Fit",
+    "FitTarget",
+    "FittedResponse",
+    "Identified",
+    "MeasuredResponse",
+    "Model",
+    "Recording",
+    "analogue",
+    "excess_phase",
+    "fit",
+    "fit_target",
+    "fitted_profile",
+    "identify",
+    "inversion_db",
+    "level_db",
+    "minimum_phase",
+    "octave_errors",
+    "peak",
+    "profile_text",
+    "read_measured",
+    "recorded",
+    "sensitivity_db",
+    "written",
+]

@@ -1,0 +1,203 @@
+"""The rational model that comes nearest to what was measured, of as many poles and zeros as that is worth.
+
+Models compete: eq. (2) of the paper, k (s + w1) / (s + w2)^3, and general ones of 1 to `most_poles` poles and up to as
+many zeros less one. The criterion is Schwarz's (1978),
+
+    n ln(1 + mean(e^2 / (e0^2 + m^2))) + p ln n
+
+with n points, p free parameters, a model's error e in dB, the measurement's standard error m, and e0 = `negligible_db`,
+an error that cannot be felt: a parameter has to earn its place. The mean is over log frequency.
+
+Levels alone are fitted: the phase of a stable model without zeros on the right
+follows from them, and a measured phase beyond that, a delay or an all-pass, has no stable causal inverse.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import RuleError
+from ..ruleset import FitRules
+from .inverse import inversion_db
+from .rational import PAPER_FORM, Form, Model, analogue, fitted, general_form, level_db, start_from_roots
+from .target import FitTarget
+
+Values = NDArray[np.float64]
+
+_MOST_EXCESS = 4
+_POINTS_PER_PARAMETER = 2.0
+_ROOM = (0.1, 2.0)
+_PATIENCE = 2
+"""So many poles more than the best model has are tried in vain before the search ends."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A model with its weighted rms error in dB, the criterion's score (less is better), and its parameters' number."""
+
+    model: Model
+    error_db: float
+    score: float
+
+    @property
+    def is_papers(self) -> bool:
+        """Return whether the model has the form of eq. (2)."""
+        return self.model.form == PAPER_FORM
+
+
+@dataclass(frozen=True, eq=False)
+class FittedResponse:
+    """The best model, the best of the paper's form for comparison (None where it is refused), and the target."""
+
+    best: Fit
+    papers: Fit | None
+    target: FitTarget
+
+
+@dataclass(frozen=True)
+class BandError:
+    """How far the model is off in an octave around `centre_hz`: mean, rms and worst error in dB."""
+
+    centre_hz: float
+    level_db: float
+    mean_db: float
+    rms_db: float
+    worst_db: float
+
+
+def fit(target: FitTarget, *, rules: FitRules, name: str) -> FittedResponse:
+    """Return the best model of a felt response.
+
+    Raises RuleError where no model keeps the bound of the inverse.
+    """
+    trust = _trust(target, rules)
+    papers = _judged(_fit_papers(target, trust), target, rules)
+    fits = [papers] if papers else []
+    best_of: dict[tuple[int, int], Model] = {}
+    for zeros, poles in _orders(target, rules):
+        if fits and poles > min(fits, key=_score).model.poles + _PATIENCE:
+            break
+        form = general_form(zeros, poles)
+        models = [
+            fitted(
+                form,
+                start,
+                target.frequencies_hz,
+                target.target_db,
+                weights=target.weights * trust,
+                band_rad_s=_room(target),
+            )
+            for start in _starts(form, zeros, poles, target, best_of)
+        ]
+        best_of[zeros, poles] = min(models, key=lambda model: _misfit(model, target, trust))
+        judged = _judged(best_of[zeros, poles], target, rules)
+        fits += [judged] if judged else []
+    if not fits:
+        raise RuleError(
+            f"{name}: no stable model with an inverse of at most {rules.largest_gain_db:g} dB was found; "
+            "expected a smoother response"
+        )
+    return FittedResponse(min(fits, key=_score), papers, target)
+
+
+def octave_errors(fitted_response: FittedResponse) -> list[BandError]:
+    """Return the errors of the best model octave by octave, around 31.5, 63, 125 Hz and so on."""
+    target = fitted_response.target
+    error = level_db(fitted_response.best.model, target.frequencies_hz) - target.target_db
+    octave = np.round(np.log2(target.frequencies_hz / 1000.0)).astype(np.int64)
+    rows = []
+    for number in np.unique(octave):
+        inside = octave == number
+        weights = np.gradient(np.log(target.frequencies_hz))[inside]
+        weights /= np.sum(weights)
+        rows.append(
+            BandError(
+                1000.0 * 2.0**number,
+                float(np.sum(weights * target.target_db[inside])),
+                float(np.sum(weights * error[inside])),
+                float(np.sqrt(np.sum(weights * error[inside] ** 2))),
+                float(error[inside][np.argmax(np.abs(error[inside]))]),
+            )
+        )
+    return rows
+
+
+def _orders(target: FitTarget, rules: FitRules) -> Iterator[tuple[int, int]]:
+    """Yield numbers of zeros and poles, smaller models first, that the points can tell apart."""
+    most = len(target.frequencies_hz) / _POINTS_PER_PARAMETER - 1.0
+    for poles in range(1, rules.most_poles + 1):
+        for zeros in range(max(0, poles - _MOST_EXCESS), poles):
+            if zeros + poles <= most:
+                yield zeros, poles
+
+
+def _fit_papers(target: FitTarget, trust: Values) -> Model:
+    low, high = target.band_hz
+    models = [
+        fitted(
+            PAPER_FORM,
+            np.array([0.0, math.log(2.0 * math.pi * zero_hz), math.log(2.0 * math.pi * pole_hz)]),
+            target.frequencies_hz,
+            target.target_db,
+            weights=target.weights * trust,
+            band_rad_s=_room(target),
+        )
+        for zero_hz, pole_hz in ((low, math.sqrt(low * high)), (math.sqrt(low * high), high), (high, low))
+    ]
+    return min(models, key=lambda model: _misfit(model, target, trust))
+
+
+def _starts(
+    form: Form, zeros: int, poles: int, target: FitTarget, best_of: dict[tuple[int, int], Model]
+) -> Iterator[Values]:
+    """Yield starts: roots spread over the band; those of a smaller model, and a pair that cancels where it is worst."""
+    low, high = (2.0 * math.pi * edge for edge in target.band_hz)
+    yield start_from_roots(form, _spread(zeros, low, high), _spread(poles, low, high))
+    smaller = best_of.get((zeros - 2, poles - 2)) or best_of.get((zeros - 1, poles - 1))
+    if smaller is not None:
+        known = analogue(smaller)
+        error = level_db(smaller, target.frequencies_hz) - target.target_db
+        worst = 2.0 * math.pi * float(target.frequencies_hz[np.argmax(np.abs(error) * np.sqrt(target.weights))])
+        added = [-worst] if (zeros - 1, poles - 1) not in best_of or poles - smaller.poles == 1 else []
+        pair = [complex(-0.3 * worst, 0.95 * worst), complex(-0.3 * worst, -0.95 * worst)]
+        extra = [complex(a) for a in added] if poles - smaller.poles == 1 else pair
+        yield start_from_roots(form, [*known.zeros.tolist(), *extra], [*known.poles.tolist(), *extra])
+
+
+def _spread(count: int, low: float, high: float) -> list[complex]:
+    """Return roots at even steps of log frequency: lightly damped pairs, and a real one where the count is odd."""
+    corners = np.exp(np.linspace(math.log(low), math.log(high), count // 2 + 2)[1:-1])
+    pairs = [complex(-0.5 * w, part * 0.87 * w) for w in corners for part in (1.0, -1.0)]
+    return pairs + [complex(-math.sqrt(low * high))] * (count % 2)
+
+
+def _score(candidate: Fit) -> float:
+    return candidate.score
+
+
+def _judged(model: Model, target: FitTarget, rules: FitRules) -> Fit | None:
+    """Return a model with its score; None where its inverse exceeds the bound."""
+    if inversion_db(model, target, rules=rules) > rules.largest_gain_db + 1.0:
+        return None
+    points, free = len(target.frequencies_hz), len(model.parameters)
+    score = points * math.log1p(_misfit(model, target, _trust(target, rules))) + free * math.log(points)
+    return Fit(model, math.sqrt(_misfit(model, target, np.ones(points))), score)
+
+
+def _misfit(model: Model, target: FitTarget, trust: Values) -> float:
+    """Return the weighted mean of the squared errors."""
+    error = level_db(model, target.frequencies_hz) - target.target_db
+    return float(np.sum(target.weights * trust * error**2))
+
+
+def _trust(target: FitTarget, rules: FitRules) -> Values:
+    return 1.0 / (rules.negligible_db**2 + target.error_db**2)
+
+
+def _room(target: FitTarget) -> tuple[float, float]:
+    """Return where corners may lie: a corner far below or above the band could not be told from the data."""
+    low, high = target.band_hz
+    return 2.0 * math.pi * low * _ROOM[0], 2.0 * math.pi * high * _ROOM[1]

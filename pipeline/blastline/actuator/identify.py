@@ -1,0 +1,218 @@
+"""From what was sent to an actuator and what came of it to its frequency response.
+
+    H1(f) = Sxy(f) / Sxx(f)          coherence(f) = |Sxy|^2 / (Sxx Syy)
+
+with Welch's averaged spectra of Hann segments that overlap by half. Noise in the response averages out of H1; the
+excitation is known. The delay between the recordings is found first and taken out, because a response that lies
+partly outside its segment would be measured too weak. Both recordings are cut segment by segment: memory does not grow
+with their length.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SoundtrackError
+from ..ruleset import IdentifyRules
+from .measured import MeasuredResponse, standard_error_db, unbiased
+from .phase import ExcessPhase, excess_phase
+from .recording import Recording
+
+Values = NDArray[np.float64]
+Spectrum = NDArray[np.complex128]
+
+_INDEPENDENT = 0.947
+"""Of Hann segments that overlap by half, the share that counts as independent (Welch 1967)."""
+
+_HIGHEST_OF_RATE = 0.45
+_DELAY_BLOCKS = 8
+_ALIKE = 0.9
+_TOLERATED_SHIFT = 0.005
+"""A response that lies this share of a segment late is measured 0.04 dB too weak."""
+
+
+@dataclass(frozen=True, eq=False)
+class Spectra:
+    """Averaged power spectra of excitation and response and their cross spectrum, over `segments` segments."""
+
+    frequencies_hz: Values
+    excitation: Values
+    response: Values
+    cross: Spectrum
+    segments: int
+
+
+@dataclass(frozen=True, eq=False)
+class Identified:
+    """A measured response, how long its segments were, and what its phase says beyond the magnitude."""
+
+    measured: MeasuredResponse
+    segment_s: float
+    segments: int
+    excess: ExcessPhase
+
+
+def identify(excitation: Recording, response: Recording, *, rules: IdentifyRules) -> Identified:
+    """Return an actuator's response from two recordings of one run, which may start and end at different times.
+
+    Raises SoundtrackError for recordings of different rates, too short a common part, a clipped response, or a
+    response that has nothing to do with the excitation.
+    """
+    _check(excitation, response, rules)
+    rate_hz = excitation.rate_hz
+    lag = coarse_delay(excitation, response, rules=rules)
+    segment = _segment(excitation, response, lag, rules)
+    measured, excess = _measure(excitation, response, lag, segment, rules)
+    late = round(excess.delay_s * rate_hz)
+    if abs(late) > _TOLERATED_SHIFT * segment:
+        lag += late
+        segment = _segment(excitation, response, lag, rules)
+        measured, excess = _measure(excitation, response, lag, segment, rules)
+    segments = _count(*_common(excitation, response, lag), segment)
+    return Identified(measured, segment / rate_hz, segments, excess)
+
+
+def coarse_delay(excitation: Recording, response: Recording, *, rules: IdentifyRules) -> int:
+    """Return by how many samples the response is late, to within the actuator's own ringing.
+
+    It is the peak of the correlation over at most eight stretches of the recordings; of peaks alike, as a periodic
+    excitation has them, the one nearest to no delay.
+    """
+    from scipy.fft import irfft, rfft
+
+    longest = round(rules.longest_delay_s * excitation.rate_hz)
+    last = max(0, excitation.frames - longest)
+    starts = np.unique(np.linspace(0, last, min(_DELAY_BLOCKS, 1 + math.ceil(last / longest))).astype(np.int64))
+    size = 4 * longest
+    correlation = np.zeros(size)
+    for start in starts.tolist():
+        sent = rfft(excitation.cut(start, longest), size)
+        came = rfft(response.cut(start - longest, 3 * longest), size)
+        sent[0] = came[0] = 0.0
+        correlation += irfft(np.conj(sent) * came, size)
+    heights = np.abs(correlation[: 2 * longest + 1])
+    lags = np.arange(-longest, longest + 1)
+    alike = np.flatnonzero(heights >= _ALIKE * np.max(heights))
+    nearest = int(alike[np.argmin(np.abs(lags[alike]))])
+    near = slice(max(0, nearest - excitation.rate_hz // 100), nearest + excitation.rate_hz // 100)
+    return int(lags[near][np.argmax(heights[near])])
+
+
+def welch(excitation: Recording, response: Recording, *, lag: int, segment: int) -> Spectra:
+    """Return the averaged spectra of segments of `segment` samples, the response taken `lag` samples later."""
+    from scipy.fft import rfft, rfftfreq
+
+    window = np.hanning(segment + 1)[:-1]
+    start, stop = _common(excitation, response, lag)
+    frequencies_hz = rfftfreq(segment, 1.0 / excitation.rate_hz)
+    power_in, power_out = np.zeros(len(frequencies_hz)), np.zeros(len(frequencies_hz))
+    cross = np.zeros(len(frequencies_hz), dtype=np.complex128)
+    count = _count(start, stop, segment)
+    for index in range(count):
+        place = start + index * (segment // 2)
+        sent, came = excitation.cut(place, segment), response.cut(place + lag, segment)
+        sent_spectrum = rfft(window * (sent - np.mean(sent)))
+        came_spectrum = rfft(window * (came - np.mean(came)))
+        power_in += np.abs(sent_spectrum) ** 2
+        power_out += np.abs(came_spectrum) ** 2
+        cross += np.conj(sent_spectrum) * came_spectrum
+    return Spectra(frequencies_hz, power_in / count, power_out / count, cross / count, count)
+
+
+def usable_band(measured: MeasuredResponse, rules: IdentifyRules) -> tuple[float, float] | None:
+    """Return the widest range (in octaves) of well-known gains; None where there is none.
+
+    Known well is what the coherence says of the third of an octave around a frequency: its mean without the bias of
+    chance, and the standard error of the gain averaged over it.
+    """
+    assert measured.coherence is not None
+    assert measured.averages is not None
+    frequencies_hz = measured.frequencies_hz
+    coherence = unbiased(measured.coherence, measured.averages)
+    error_db = standard_error_db(coherence, measured.averages)
+    low = np.searchsorted(frequencies_hz, frequencies_hz * 2.0 ** (-1.0 / 6.0))
+    high = np.searchsorted(frequencies_hz, frequencies_hz * 2.0 ** (1.0 / 6.0), side="right")
+
+    def summed(values: Values) -> Values:
+        total = np.concatenate([[0.0], np.cumsum(values)])
+        return np.asarray(total[high] - total[low], dtype=np.float64)
+
+    mean = summed(coherence) / (high - low)
+    together_db = 1.0 / np.sqrt(summed(1.0 / np.maximum(error_db, 1e-6) ** 2))
+    good = (mean >= rules.least_coherence) & (together_db <= rules.random_error_db)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], good, [False]]).astype(np.int8)))
+    runs = [(float(frequencies_hz[a]), float(frequencies_hz[b - 1])) for a, b in edges.reshape(-1, 2)]
+    return max(runs, key=lambda run: run[1] / run[0], default=None)
+
+
+def _measure(
+    excitation: Recording, response: Recording, lag: int, segment: int, rules: IdentifyRules
+) -> tuple[MeasuredResponse, ExcessPhase]:
+    """Return the response with its delay taken out of the phase, and what was found beyond `lag`."""
+    spectra = welch(excitation, response, lag=lag, segment=segment)
+    highest_hz = min(rules.highest_hz, _HIGHEST_OF_RATE * excitation.rate_hz)
+    rows = (spectra.frequencies_hz <= highest_hz) & (np.arange(len(spectra.frequencies_hz)) >= 2)
+    floor = 1e-12 * float(np.max(spectra.excitation))
+    rows &= spectra.excitation > floor
+    power_in, power_out, cross = spectra.excitation[rows], spectra.response[rows], spectra.cross[rows]
+    transfer = cross / power_in
+    coherence = np.abs(cross) ** 2 / np.maximum(power_in * power_out, 1e-300)
+    measured = MeasuredResponse(
+        spectra.frequencies_hz[rows],
+        np.abs(transfer),
+        np.angle(transfer),
+        np.minimum(coherence, 1.0),
+        _INDEPENDENT * spectra.segments,
+    )
+    band_hz = usable_band(measured, rules)
+    if band_hz is None or band_hz[1] < 2.0 * band_hz[0]:
+        best = float(np.max(measured.coherence)) if measured.coherence is not None else 0.0
+        raise SoundtrackError(
+            f"{response.name}: follows {excitation.name} too little: the coherence reaches {best:.2f}, and not over an "
+            "octave what a response needs; expected excitation and response of one run"
+        )
+    measured = replace(measured, band_hz=band_hz)
+    excess = excess_phase(measured)
+    assert excess is not None
+    turned = np.angle(transfer * np.exp(2j * math.pi * measured.frequencies_hz * excess.delay_s))
+    return replace(measured, phase_rad=turned, delay_s=lag / excitation.rate_hz + excess.delay_s), excess
+
+
+def _check(excitation: Recording, response: Recording, rules: IdentifyRules) -> None:
+    if excitation.rate_hz != response.rate_hz:
+        raise SoundtrackError(
+            f"{response.name}: has a sample rate of {response.rate_hz} Hz; expected {excitation.rate_hz} Hz, "
+            f"as {excitation.name} has"
+        )
+    if response.at_peak > rules.clipped_ratio:
+        raise SoundtrackError(
+            f"{response.name}: is clipped: {100.0 * response.at_peak:.1f} % of its samples stand at its peak of "
+            f"{response.peak:.3g}; expected at most {100.0 * rules.clipped_ratio:g} %: record it at a lower level"
+        )
+
+
+def _common(excitation: Recording, response: Recording, lag: int) -> tuple[int, int]:
+    """Return the range of the excitation that both recordings hold."""
+    return max(0, -lag), min(excitation.frames, response.frames - lag)
+
+
+def _count(start: int, stop: int, segment: int) -> int:
+    return max(0, (stop - start - segment) // (segment // 2) + 1)
+
+
+def _segment(excitation: Recording, response: Recording, lag: int, rules: IdentifyRules) -> int:
+    """Return the length of a segment in samples: even, and one that transforms fast."""
+    from scipy.fft import next_fast_len
+
+    start, stop = _common(excitation, response, lag)
+    for segment_s in sorted(rules.segments_s, reverse=True):
+        segment = int(next_fast_len(round(segment_s * excitation.rate_hz / 2.0), real=True)) * 2
+        if _count(start, stop, segment) >= rules.fewest_segments:
+            return segment
+    needed_s = min(rules.segments_s) * (rules.fewest_segments + 1) / 2.0
+    raise SoundtrackError(
+        f"{response.name}: has {max(0, stop - start) / excitation.rate_hz:.2f} s in common with {excitation.name}; "
+        f"expected at least {needed_s:.2g} s"
+    )

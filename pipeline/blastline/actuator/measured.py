@@ -1,0 +1,172 @@
+"""A frequency response as it was measured, and the CSV file that holds one."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import RuleError
+from ..ruleset import FREQUENCY, Columns, read_columns
+from ..units import levels_db
+
+Values = NDArray[np.float64]
+
+_LEVEL_LIMIT_DB = 400.0
+_FEWEST_ROWS = 8
+_LEAST_OCTAVES = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredResponse:
+    """An actuator's response at ascending frequencies, shape (rows,) each.
+
+    `gain` is a plain ratio. `phase_rad` is without the phase of a delay of `delay_s`, which was found and taken out.
+    `coherence` is the share of the response's power that comes from the excitation, `averages` the number of
+    independent segments behind it. `band_hz` is where the response is known well. None means not measured.
+    """
+
+    frequencies_hz: Values
+    gain: Values
+    phase_rad: Values | None = None
+    coherence: Values | None = None
+    averages: float | None = None
+    delay_s: float = 0.0
+    band_hz: tuple[float, float] = (0.0, math.inf)
+
+    @property
+    def gain_db(self) -> Values:
+        """Return the gain as a level."""
+        return levels_db(self.gain)
+
+    @property
+    def error_db(self) -> Values:
+        """Return the standard error of each gain in dB, 0 where the measurement does not tell.
+
+        For H1, the variance of ln |H| is (1 - c) / (2 c n) with coherence c and n averages (Bendat and Piersol).
+        """
+        if self.coherence is None or self.averages is None:
+            return np.zeros_like(self.gain)
+        coherence = unbiased(self.coherence, self.averages)
+        return np.asarray(standard_error_db(coherence, self.averages), dtype=np.float64)
+
+    @property
+    def noise_power(self) -> Values:
+        """Return the mean square of the noise in each gain, 0 where the measurement does not tell."""
+        if self.coherence is None or self.averages is None:
+            return np.zeros_like(self.gain)
+        share = np.maximum(self.coherence, 1e-9)
+        return np.asarray(self.gain**2 * (1.0 - share) / (share * self.averages), dtype=np.float64)
+
+    def within(self, low_hz: float, high_hz: float) -> "MeasuredResponse":
+        """Return the rows inside the usable band that lie from `low_hz` to `high_hz`."""
+        low_hz, high_hz = max(low_hz, self.band_hz[0]), min(high_hz, self.band_hz[1])
+        keep = (self.frequencies_hz >= low_hz) & (self.frequencies_hz <= high_hz)
+
+        def kept(values: Values | None) -> Values | None:
+            return None if values is None else values[keep]
+
+        return MeasuredResponse(
+            self.frequencies_hz[keep],
+            self.gain[keep],
+            kept(self.phase_rad),
+            kept(self.coherence),
+            self.averages,
+            self.delay_s,
+            (low_hz, high_hz),
+        )
+
+
+def unbiased(coherence: Values, averages: float) -> Values:
+    """Return coherence without what chance alone would give `averages` segments, 1 / averages."""
+    return np.maximum((coherence - 1.0 / averages) / (1.0 - 1.0 / averages), 0.0)
+
+
+def standard_error_db(coherence: Values, averages: float) -> Values:
+    """Return the standard error of a gain in dB, from unbiased coherence; 0 where nothing is known becomes 100 dB."""
+    share = np.maximum(coherence, 1e-6)
+    return np.minimum(20.0 / math.log(10.0) * np.sqrt((1.0 - np.minimum(share, 1.0)) / (2.0 * share * averages)), 100.0)
+
+
+def read_measured(path: Path) -> MeasuredResponse:
+    """Read a response from a CSV file with the columns `frequency_hz, gain_db [, phase_deg] [, coherence]`.
+
+    Notes before the table may give `# delay_s: ...`, `# averages: ...` and `# band_hz: LOW HIGH`, as `written` does.
+    Raises RuleError with one line for a file that holds no measurement: empty, too few rows, not ascending, NaN, out
+    of range, or less than an octave.
+    """
+    read = read_columns(path, needed=(FREQUENCY, "gain_db"), optional=("phase_deg", "coherence"))
+    frequencies_hz, gain_db = read.values[FREQUENCY], read.values["gain_db"]
+    if len(frequencies_hz) < _FEWEST_ROWS:
+        raise RuleError(f"{path}: holds {len(frequencies_hz)} rows; expected at least {_FEWEST_ROWS}")
+    if math.log2(frequencies_hz[-1] / frequencies_hz[0]) < _LEAST_OCTAVES:
+        span = f"{frequencies_hz[0]:g} to {frequencies_hz[-1]:g} Hz"
+        raise RuleError(f"{path}: {FREQUENCY} runs from {span}; expected at least an octave")
+    _require_within(path, read, "gain_db", -_LEVEL_LIMIT_DB, _LEVEL_LIMIT_DB)
+    _require_within(path, read, "coherence", 0.0, 1.0)
+    phase_deg = read.values.get("phase_deg")
+    low_hz, high_hz = _band(path, read)
+    return MeasuredResponse(
+        frequencies_hz,
+        10.0 ** (gain_db / 20.0),
+        None if phase_deg is None else np.radians(phase_deg),
+        read.values.get("coherence"),
+        _note(path, read, "averages", least=2.0),
+        _note(path, read, "delay_s", least=-math.inf) or 0.0,
+        (low_hz, high_hz),
+    )
+
+
+def written(measured: MeasuredResponse, source: str) -> str:
+    """Return the text of a CSV file that `read_measured` reads."""
+    low_hz, high_hz = measured.band_hz
+    notes = {"source": source, "delay_s": f"{measured.delay_s:.9f}", "band_hz": f"{low_hz:.6g} {high_hz:.6g}"}
+    if measured.averages is not None:
+        notes["averages"] = f"{measured.averages:.6g}"
+    columns = {FREQUENCY: (measured.frequencies_hz, ".8g"), "gain_db": (measured.gain_db, ".4f")}
+    if measured.phase_rad is not None:
+        columns["phase_deg"] = (np.degrees(measured.phase_rad), ".3f")
+    if measured.coherence is not None:
+        columns["coherence"] = (measured.coherence, ".6f")
+    lines = [*(f"# {key}: {value}" for key, value in notes.items()), ",".join(columns)]
+    for row in zip(*(values for values, _ in columns.values()), strict=True):
+        lines.append(",".join(f"{value:{form}}" for value, (_, form) in zip(row, columns.values(), strict=True)))
+    return "\n".join(lines) + "\n"
+
+
+def _require_within(path: Path, read: Columns, name: str, low: float, high: float) -> None:
+    values = read.values.get(name, np.zeros(0))
+    outside = np.flatnonzero((values < low) | (values > high))
+    if len(outside):
+        row = int(outside[0])
+        where = f"{name} = {values[row]:g} at {read.values[FREQUENCY][row]:g} Hz"
+        raise RuleError(f"{path}: {where}: expected {low:g} to {high:g}")
+
+
+def _note(path: Path, read: Columns, key: str, *, least: float) -> float | None:
+    text = read.notes.get(key)
+    if text is None:
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value) or value < least:
+        raise RuleError(f"{path}: # {key}: {text!r}: expected a number" + (f" >= {least:g}" if least > 0.0 else ""))
+    return value
+
+
+def _band(path: Path, read: Columns) -> tuple[float, float]:
+    """Return the usable band: what the notes say, else everything that was measured."""
+    frequencies_hz = read.values[FREQUENCY]
+    text = read.notes.get("band_hz")
+    if text is None:
+        return float(frequencies_hz[0]), float(frequencies_hz[-1])
+    try:
+        low_hz, high_hz = (float(part) for part in text.split())
+    except ValueError:
+        low_hz, high_hz = 0.0, 0.0
+    if not 0.0 < low_hz < high_hz:
+        raise RuleError(f"{path}: # band_hz: {text!r}: expected two ascending frequencies")
+    return low_hz, high_hz

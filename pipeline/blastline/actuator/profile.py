@@ -1,0 +1,66 @@
+"""A fitted model as an actuator profile, with the band filters that its drive needs, and as the text of its file."""
+
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from ..dsp import felt_response
+from ..ruleset import ActuatorProfile, FitRules, Response, check_stable
+from .fit import FittedResponse
+from .inverse import band_filters, peak
+from .rational import analogue
+
+
+def fitted_profile(
+    fitted: FittedResponse, *, name: str, source: str, origin: str, rules: FitRules, peak_db: float | None = None
+) -> ActuatorProfile:
+    """Return the profile of a fitted response; its peak gets the level `peak_db`, or stays as measured."""
+    model = fitted.best.model
+    felt = analogue(model)
+    raised = 0.0 if peak_db is None else peak_db - peak(model, fitted.target.band_hz)[1]
+    low, high = band_filters(model, fitted.target, rules=rules)
+    profile = ActuatorProfile(
+        source=source,
+        schema=1,
+        name=name,
+        response=Response(
+            source=origin,
+            gain=felt.gain * 10.0 ** (raised / 20.0),
+            zeros_rad_s=_pairs(felt.zeros.tolist()),
+            poles_rad_s=_pairs(felt.poles.tolist()),
+        ),
+        lowpass=low,
+        highpass=high,
+    )
+    check_stable(profile, Path(name))
+    return profile
+
+
+def profile_text(profile: ActuatorProfile) -> str:
+    """Return a profile as the text of a TOML file, which `load_actuator` reads as the same profile."""
+    plain: dict[str, Any] = msgspec.to_builtins(profile)
+    lines = [f"{key} = {_toml(plain[key])}" for key in ("schema", "source", "name")]
+    lines += ["", "# " + _formula(profile)]
+    for table in ("response", "lowpass", "highpass"):
+        lines += [f"[{table}]", *(f"{key} = {_toml(value)}" for key, value in plain[table].items()), ""]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _formula(profile: ActuatorProfile) -> str:
+    felt = felt_response(profile)
+    zeros = f"{len(felt.zeros)} zero{'s' * (len(felt.zeros) != 1)}"
+    poles = f"{len(felt.poles)} pole{'s' * (len(felt.poles) != 1)}"
+    return f"H(s) = gain * prod(s - zero) / prod(s - pole), {zeros} and {poles} in rad/s as [real, imaginary]"
+
+
+def _pairs(roots: list[complex]) -> tuple[tuple[float, float], ...]:
+    """Return roots as [real, imaginary], slowest first."""
+    ordered = sorted(roots, key=lambda root: (abs(root), root.imag))
+    return tuple((root.real, root.imag) for root in ordered)
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(_toml(item) for item in value)}]"
+    return msgspec.json.encode(value).decode().replace("\x7f", "\\u007F")

@@ -1,0 +1,81 @@
+"""A recording of a measurement: one column of sound that can be cut anywhere, with what its levels tell of it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SoundtrackError
+from ..model import Clip, Span
+
+_SAME = 1e-6
+"""Samples this near to the peak, relative to it, stand at the peak: equal in 16 bits and in 24."""
+
+_SILENCE = 1e-7
+
+
+class Track(Protocol):
+    """A sound track as `soundtrack.Soundtrack` is one: heard once from its start, then cut anywhere."""
+
+    @property
+    def rate_hz(self) -> int:
+        """Return the sample rate."""
+
+    def blocks(self) -> Iterator[Clip]:
+        """Yield the whole sound, once."""
+
+    def cut(self, span: Span, /) -> Clip:
+        """Return the exact samples of a span."""
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """A track that has been heard to its end.
+
+    `mean` is its constant part; `at_peak` is the share of its samples that stand at its peak.
+    """
+
+    name: str
+    track: Track
+    frames: int
+    peak: float
+    mean: float
+    at_peak: float
+
+    @property
+    def rate_hz(self) -> int:
+        """Return the sample rate."""
+        return self.track.rate_hz
+
+    def cut(self, start: int, frames: int) -> NDArray[np.float64]:
+        """Return samples without the constant part, shape (frames,); zeros where the recording does not reach."""
+        samples = np.zeros(frames)
+        inside = Span(start, start + frames) & Span(0, self.frames)
+        if inside:
+            samples[inside.start - start : inside.stop - start] = self.track.cut(inside).heard - self.mean
+        return samples
+
+
+def recorded(name: str, track: Track) -> Recording:
+    """Hear a track to its end and return it as a recording.
+
+    Raises SoundtrackError where it is silent: a constant, or nothing above 1e-7 of full scale.
+    """
+    frames, at_peak = 0, 0
+    total = squares = peak = 0.0
+    for block in track.blocks():
+        samples = block.heard.astype(np.float64)
+        frames += len(samples)
+        total += float(np.sum(samples))
+        squares += float(np.sum(samples**2))
+        highest = float(np.max(np.abs(samples)))
+        if highest > peak * (1.0 + _SAME):
+            at_peak = 0
+        peak = max(peak, highest)
+        at_peak += int(np.count_nonzero(np.abs(samples) >= peak * (1.0 - _SAME)))
+    deviation = float(np.sqrt(max(squares / frames - (total / frames) ** 2, 0.0)))
+    if deviation <= max(_SILENCE, _SAME * peak):
+        raise SoundtrackError(f"{name}: is silent; expected a recording of a measurement")
+    return Recording(name, track, frames, peak, total / frames, at_peak / frames)

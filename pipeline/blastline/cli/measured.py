@@ -1,0 +1,68 @@
+"""What is told of an actuator that was measured or fitted: on standard output, as it is the result."""
+
+from typing import TYPE_CHECKING
+
+import typer
+
+if TYPE_CHECKING:
+    from ..run import MadeProfile
+
+_FAR_FROM_0_DB = 20.0
+_POOR_DB = 1.0
+
+
+def say_measured(made: "MadeProfile") -> None:
+    """Print what two recordings tell of each other."""
+    identified = made.identified
+    assert identified is not None
+    measured, excess = identified.measured, identified.excess
+    low_hz, high_hz = measured.band_hz
+    _say("delay", f"{1000.0 * measured.delay_s:.3f} ms, taken out")
+    _say("polarity", "inverted: the seat moves against the drive" if excess.inverted else "as sent")
+    _say("phase", f"{excess.rest_deg:.1f} degrees rms off that of the levels (minimum phase)")
+    _say(
+        "usable",
+        f"{low_hz:.4g} to {high_hz:.4g} Hz, by the coherence of {identified.segments} segments of "
+        f"{identified.segment_s:g} s",
+    )
+
+
+def say_fitted(made: "MadeProfile") -> None:
+    """Print which model was chosen, how near it comes, and what it asks of the drive."""
+    fitted = made.fitted
+    model = fitted.best.model
+    low_hz, high_hz = fitted.target.band_hz
+    if fitted.best.is_papers:
+        rival = "the form of eq. (2)"
+    elif fitted.papers is not None:
+        rival = f"the form of eq. (2) is {fitted.papers.error_db:.2f} dB off"
+    else:
+        rival = "the form of eq. (2) exceeds the bound"
+    _say("model", f"{_counted(model.zeros, 'zero')}, {_counted(model.poles, 'pole')}; {rival}")
+    _say("fitted", f"{low_hz:.4g} to {high_hz:.4g} Hz, {fitted.best.error_db:.2f} dB rms")
+    _say("felt best", f"at {made.peak_hz:.4g} Hz, {made.peak_db:+.1f} dB")
+    _say("inverse", f"gains {made.inversion_db:.1f} dB more at its worst frequency than at its best")
+    if made.identified is None and made.excess is not None and made.excess.inverted:
+        _say("polarity", "inverted: the seat moves against the drive")
+    if fitted.best.error_db > _POOR_DB:
+        _say("note", "the model is far from the measurement; `actuator show --picture --measured` shows where")
+    if abs(made.peak_db) > _FAR_FROM_0_DB:
+        _say("note", "this level is the recorder's unless it was calibrated; --peak-db sets it (-7 dB is usual)")
+    typer.echo(f"\n{'octave Hz':>9} {'felt dB':>8} {'mean dB':>8} {'rms dB':>8} {'worst dB':>9}")
+    for row in made.errors:
+        errors = f"{row.mean_db:+8.2f} {row.rms_db:8.2f} {row.worst_db:+9.2f}"
+        typer.echo(f"{_nominal(row.centre_hz):>9} {row.level_db:8.2f} {errors}")
+
+
+def _say(what: str, text: str) -> None:
+    typer.echo(f"{what:<10} {text}")
+
+
+def _counted(number: int, noun: str) -> str:
+    return f"{number} {noun}{'s' if number != 1 else ''}"
+
+
+def _nominal(frequency_hz: float) -> str:
+    """Return a frequency as octaves are called: 31.5, 63, 125 Hz and so on for those with the centre 1 kHz."""
+    names = {15.625: "16", 31.25: "31.5", 62.5: "63"}
+    return names.get(frequency_hz, f"{frequency_hz:.3g}" if frequency_hz < 100.0 else f"{frequency_hz:.0f}")

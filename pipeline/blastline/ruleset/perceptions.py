@@ -1,0 +1,39 @@
+"""Finding and reading curves of what the skin perceives: built in, in the user's rules, or a table of their own."""
+
+from pathlib import Path
+
+from ..errors import RuleError
+from .columns import FREQUENCY, read_columns
+from .files import builtin, convert, read_toml, require_folder, rules_path
+from .measuring import PerceptionCurve
+
+
+def perception_names(overlay: Path | None = None) -> list[str]:
+    """Return the names of the curves that `load_perception` knows."""
+    require_folder(overlay)
+    folders = [builtin()] + ([overlay] if overlay else [])
+    return sorted({file.stem for folder in folders for file in folder.glob("perception/*.toml")})
+
+
+def load_perception(name: str, overlay: Path | None = None) -> PerceptionCurve:
+    """Return a curve, by name or by the path of its .toml or .csv file.
+
+    A CSV has the columns `frequency_hz, threshold_db`. Raises RuleError where it does not exist or does not fit.
+    """
+    require_folder(overlay)
+    is_file = name.lower().endswith((".toml", ".csv"))
+    path = Path(name) if is_file else rules_path(f"perception/{name}.toml", overlay)
+    if not path.is_file():
+        known = ", ".join(perception_names(overlay))
+        raise RuleError(f"{name}: no such perception curve; expected none, a .toml or .csv file, or one of: {known}")
+    if path.suffix.lower() != ".csv":
+        return convert(read_toml(path), PerceptionCurve, path)
+    read = read_columns(path, needed=(FREQUENCY, "threshold_db"))
+    plain = {
+        "schema": 1,
+        "source": read.notes.get("source") or f"the user's table {path.name}",
+        "name": path.stem,
+        "frequencies_hz": read.values[FREQUENCY].tolist(),
+        "threshold_db": read.values["threshold_db"].tolist(),
+    }
+    return convert(plain, PerceptionCurve, path)

@@ -1,0 +1,149 @@
+"""Tables that users bring: what is written is read again, and what is no measurement is refused with one clear line."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from blastline.actuator import MeasuredResponse, read_measured, written
+from blastline.errors import RuleError
+from blastline.ruleset import load_perception
+
+HEAD = "frequency_hz,gain_db\n"
+GOOD = "".join(
+    f"{frequency_hz},{-level_db}\n" for frequency_hz, level_db in zip(range(20, 120, 10), range(10), strict=True)
+)
+
+
+def table(tmp_path: Path, text: str) -> Path:
+    path = tmp_path / "seat.csv"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_what_is_written_is_read_again(tmp_path: Path) -> None:
+    random = np.random.default_rng(0)
+    measured = MeasuredResponse(
+        np.arange(1.0, 51.0),
+        random.uniform(0.1, 3.0, 50),
+        random.uniform(-3.0, 3.0, 50),
+        random.uniform(0.0, 1.0, 50),
+        averages=37.9,
+        delay_s=0.0123,
+        band_hz=(5.0, 40.0),
+    )
+    again = read_measured(table(tmp_path, written(measured, "a test, with a comma")))
+    np.testing.assert_allclose(again.frequencies_hz, measured.frequencies_hz)
+    np.testing.assert_allclose(again.gain, measured.gain, rtol=1e-5)
+    assert measured.phase_rad is not None
+    assert measured.coherence is not None
+    assert again.phase_rad is not None
+    assert again.coherence is not None
+    np.testing.assert_allclose(again.phase_rad, measured.phase_rad, atol=1e-5)
+    np.testing.assert_allclose(again.coherence, measured.coherence, atol=1e-6)
+    assert (again.averages, again.delay_s, again.band_hz) == (37.9, 0.0123, (5.0, 40.0))
+
+
+def test_levels_alone_are_enough_and_spreadsheets_may_have_written_them(tmp_path: Path) -> None:
+    rows = GOOD.replace("\n", "\r\n")
+    measured = read_measured(
+        table(tmp_path, f"\ufeff# a seat\r\n\r\nFrequency_Hz , note, Gain_dB\r\n{rows.replace(',', ',x,')}")
+    )
+    assert (measured.phase_rad, measured.coherence, measured.averages) == (None, None, None)
+    assert measured.band_hz == (20.0, 110.0)
+    assert np.all(measured.error_db == 0.0)
+    np.testing.assert_allclose(measured.gain_db, -np.arange(10.0), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("", "the first line names nothing; expected the columns frequency_hz, gain_db, [phase_deg], [coherence]"),
+        ("20,0\n30,1\n", "the first line names 20, 0; expected the columns frequency_hz, gain_db"),
+        (HEAD, "holds no measurement below its line of names; expected rows of frequency_hz, gain_db"),
+        (HEAD + "20,0\n30,1\n", "holds 2 rows; expected at least 8"),
+        (HEAD + GOOD + "100,3\n", "line 12: frequency_hz = 100: expected more than 110 Hz, the row before"),
+        (HEAD + GOOD + "110,3\n", "line 12: frequency_hz = 110: expected more than 110 Hz, the row before"),
+        (HEAD + "0,0\n" + GOOD, "line 2: frequency_hz = 0: expected more than 0"),
+        (HEAD + "10,nan\n" + GOOD, "line 2: gain_db = 'nan': expected a finite number"),
+        (HEAD + "10,-inf\n" + GOOD, "line 2: gain_db = '-inf': expected a finite number"),
+        (HEAD + "10,\n" + GOOD, "line 2: gain_db = '': expected a finite number"),
+        (HEAD + "10,1;5\n" + GOOD, "line 2: gain_db = '1;5': expected a finite number"),
+        (HEAD + "10\n" + GOOD, "line 2: 1 cells; expected 2, as the first line names"),
+        (HEAD + "10,401\n" + GOOD, "gain_db = 401 at 10 Hz: expected -400 to 400"),
+        (
+            HEAD + "".join(f"{100 + n},0\n" for n in range(9)),
+            "frequency_hz runs from 100 to 108 Hz; expected",
+        ),
+        (
+            "frequency_hz,gain_db,gain_db\n20,1,2\n",
+            "the first line names a column twice: frequency_hz,",
+        ),
+        (
+            "frequency_hz,gain_db,coherence\n" + GOOD.replace("\n", ",1.5\n"),
+            "coherence = 1.5 at 20 Hz: expected 0",
+        ),
+        ("# band_hz: 90 20\n" + HEAD + GOOD, "# band_hz: '90 20': expected two ascending frequencies"),
+        ("# averages: many\n" + HEAD + GOOD, "# averages: 'many': expected a number >= 2"),
+        ("# delay_s: soon\n" + HEAD + GOOD, "# delay_s: 'soon': expected a number"),
+    ],
+)
+def test_what_is_no_measurement_is_refused(tmp_path: Path, text: str, complaint: str) -> None:
+    path = table(tmp_path, text)
+    with pytest.raises(RuleError) as told:
+        read_measured(path)
+    assert str(told.value).startswith(f"{path}: {complaint}")
+    assert "\n" not in str(told.value)
+
+
+def test_files_that_cannot_be_read_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(RuleError, match=r"none\.csv: cannot be read: No such file"):
+        read_measured(tmp_path / "none.csv")
+    (tmp_path / "other.csv").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(RuleError, match=r"other\.csv: not a CSV file: "):
+        read_measured(tmp_path / "other.csv")
+
+
+def test_a_threshold_of_ones_own_is_read(tmp_path: Path) -> None:
+    path = table(tmp_path, "# source: my thesis\nfrequency_hz,threshold_db\n20,-5\n50,-17\n200,-44\n")
+    curve = load_perception(str(path))
+    assert (curve.name, curve.source) == ("seat", "my thesis")
+    assert curve.frequencies_hz == (20.0, 50.0, 200.0)
+    assert curve.threshold_db == (-5.0, -17.0, -44.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "complaint"),
+    [
+        (
+            "own.csv",
+            "frequency_hz,threshold\n20,1\n30,2\n",
+            "the first line names frequency_hz, threshold; expected",
+        ),
+        ("own.csv", "frequency_hz,threshold_db\n20,1\n", "frequencies_hz: expected `array` of length >= 2"),
+        ("own.csv", "frequency_hz,threshold_db\n20,1\n20,2\n", "line 3: frequency_hz = 20: expected more than 20 Hz"),
+        (
+            "own.toml",
+            "schema = 1\nsource = 'mine'\nname = 'x'\n",
+            "top level: object missing required field `freq",
+        ),
+        (
+            "own.toml",
+            "schema = 1\nsource = 'mine'\nname = 'x'\nfrequencies_hz = [30.0, 20.0]\nthreshold_db = [1.0, 2.0]\n",
+            "top level: frequencies_hz has 20 after 30: expected ascending frequencies",
+        ),
+        (
+            "own.toml",
+            "schema = 1\nsource = 'mine'\nname = 'x'\nfrequencies_hz = [20.0, 30.0]\nthreshold_db = [1.0, 2.0, 3.0]\n",
+            "top level: frequencies_hz, threshold_db have 2 and 3 values: expected as many of both",
+        ),
+    ],
+)
+def test_a_threshold_that_does_not_fit_is_refused(tmp_path: Path, name: str, text: str, complaint: str) -> None:
+    path = tmp_path / name
+    path.write_text(text)
+    with pytest.raises(RuleError) as told:
+        load_perception(str(path))
+    assert str(told.value).startswith(f"{path}: {complaint}")
+    with pytest.raises(RuleError, match=r"^none.toml: no such perception curve; .* one of: iso-2631-wk, mpeg-psycho"):
+        load_perception("none.toml")
