@@ -119,7 +119,15 @@ def test_the_files_keys_are_those_that_were_promised() -> None:
     assert list(shot["blast"]) == ["start_sample", "stop_sample"]
     assert list(shot["reflections"][0]) == ["start_sample", "stop_sample", "delay_ms", "level_db"]
     assert list(shot["window"]) == ["start_sample", "stop_sample", "fade_in_samples", "fade_out_samples"]
-    assert list(shot["drive"]) == ["model", "reason", "peak", "perceived_gain_db", "fidelity"]
+    assert list(shot["drive"]) == [
+        "model",
+        "reason",
+        "peak",
+        "perceived_gain_db",
+        "fidelity",
+        "solver_steps",
+        "explained",
+    ]
     assert list(plain["rejections"][0]) == ["at_sample", "reason", "evidence"]
     assert list(plain["checks"][0]) == ["name", "event", "passed", "measured", "limit", "unit"]
 
