@@ -243,7 +243,8 @@ class SceneEvidence:
 class Timeline(msgspec.Struct, frozen=True):
     """The whole result: source, actuator, events in order, rejections and checks.
 
-    `phase` and `background` say how the drive was made, so that its file can be checked again later.
+    `phase`, `background` and `level_db`, by which the sound was raised before it became a target, say how the drive was
+    made, so that its file can be checked again later.
     """
 
     schema: Literal["blastline.timeline/1"]
@@ -257,6 +258,7 @@ class Timeline(msgspec.Struct, frozen=True):
     checks: tuple[Check, ...]
     phase: Phase = "causal"
     background: Background = "mute"
+    level_db: float = 0.0
 
 
 def schema() -> dict[str, Any]:

@@ -49,6 +49,17 @@ def render(
         Background,
         typer.Option(help="Between the shots: no motion, or the film's sound as it is.", rich_help_panel=DRIVING),
     ] = "mute",
+    level_db: Annotated[
+        float | None,
+        typer.Option(
+            "--level",
+            metavar="DB",
+            help="Raise the sound by so much before it becomes vibration: less is followed more faithfully, more is "
+            "stronger until the actuator's limit levels it.",
+            show_default="as the rules say, 0",
+            rich_help_panel=DRIVING,
+        ),
+    ] = None,
     formats: Formats = "json,csv",
     report: Annotated[
         bool, typer.Option("--report/--no-report", help="Write report.html with pictures.", rich_help_panel=WRITING)
@@ -69,6 +80,7 @@ def render(
         drive=drive,
         phase=phase,
         background=background,
+        level_db=level_db,
         mix=mix,
         stream=stream,
         formats=listed(formats),

@@ -4,14 +4,14 @@ listen -> choose a model for each window -> render -> write -> check what was wr
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import msgspec
 
 from .. import scene
 from ..align import check_files
-from ..errors import OutputError
+from ..errors import OutputError, RuleError
 from ..export import export_timeline, known_formats
 from ..model import ActuatorRef, Background, Clip, DriveChoice, DriveInfo, Phase, Quality, Span, Timeline
 from ..render import RenderedWindow, compose, drive_filters, measure, needed_audio, render_window
@@ -23,6 +23,7 @@ from .listening import BLOCK, Listened, assemble, event_id, listen
 from .progress import Progress, no_progress
 
 DRIVE_NAME, REPORT_NAME = "drive.wav", "report.html"
+LARGEST_LEVEL_DB = 40.0
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class RenderOptions:
     drive: DriveChoice = "auto"
     phase: Phase = "causal"
     background: Background = "mute"
+    level_db: float | None = None
     mix: str = "mains"
     stream: int | None = None
     formats: tuple[str, ...] = ("json", "csv")
@@ -59,7 +61,7 @@ def render(film: Path, folder: Path, options: RenderOptions, progress: Progress 
     Raises BlastlineError for input, rules or an output folder that cannot be used; nothing is written then.
     """
     profile, digest = load_actuator(options.actuator, options.rules)
-    rules = load_rules(options.quality, options.rules)
+    rules = _levelled(load_rules(options.quality, options.rules), options.level_db)
     setup = Setup(options, rules, profile, ActuatorRef(profile.name, digest), progress)
     formats = known_formats(options.formats)
     names = [DRIVE_NAME, *(known.file_name for known in formats), *([REPORT_NAME] if options.report else [])]
@@ -70,7 +72,10 @@ def render(film: Path, folder: Path, options: RenderOptions, progress: Progress 
             heard = listen(track, rules, progress, meter)
             drives = _write_drive(hidden / DRIVE_NAME, heard, setup)
             timeline = msgspec.structs.replace(
-                assemble(heard, rules, drives, setup.actuator), phase=options.phase, background=options.background
+                assemble(heard, rules, drives, setup.actuator),
+                phase=options.phase,
+                background=options.background,
+                level_db=rules.tier.render.level_db,
             )
             with open_soundtrack(hidden / DRIVE_NAME) as drive:
                 timeline = checked(timeline, track, drive, setup)
@@ -83,10 +88,26 @@ def render(film: Path, folder: Path, options: RenderOptions, progress: Progress 
                         audio=track,
                         drive=drive,
                         profile=profile,
-                        options={"drive": options.drive, "phase": options.phase, "background": options.background},
+                        options={
+                            "drive": options.drive,
+                            "phase": options.phase,
+                            "background": options.background,
+                            "level": f"{timeline.level_db:+g} dB",
+                        },
                     )
         export_timeline(timeline, hidden, formats=options.formats)
     return timeline
+
+
+def _levelled(rules: Rules, level_db: float | None) -> Rules:
+    """Return the rules with the level that was asked for, if one was; RuleError where it is out of range."""
+    if level_db is None:
+        return rules
+    if not abs(level_db) <= LARGEST_LEVEL_DB:
+        raise RuleError(f"--level: {level_db:g} dB: expected -{LARGEST_LEVEL_DB:g} to {LARGEST_LEVEL_DB:g}")
+    tier = rules.tier
+    louder = msgspec.structs.replace(tier, render=msgspec.structs.replace(tier.render, level_db=level_db))
+    return replace(rules, tier=louder)
 
 
 def _write_drive(path: Path, heard: Listened, setup: Setup) -> dict[int, DriveInfo]:

@@ -39,8 +39,8 @@ class FeltShot(msgspec.Struct, frozen=True):
 class ShotRow(msgspec.Struct, frozen=True):
     """A shot with all its drives.
 
-    `needed` is the compensator's peak in its window, `before_lead` the constrained drive's largest sample before the lead
-    of the window's first shot, `steps` what its solver took.
+    `needed` is the compensator's peak in its window, `before_lead` the constrained drive's largest sample before the
+    lead of the window's first shot, `steps` what its solver took.
     """
 
     scene: str

@@ -45,7 +45,8 @@ def against_optimum(
 ) -> Optimum:
     """Return the solver's residual and scipy's for a stretch of sound in the band.
 
-    Drives are straight from corner to corner. The solver runs to the tier's tolerance, as in a rendering; both are judged on the dense problem.
+    Drives are straight from corner to corner. The solver runs to the tier's tolerance, as in a rendering; both are
+    judged on the dense problem.
     """
     from scipy.optimize import lsq_linear
     from scipy.signal import fftconvolve
