@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..align.correlate import find
-from ..model import Clip, DriveModel, Shot, Span
-from ..render import DriveFilters, PlannedWindow, needed_audio, render_window
+from ..model import Clip, DriveModel, Phase, Shot, Span
+from ..render import DriveFilters, PlannedWindow, drive_filters, needed_audio, render_window
 from ..render.filters import compensated, felt, in_band
-from ..ruleset import RenderRules
+from ..ruleset import ActuatorProfile, RenderRules
 from ..units import samples_from_ms
 from .truth import TrueScene
 
@@ -72,6 +72,12 @@ class Setting:
     filters: DriveFilters
     undelayed: DriveFilters
     rules: RenderRules
+
+
+def setting_for(profile: ActuatorProfile, rate_hz: int, phase: Phase, rules: RenderRules) -> Setting:
+    """Return how windows of a film at this rate are rendered for an actuator."""
+    undelayed = drive_filters(profile, rate_hz, "zero")
+    return Setting(undelayed if phase == "zero" else drive_filters(profile, rate_hz, phase), undelayed, rules)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,18 +9,18 @@ import msgspec
 import numpy as np
 
 from ..model import Phase, Quality
-from ..render import drive_filters, needed_audio
+from ..render import needed_audio
 from ..render.filters import compensated
-from ..ruleset import ActuatorProfile, RenderRules, load_actuator, load_rules
+from ..ruleset import load_actuator, load_rules
 from ..units import SILENCE_DB, db_from_gain, samples_from_ms
-from .drives import Drive, Setting, ShotRow, Window, WindowRow, judged, windowed_error, windows_of
+from .drives import Drive, Setting, ShotRow, Window, WindowRow, judged, setting_for, windowed_error, windows_of
 from .optimum import Optimum, against_optimum
 from .truth import TrueScene, true_scenes
 
 PHASES: tuple[Phase, ...] = ("causal", "zero")
 _OPTIMA = 3
-_OPTIMUM_S = 0.12
-_OPTIMUM_HZ = 6000
+_OPTIMUM_S = 0.08
+_OPTIMUM_HZ = 5000
 
 
 class Bar(msgspec.Struct, frozen=True):
@@ -96,7 +96,7 @@ def score(
     optima: list[Optimum] = []
     for scene in true_scenes(fixtures, tier):
         for phase, tally in tallies.items():
-            setting = _setting(profile, scene.track.rate_hz, phase, tier.render)
+            setting = setting_for(profile, scene.track.rate_hz, phase, tier.render)
             for window in windows_of(scene, setting):
                 row = judged(window, scene.name, setting)
                 tally.windows.append(row)
@@ -105,7 +105,7 @@ def score(
             tally.window_error = max(tally.window_error, windowed_error(scene, setting))
             whole_ms = 1000.0 * scene.frames / scene.track.rate_hz
             tally.full_error = max(tally.full_error, windowed_error(scene, setting, preroll_ms=whole_ms))
-        costs.append(_filter_and_read(scene, _setting(profile, scene.track.rate_hz, "causal", tier.render)))
+        costs.append(_filter_and_read(scene, setting_for(profile, scene.track.rate_hz, "causal", tier.render)))
     # the rate in which a lag of one sample is counted
     rate_hz = scene.track.rate_hz
     weak = {
@@ -126,11 +126,6 @@ def score(
             *_optimum_bars(optima),
         ),
     )
-
-
-def _setting(profile: ActuatorProfile, rate_hz: int, phase: Phase, rules: RenderRules) -> Setting:
-    undelayed = drive_filters(profile, rate_hz, "zero")
-    return Setting(undelayed if phase == "zero" else drive_filters(profile, rate_hz, phase), undelayed, rules)
 
 
 def _fidelity_bars(weak: dict[Phase, tuple[ShotRow, ...]]) -> list[Bar]:

@@ -1,7 +1,7 @@
 """Scenes with their true shots: windows as a run would plan them if every onset had been found, to the sample."""
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,13 +29,15 @@ class TrueScene:
     windows: tuple[PlannedWindow, ...]
 
 
-def true_scenes(folder: Path, tier: QualityRules) -> Iterator[TrueScene]:
-    """Yield each scene of a folder that has shots, synthesised into a temporary file.
+def true_scenes(folder: Path, tier: QualityRules, names: Collection[str] | None = None) -> Iterator[TrueScene]:
+    """Yield each scene of a folder that has shots, or those of these names, synthesised into a temporary file.
 
     Onsets are those of the truth; where a shot has decayed is found as in a run. Raises RuleError where no scene
     of the folder has a shot.
     """
-    files = [file for file in sorted(folder.glob("*.toml")) if _has_shots(file)]
+    files = [
+        file for file in sorted(folder.glob("*.toml")) if (names is None or file.stem in names) and _has_shots(file)
+    ]
     if not files:
         raise RuleError(f"{folder}: no scene (*.toml) with shots in it")
     for file in files:
