@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 from scipy.linalg import toeplitz
 from scipy.optimize import lsq_linear
 
+from blastline.model import Quality
 from blastline.render import DriveFilters, drive_filters
-from blastline.render.constrained import between_corners, corner_rhs, full_problem
-from blastline.render.filters import compensated, in_band
+from blastline.render.constrained import between_corners, constrained_drive, corner_rhs, full_problem
+from blastline.render.filters import compensated, felt, in_band
 from blastline.render.interior import SHORTEST, Recursion, solve_inside, sound_stride
-from blastline.ruleset import ActuatorProfile
+from blastline.ruleset import ActuatorProfile, load_rules
 from render_signals import CAUSAL, KINDS, PROFILE, film_with_shot
 
 Samples = NDArray[np.float64]
@@ -143,3 +144,28 @@ def test_larger_limit_is_never_worse_and_costs_no_more_steps_than_it_may() -> No
         values.append(problem.objective(found.drive))
     assert values == sorted(values, reverse=True)
     assert values[-1] == pytest.approx(-0.5 * float(np.sum(target**2)), rel=1e-3)
+
+
+@pytest.mark.parametrize("name", [*OTHERS, "built in"])
+@pytest.mark.parametrize(
+    ("rate_hz", "quality"), [(8_000, "draft"), (8_000, "standard"), (22_050, "standard"), (96_000, "draft")]
+)
+def test_whole_drive_beats_clipping_at_any_rate_with_any_actuator(name: str, rate_hz: int, quality: Quality) -> None:
+    filters = drive_filters(OTHERS.get(name, PROFILE), rate_hz, "causal")
+    target, warm = shot(filters, frames=rate_hz // 8)
+    drive, (effort,) = constrained_drive(
+        target,
+        starts=[7],
+        impulse=filters.impulse,
+        recursion=filters.recursion,
+        rate_hz=rate_hz,
+        warm=warm,
+        rules=load_rules(quality).tier.render,
+    )
+    assert not np.any(drive[:7])
+    assert np.max(np.abs(drive)) <= 1.0
+    clipped = np.clip(np.where(np.arange(len(warm)) < 7, 0.0, warm), -1.0, 1.0)
+    missed, missed_clipped = (float(np.linalg.norm(felt(u, filters) - target)) for u in (drive, clipped))
+    assert missed <= 1.001 * missed_clipped
+    assert 0.0 <= effort.explained <= 1.0
+    assert effort.steps < load_rules(quality).tier.render.iterations
