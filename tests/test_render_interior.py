@@ -50,17 +50,16 @@ def dense(recursion: Recursion, frames: int) -> Samples:
     return matrix
 
 
-@pytest.mark.parametrize("stride", [1, 2, 3])
-@pytest.mark.parametrize("peak", [0.05, 0.9, 5.0])
+@pytest.mark.parametrize(("stride", "peak"), [(1, 0.05), (1, 0.9), (2, 0.9), (2, 5.0)])
 def test_minimum_is_that_of_scipy(stride: int, peak: float) -> None:
-    target, warm = shot(SLOW, peak=peak, frames=400)
-    matrix = dense(SLOW.recursion, 400)
+    target, warm = shot(SLOW, peak=peak, frames=160)
+    matrix = dense(SLOW.recursion, 160)
     count = len(corner_rhs(target, stride))
     lines = (
-        np.stack([between_corners(unit, stride, 400) for unit in np.eye(count)], axis=1) if stride > 1 else np.eye(400)
+        np.stack([between_corners(unit, stride, 160) for unit in np.eye(count)], axis=1) if stride > 1 else np.eye(160)
     )
-    wanted = np.concatenate([target, np.zeros(len(matrix) - 400)])
-    slow = lsq_linear(matrix @ lines, wanted, bounds=(-1.0, 1.0), tol=1e-13, max_iter=500)
+    wanted = np.concatenate([target, np.zeros(len(matrix) - 160)])
+    slow = lsq_linear(matrix @ lines, wanted, bounds=(-1.0, 1.0), tol=1e-10, max_iter=60)
     rhs = lines.T @ (matrix.T @ wanted)
     found = solve_inside(
         SLOW.recursion, rhs, warm[stride - 1 :: stride][:count], stride=stride, iterations=60, tolerance=1e-9
