@@ -75,7 +75,7 @@ def test_every_option_of_render_arrives(monkeypatch: pytest.MonkeyPatch) -> None
 
     monkeypatch.setattr(run, "render", render)
     options = "--quality draft --actuator own.toml --rules own --drive filter --phase zero --background direct"
-    more = "--mix lfe --stream 0 --format audacity --no-report --overwrite --frame-rate 25"
+    more = "--level -6 --mix lfe --stream 0 --format audacity --no-report --overwrite --frame-rate 25"
     assert blastline("render", "film.mkv", "-o", "out", *options.split(), *more.split()).code == 0
     [arrived] = asked
     assert arrived == run.RenderOptions(
@@ -85,6 +85,7 @@ def test_every_option_of_render_arrives(monkeypatch: pytest.MonkeyPatch) -> None
         drive="filter",
         phase="zero",
         background="direct",
+        level_db=-6.0,
         mix="lfe",
         stream=0,
         timebase=parse_timebase(None, "25"),

@@ -109,7 +109,7 @@ def test_a_timeline_survives_its_file(original: Timeline) -> None:
 def test_the_files_keys_are_those_that_were_promised() -> None:
     plain = json.loads(encode(timeline()))
     promised = ["schema", "version", "quality", "rules_digest", "source", "actuator", "events", "rejections", "checks"]
-    assert list(plain) == [*promised, "phase", "background"]
+    assert list(plain) == [*promised, "phase", "background", "level_db"]
     shot = plain["events"][0]
     assert list(shot)[:7] == ["id", "onset_sample", "onset_s", "timecode", "confidence", "burst", "shot_in_burst"]
     assert list(shot)[7:] == ["peak_dbfs", "snr_db", "blast", "reflections", "window", "drive"]
@@ -119,7 +119,15 @@ def test_the_files_keys_are_those_that_were_promised() -> None:
     assert list(shot["blast"]) == ["start_sample", "stop_sample"]
     assert list(shot["reflections"][0]) == ["start_sample", "stop_sample", "delay_ms", "level_db"]
     assert list(shot["window"]) == ["start_sample", "stop_sample", "fade_in_samples", "fade_out_samples"]
-    assert list(shot["drive"]) == ["model", "reason", "peak", "perceived_gain_db", "fidelity"]
+    assert list(shot["drive"]) == [
+        "model",
+        "reason",
+        "peak",
+        "perceived_gain_db",
+        "fidelity",
+        "solver_steps",
+        "explained",
+    ]
     assert list(plain["rejections"][0]) == ["at_sample", "reason", "evidence"]
     assert list(plain["checks"][0]) == ["name", "event", "passed", "measured", "limit", "unit"]
 

@@ -82,10 +82,10 @@ def test_corner_above_half_the_rate_is_refused(changes: dict[str, dict[str, obje
 
 
 def test_needed_audio_is_the_window_with_its_pre_roll_inside_the_film() -> None:
-    film, shot = film_with_shot()
+    film, shot = film_with_shot(before_s=0.8)
     planned = only_window(film, shot)
     roll = preroll(RATE_HZ, RENDER)
-    assert roll == 24_000
+    assert roll == 28_800
     frames = 10 * RATE_HZ
     start, stop = planned.window.start, planned.window.stop
     assert needed_audio(planned, frames=frames, filters=CAUSAL, rules=RENDER) == Span(start - roll, stop)

@@ -160,7 +160,8 @@ class DriveInfo(msgspec.Struct, frozen=True):
 
     `peak` is against the actuator's limit. `perceived_gain_db` is the level of the predicted perceived vibration
     against that of direct conversion. `fidelity` is the correlation of the predicted perceived vibration with
-    the sound in the band of vibration.
+    the sound in the band of vibration. Of a constrained drive, `solver_steps` says what it took, and `explained` which
+    share of the energy that was to be felt it makes felt; None for other models.
     """
 
     model: DriveModel
@@ -168,6 +169,8 @@ class DriveInfo(msgspec.Struct, frozen=True):
     peak: float
     perceived_gain_db: float
     fidelity: float
+    solver_steps: Index | None = None
+    explained: float | None = None
 
 
 class Shot(msgspec.Struct, frozen=True):
@@ -240,7 +243,8 @@ class SceneEvidence:
 class Timeline(msgspec.Struct, frozen=True):
     """The whole result: source, actuator, events in order, rejections and checks.
 
-    `phase` and `background` say how the drive was made, so that its file can be checked again later.
+    `phase`, `background` and `level_db`, by which the sound was raised before it became a target, say how the drive was
+    made, so that its file can be checked again later.
     """
 
     schema: Literal["blastline.timeline/1"]
@@ -254,6 +258,7 @@ class Timeline(msgspec.Struct, frozen=True):
     checks: tuple[Check, ...]
     phase: Phase = "causal"
     background: Background = "mute"
+    level_db: float = 0.0
 
 
 def schema() -> dict[str, Any]:

@@ -64,6 +64,17 @@ def render(
         Background,
         typer.Option(help="Between the shots: no motion, or the film's sound as it is.", rich_help_panel=DRIVING),
     ] = "mute",
+    level_db: Annotated[
+        float | None,
+        typer.Option(
+            "--level",
+            metavar="DB",
+            help="Raise the sound by so much before it becomes vibration: less is followed more faithfully, more is "
+            "stronger until the actuator's limit levels it.",
+            show_default="as the rules say, 0",
+            rich_help_panel=DRIVING,
+        ),
+    ] = None,
     start_timecode: StartTimecode = None,
     frame_rate: FrameRate = None,
     formats: Formats = "json,csv",
@@ -86,6 +97,7 @@ def render(
         drive=drive,
         phase=phase,
         background=background,
+        level_db=level_db,
         mix=mix,
         stream=stream,
         timebase=parse_timebase(start_timecode, frame_rate),

@@ -1,4 +1,4 @@
-"""`study detection`."""
+"""`study detection` and `study rendering`."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .options import QualityOption, RulesOption
+from .studied import rendering_table
 
 if TYPE_CHECKING:
     from ..study.detection import DetectionScore
@@ -58,6 +59,35 @@ def detection(
         best = best_librosa_score(heard(again), WINDOWS_MS, best_at_ms=50.0)
         f1 = ", ".join(f"{counts.f1:.3f} at {window_ms:g} ms" for window_ms, counts in best.counts.items())
         typer.echo(f"librosa at its best threshold ({best.threshold:g}): F1 {f1}")
+
+
+@group.command()
+def rendering(
+    fixtures: Annotated[
+        Path, typer.Option("--fixtures", metavar="DIR", help="Scenes (*.toml); their true shots are rendered.")
+    ],
+    quality: QualityOption = "standard",
+    actuator: Annotated[
+        str, typer.Option(metavar="NAME|FILE", help="The seat's actuator, as in `blastline render`.")
+    ] = "crowson-t108sm",
+    rules: RulesOption = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every figure, shot by shot, as JSON.")
+    ] = None,
+) -> int:
+    """Render the shots of scenes in every way there is, say what is felt of them, and whether the bars are met.
+
+    Exit code 1 where one is not. Example: `blastline study rendering --fixtures fixtures`
+    """
+    import msgspec
+
+    from ..study.rendering import score
+
+    result = score(fixtures, quality=quality, actuator=actuator, rules=rules)
+    if output:
+        output.write_bytes(msgspec.json.format(msgspec.json.encode(result), indent=1) + b"\n")
+    typer.echo(rendering_table(result))
+    return 0 if all(bar.met for bar in result.bars) else 1
 
 
 def _table(score: "DetectionScore") -> str:

@@ -2,11 +2,11 @@
 
     minimise  1/2 |H u - t|^2   over  |u| <= 1
 
-H is the felt response as a convolution that may ring out after the window, t the sound in the band. Solved coarse to
-fine: first for the corners of a drive that runs in straight lines between them (every `q` samples, so that the limit
-at the corners is the limit everywhere and nothing shifts in time), then at the full rate from there. Each is FISTA
-(Beck and Teboulle 2009) with restart (O'Donoghue and Candes 2015), and each iteration is one FFT there and back:
-with N = H'H and b = H't, the gradient is N u - b and the objective falls out of it.
+H is the felt response as a convolution that may ring out after the window, t the sound in the band. An interior-point
+method solves it (`interior`), at the full rate or for the corners of a drive that runs in straight lines between them
+(every `stride` samples, so that the limit at the corners is the limit everywhere and nothing shifts in time). What it
+found is judged, and polished, on the problem itself, by FFT: with N = H'H and b = H't, the gradient is N u - b.
+docs/rendering.md tells what else was tried.
 """
 
 from collections.abc import Sequence
@@ -17,8 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..ruleset import RenderRules
+from .interior import SHORTEST, Recursion, hat, solve_inside, sound_stride
 
 Samples = NDArray[np.float64]
+
+_UNAIDED = 300
+"""Gradient steps where the interior-point method cannot help: for a few samples, or where rounding has ended it."""
+
+_ALREADY = 0.1
+"""The compensator's drive is solution enough where it leaves no more than this share of the tolerance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,25 +48,46 @@ class BoxProblem:
         return _objective(u, self.normal(u), self.rhs)
 
 
-def constrained_drive(
-    target: Samples, *, starts: Sequence[int], impulse: Samples, rate_hz: int, warm: Samples, rules: RenderRules
-) -> Samples:
-    """Return the drive u, |u| <= 1, whose felt vibration is nearest to the target; shape (frames,) as the target.
+@dataclass(frozen=True)
+class Effort:
+    """What a shot's drive took: the solver's steps, and the share of the wanted energy that it makes felt."""
 
-    `warm` is a first guess of it, the compensator's drive. `starts`, in order, are where the drive of each shot may
-    begin: it is 0 before the first, and solved from start to start. Each piece follows on from what the drive before
-    it still rings, and may ring on as its first guess would; but no piece knows the next. Solved as one, the actuator
-    would wind up for a shot up to 10 ms before it is heard, and spoil the end of the shot before.
+    steps: int
+    explained: float
+
+
+def constrained_drive(
+    target: Samples,
+    *,
+    starts: Sequence[int],
+    impulse: Samples,
+    recursion: Recursion,
+    rate_hz: int,
+    warm: Samples,
+    rules: RenderRules,
+) -> tuple[Samples, tuple[Effort, ...]]:
+    """Return the drive u, |u| <= 1, that is felt nearest to the target, shape (frames,), and what each shot took.
+
+    `impulse` is H's response, `recursion` H as the solver works with it, `warm` a first guess, the compensator's drive.
+    `starts`, in order, are where the drive of each shot may begin: it is 0 before the first, and solved from start to
+    start. Each piece follows on from what the drive before it still rings, and may ring on as its first guess would;
+    but no piece knows the next. Solved as one, the actuator would wind up for a shot up to 10 ms before it is heard,
+    and spoil the end of the shot before.
     """
-    drive = np.zeros(len(target))
+    drive, efforts = np.zeros(len(target)), []
     warm = np.clip(warm, -1.0, 1.0)
     for start, stop in pairwise([*starts, len(target)]):
-        if start < stop:
-            wanted = np.concatenate([target[start:stop], _ringing(warm[start:stop], impulse)])
-            rings = _ringing(drive[starts[0] : start], impulse)[: len(wanted)]
-            wanted[: len(rings)] -= rings
-            drive[start:stop] = _coarse_to_fine(wanted, warm[start:stop], impulse, rate_hz=rate_hz, rules=rules)
-    return drive
+        if start >= stop:
+            efforts.append(Effort(0, 0.0))
+            continue
+        wanted = np.concatenate([target[start:stop], _ringing(warm[start:stop], impulse)])
+        rings = _ringing(drive[starts[0] : start], impulse)[: len(wanted)]
+        wanted[: len(rings)] -= rings
+        problem = full_problem(wanted, impulse, frames=stop - start)
+        energy = 0.5 * float(np.sum(wanted * wanted))
+        drive[start:stop], effort = _piece(problem, warm[start:stop], recursion, energy, rate_hz=rate_hz, rules=rules)
+        efforts.append(effort)
+    return drive, tuple(efforts)
 
 
 def _ringing(drive: Samples, impulse: Samples) -> Samples:
@@ -71,19 +99,29 @@ def _ringing(drive: Samples, impulse: Samples) -> Samples:
     return np.asarray(fftconvolve(last, impulse)[len(last) :], dtype=np.float64) if len(last) else np.zeros(memory)
 
 
-def _coarse_to_fine(wanted: Samples, start: Samples, impulse: Samples, *, rate_hz: int, rules: RenderRules) -> Samples:
-    """Return the drive of one piece: solved for its corners, then polished at the full rate."""
-    fine = full_problem(wanted, impulse, frames=len(start))
-    stride = max(1, rate_hz // rules.solver_rate_hz)
-    if stride == 1 or len(start) < 4 * stride:
-        return minimise(fine, start, iterations=rules.iterations, tolerance=rules.tolerance)
-    coarse = coarse_problem(fine.rhs, impulse, stride)
-    corners = start[stride - 1 :: stride][: len(coarse.rhs)]
-    solved = minimise(coarse, corners, iterations=rules.iterations, tolerance=rules.tolerance)
-    straight = between_corners(solved, stride, len(start))
-    # where the limit is hardly met, the compensator's drive is the better guess
-    better = min(straight, start, key=fine.objective)
-    return minimise(fine, better, iterations=rules.polish_iterations, tolerance=rules.tolerance)
+def _piece(
+    problem: BoxProblem, start: Samples, recursion: Recursion, energy: float, *, rate_hz: int, rules: RenderRules
+) -> tuple[Samples, Effort]:
+    """Return the drive of one piece: the better of what the solver finds and the first guess, polished."""
+    stride = sound_stride(recursion, max(1, rate_hz // rules.solver_rate_hz))
+    corners = corner_rhs(problem.rhs, stride)
+    steps, polish, best = 0, _UNAIDED, start
+    if energy + problem.objective(start) <= _ALREADY * rules.tolerance * energy:
+        polish = rules.polish_iterations
+    elif len(corners) >= SHORTEST:
+        found = solve_inside(
+            recursion,
+            corners,
+            start[stride - 1 :: stride][: len(corners)],
+            stride=stride,
+            iterations=rules.iterations,
+            tolerance=rules.tolerance,
+        )
+        steps, polish = found.steps, rules.polish_iterations if found.finished else _UNAIDED
+        # where the limit is hardly met, the compensator's drive is better than straight lines
+        best = min(between_corners(found.drive, stride, len(start)), start, key=problem.objective)
+    drive = minimise(problem, best, iterations=polish, tolerance=rules.tolerance)
+    return drive, Effort(steps, max(0.0, -problem.objective(drive) / energy) if energy > 0.0 else 1.0)
 
 
 def full_problem(wanted: Samples, impulse: Samples, *, frames: int) -> BoxProblem:
@@ -96,22 +134,14 @@ def full_problem(wanted: Samples, impulse: Samples, *, frames: int) -> BoxProble
     return BoxProblem(response.real**2 + response.imag**2, padded, rhs)
 
 
-def coarse_problem(rhs: Samples, impulse: Samples, stride: int) -> BoxProblem:
-    """Return the same problem for drives that are straight between corners `stride` samples apart.
+def corner_rhs(rhs: Samples, stride: int) -> Samples:
+    """Return b of the same problem for drives that are straight between corners `stride` samples apart.
 
     Corner k lies on sample (k + 1) stride - 1 and the drive is 0 one sample before the first and after the last.
+    Empty where there is no room for one.
     """
-    from scipy.fft import next_fast_len, rfft
-
-    hat = _hat(stride)
-    bend = np.convolve(impulse, hat)
-    lags = _autocorrelation(bend)[::stride]
-    inner = np.convolve(rhs, hat, "valid")[::stride]
-    padded = next_fast_len(len(inner) + len(lags) - 1, real=True)
-    circle = np.zeros(padded)
-    circle[: len(lags)] = lags
-    circle[padded - len(lags) + 1 :] += lags[:0:-1]
-    return BoxProblem(np.maximum(rfft(circle).real, 0.0), padded, inner)
+    rise = hat(stride)
+    return np.convolve(rhs, rise, "valid")[::stride] if len(rhs) >= len(rise) else np.zeros(0)
 
 
 def between_corners(corners: Samples, stride: int, frames: int) -> Samples:
@@ -122,9 +152,10 @@ def between_corners(corners: Samples, stride: int, frames: int) -> Samples:
 
 
 def minimise(problem: BoxProblem, start: Samples, *, iterations: int, tolerance: float) -> Samples:
-    """Return the minimum, no worse than `start`, after at most so many iterations.
+    """Return the minimum, no worse than `start`, after at most so many iterations of the fast gradient method.
 
-    It stops where five iterations lower the objective by less than `tolerance` of its size, the explained energy.
+    This is FISTA (Beck and Teboulle 2009) with restart (O'Donoghue and Candes 2015), each iteration one FFT there and
+    back. It stops where five iterations lower the objective by less than `tolerance` of its size, the explained energy.
     """
     normal, rhs, lipschitz = problem.normal, problem.rhs, float(np.max(problem.spectrum))
     u, nu = start, normal(start)
@@ -152,18 +183,3 @@ def minimise(problem: BoxProblem, start: Samples, *, iterations: int, tolerance:
 def _objective(u: Samples, nu: Samples, rhs: Samples) -> float:
     # not np.dot: its threads burn more time than they save, and their number would change the last bit
     return float(np.sum(u * (0.5 * nu - rhs)))
-
-
-def _hat(stride: int) -> Samples:
-    rise = np.arange(1.0, stride + 1.0) / stride
-    return np.concatenate([rise, rise[-2::-1]])
-
-
-def _autocorrelation(samples: Samples) -> Samples:
-    """Return the sums of products at lags 0, 1, 2, ..."""
-    from scipy.fft import irfft, next_fast_len, rfft
-
-    padded = next_fast_len(2 * len(samples) - 1, real=True)
-    spectrum = rfft(samples, padded)
-    lags: Samples = irfft(spectrum.real**2 + spectrum.imag**2, padded)
-    return lags[: len(samples)]

@@ -3,13 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import msgspec
 import numpy as np
 
 from .. import dsp
 from ..model import Background, Clip, DriveInfo, DriveModel, SceneEvidence, Shot, Span
 from ..ruleset import RenderRules
 from ..units import SILENCE_DB, db_from_gain, gain_from_db, samples_from_ms
-from .constrained import constrained_drive
+from .constrained import Effort, constrained_drive
 from .filters import DriveFilters, Samples, compensated, felt, in_band, needed_audio
 from .windows import PlannedWindow
 
@@ -76,14 +77,28 @@ def render_window(
     if model == "filter" and (peak := float(np.max(np.abs(wet)))) > 1.0:
         wet = wet / peak
         reason = f"{reason}; the compensator's peak is {peak:.3g} of the limit, so the window is scaled down by it"
+    efforts: Sequence[Effort | None] = [None] * len(own)
     if model == "constrained":
-        wet = constrained_drive(
-            target, starts=starts, impulse=filters.impulse, rate_hz=filters.rate_hz, warm=wet, rules=rules
+        wet, efforts = constrained_drive(
+            target,
+            starts=starts,
+            impulse=filters.impulse,
+            recursion=filters.recursion,
+            rate_hz=filters.rate_hz,
+            warm=wet,
+            rules=rules,
         )
     dry = direct if background == "direct" else np.zeros_like(direct)
     drive = _limited(dsp.cross_fade(dry, wet, _weights(planned)))
     infos = _drive_infos(drive, direct, target, planned, own, starts, model=model, reason=reason, filters=filters)
+    infos = tuple(_with_effort(info, effort) for info, effort in zip(infos, efforts, strict=True))
     return RenderedWindow(planned, Clip(drive[:, None], audio.rate_hz, planned.window.start), infos)
+
+
+def _with_effort(info: DriveInfo, effort: Effort | None) -> DriveInfo:
+    if effort is None:
+        return info
+    return msgspec.structs.replace(info, solver_steps=effort.steps, explained=effort.explained)
 
 
 def _starts(planned: PlannedWindow, shots: Sequence[Shot], filters: DriveFilters, rules: RenderRules) -> list[int]:

@@ -11,10 +11,12 @@ from ..errors import RuleError
 from ..model import Phase, Span
 from ..ruleset import ActuatorProfile, RenderRules
 from ..units import samples_from_ms
+from .interior import Recursion
 from .windows import PlannedWindow
 
 Samples = NDArray[np.float64]
 
+_LEAN = 1e-3  # of the impulse response's energy may a shorter recursion miss, as amplitude; the solver is faster by it
 _FADED = 1e-10  # an impulse response is cut where this much of it is left: far below 24-bit audio
 
 
@@ -23,7 +25,8 @@ class DriveFilters:
     """Second-order sections, float64, for one actuator at one sample rate.
 
     `band` and `compensator` run forwards. With phase "zero" they hold half of the band's roll-off each, and `band`
-    runs backwards over their output as well. `felt` is H, `impulse` its impulse response until it has faded.
+    runs backwards over their output as well. `felt` is H, `impulse` its impulse response until it has faded, and
+    `recursion` H for the solver: of the actuator's own poles alone where that is close enough.
     """
 
     rate_hz: int
@@ -32,6 +35,7 @@ class DriveFilters:
     compensator: Samples
     felt: Samples
     impulse: Samples
+    recursion: Recursion
 
 
 def drive_filters(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> DriveFilters:
@@ -45,14 +49,15 @@ def drive_filters(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Drive
     sections = dsp.digital(felt, rate_hz)
     slowest = float(np.min(-felt.poles.real))
     length = math.ceil(-math.log(_FADED) * 2.0 / slowest * rate_hz)
-    response = dsp.run_filter(sections, np.concatenate([[1.0], np.zeros(length)]))
+    impulse = _until_faded(dsp.run_filter(sections, np.concatenate([[1.0], np.zeros(length)])))
     return DriveFilters(
         rate_hz,
         phase,
         band=dsp.digital(shape, rate_hz),
         compensator=dsp.digital(dsp.inverse(profile) * shape, rate_hz),
         felt=sections,
-        impulse=_until_faded(response),
+        impulse=impulse,
+        recursion=_recursion(np.exp(felt.poles / rate_hz), sections, impulse),
     )
 
 
@@ -96,6 +101,26 @@ def _until_faded(response: Samples) -> Samples:
     """Return an impulse response up to the last sample that is not negligible against its peak."""
     heard = np.flatnonzero(np.abs(response) > _FADED * np.max(np.abs(response)))
     return response[: int(heard[-1]) + 1]
+
+
+def _recursion(poles: NDArray[np.complex128], sections: Samples, impulse: Samples) -> Recursion:
+    """Return a recursive filter with an impulse response: of these poles if it comes close, else of all the sections'.
+
+    Its forward coefficients are fitted, a few more than there are poles.
+    """
+    from scipy.signal import lfilter, sos2zpk
+
+    every = sos2zpk(sections)[1]
+    for roots in (poles, every[np.abs(every) > 0.0]):
+        feedback = np.atleast_1d(np.poly(roots)).real
+        taps = min(len(roots) + 3, len(impulse))
+        rings = lfilter([1.0], feedback, np.concatenate([[1.0], np.zeros(len(impulse) - 1)]))
+        columns = np.stack([np.concatenate([np.zeros(tap), rings[: len(rings) - tap]]) for tap in range(taps)], axis=1)
+        forward = np.linalg.lstsq(columns, impulse)[0]
+        fitted = columns @ forward
+        if np.linalg.norm(fitted - impulse) <= _LEAN * np.linalg.norm(impulse):
+            break
+    return Recursion(forward, feedback, fitted)
 
 
 def _check_corners(profile: ActuatorProfile, rate_hz: int) -> None:

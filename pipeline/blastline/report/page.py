@@ -182,6 +182,8 @@ def _numbers(event: Event, rate_hz: int) -> str:
     if event.drive is not None:
         facts["Felt against direct"] = f"{signed(event.drive.perceived_gain_db)} dB"
         facts["Fidelity"] = fixed(event.drive.fidelity, 3)
+        if event.drive.explained is not None:
+            facts["Energy felt as heard"] = f"{figure(100.0 * event.drive.explained, 1)} %"
         facts["Peak of the drive"] = f"{figure(event.drive.peak, 3)} of the limit"
     items = "".join(f"<div><dt>{name}</dt><dd>{safe(value)}</dd></div>" for name, value in facts.items())
     return f'<dl class="numbers">{items}</dl>'

@@ -125,9 +125,9 @@ class RenderRules(Table, frozen=True):
     """How the drive is computed inside a window.
 
     The filters start `preroll_ms` before it. The target is the sound in the band, raised by `level_db`. The
-    constrained drive of a shot may begin `lead_ms` before its onset. It is solved at about `solver_rate_hz` with at
-    most `iterations`, then at the full rate with at most `polish_iterations`, until five iterations gain less than
-    `tolerance` of the explained energy.
+    constrained drive of a shot may begin `lead_ms` before its onset. It is solved at `solver_rate_hz` or up to twice
+    that, never above the soundtrack's rate, in at most `iterations` steps, until no more than `tolerance` of the
+    explained energy can be gained, then at the full rate with at most `polish_iterations`.
     """
 
     preroll_ms: NonNegative

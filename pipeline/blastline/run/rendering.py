@@ -4,14 +4,14 @@ listen -> choose a model for each window -> render -> write -> check what was wr
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import msgspec
 
 from .. import scene
 from ..align import check_files
-from ..errors import OutputError
+from ..errors import OutputError, RuleError
 from ..export import export_timeline, known_formats, needs_drive, require_frame_rate, rounding
 from ..model import ActuatorRef, Background, Clip, DriveChoice, DriveInfo, Phase, Quality, Span, Timeline
 from ..render import RenderedWindow, compose, drive_filters, measure, needed_audio, render_window
@@ -26,6 +26,7 @@ from .listening import BLOCK, Listened, assemble, event_id, listen
 from .progress import Note, Progress, no_note, no_progress
 
 DRIVE_NAME, REPORT_NAME = "drive.wav", "report.html"
+LARGEST_LEVEL_DB = 40.0
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,7 @@ class RenderOptions:
     drive: DriveChoice = "auto"
     phase: Phase = "causal"
     background: Background = "mute"
+    level_db: float | None = None
     mix: str = "mains"
     stream: int | None = None
     formats: tuple[str, ...] = ("json", "csv")
@@ -66,7 +68,8 @@ def render(
     Raises BlastlineError for input, rules or an output folder that cannot be used; nothing is written then.
     """
     profile, digest = load_actuator(options.actuator, options.rules)
-    rules, haptics = load_rules(options.quality, options.rules), load_haptics(options.rules)
+    rules = _levelled(load_rules(options.quality, options.rules), options.level_db)
+    haptics = load_haptics(options.rules)
     setup = Setup(options, rules, profile, ActuatorRef(profile.name, digest), progress)
     formats = known_formats(options.formats)
     files = [file for known in formats for file in known.files]
@@ -82,7 +85,10 @@ def render(
             heard = listen(track, rules, progress, meter)
             drives = _write_drive(hidden / DRIVE_NAME, heard, setup)
             timeline = msgspec.structs.replace(
-                assemble(heard, rules, drives, setup.actuator), phase=options.phase, background=options.background
+                assemble(heard, rules, drives, setup.actuator),
+                phase=options.phase,
+                background=options.background,
+                level_db=rules.tier.render.level_db,
             )
             with open_soundtrack(hidden / DRIVE_NAME) as drive:
                 timeline = checked(timeline, track, drive, setup)
@@ -100,12 +106,28 @@ def render(
                         drive=drive,
                         profile=profile,
                         exports=exports(written=options.formats),
-                        options={"drive": options.drive, "phase": options.phase, "background": options.background},
+                        options={
+                            "drive": options.drive,
+                            "phase": options.phase,
+                            "background": options.background,
+                            "level": f"{timeline.level_db:+g} dB",
+                        },
                     )
         export_timeline(timeline, hidden, formats=options.formats, track=haptic, rounding=rounding_notes(note))
     for line in rounding(timeline, options.formats):
         note(line)
     return timeline
+
+
+def _levelled(rules: Rules, level_db: float | None) -> Rules:
+    """Return the rules with the level that was asked for, if one was; RuleError where it is out of range."""
+    if level_db is None:
+        return rules
+    if not abs(level_db) <= LARGEST_LEVEL_DB:
+        raise RuleError(f"--level: {level_db:g} dB: expected -{LARGEST_LEVEL_DB:g} to {LARGEST_LEVEL_DB:g}")
+    tier = rules.tier
+    louder = msgspec.structs.replace(tier, render=msgspec.structs.replace(tier.render, level_db=level_db))
+    return replace(rules, tier=louder)
 
 
 def _write_drive(path: Path, heard: Listened, setup: Setup) -> dict[int, DriveInfo]:

@@ -1,0 +1,197 @@
+"""A shot felt four ways: converted directly, compensated and clipped or scaled, solved within the limit."""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from ..align.correlate import find
+from ..model import Clip, DriveModel, Phase, Shot, Span
+from ..render import DriveFilters, PlannedWindow, drive_filters, needed_audio, render_window
+from ..render.filters import compensated, felt, in_band
+from ..ruleset import ActuatorProfile, RenderRules
+from ..units import samples_from_ms
+from .truth import TrueScene
+
+Samples = NDArray[np.float64]
+Drive = Literal["direct", "clipped", "scaled", "constrained"]
+
+_MODELS: dict[Drive, DriveModel] = {"direct": "direct", "scaled": "filter", "constrained": "constrained"}
+_SEARCH_MS = 5.0
+_SHORTEST_MS = 5.0
+
+
+class FeltShot(msgspec.Struct, frozen=True):
+    """What a drive makes of one shot: its peak, and of what is felt the rms against that of the sound in the band (the
+    target), the correlation with it, and how late it comes against the sound without any delay.
+    """
+
+    peak: float
+    ratio: float
+    correlation: float
+    lag_ms: float
+
+
+class ShotRow(msgspec.Struct, frozen=True):
+    """A shot with all its drives.
+
+    `needed` is the compensator's peak in its window, `before_lead` the constrained drive's largest sample before the
+    lead of the window's first shot, `steps` what its solver took.
+    """
+
+    scene: str
+    onset_s: float
+    needed: float
+    before_lead: float
+    steps: int
+    felt: dict[Drive, FeltShot]
+
+    @property
+    def weak(self) -> bool:
+        """Return whether direct conversion is felt at less than half, and the compensator cannot be played."""
+        return self.felt["direct"].ratio < 0.5 and self.needed > 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class WindowRow:
+    """The shots of a window, how long it is, and the CPU time of its constrained drive."""
+
+    shots: tuple[ShotRow, ...]
+    window_s: float
+    constrained_cpu_s: float
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """How windows are rendered; `undelayed` are the filters of phase zero, `filters` those of the phase in question."""
+
+    filters: DriveFilters
+    undelayed: DriveFilters
+    rules: RenderRules
+
+
+def setting_for(profile: ActuatorProfile, rate_hz: int, phase: Phase, rules: RenderRules) -> Setting:
+    """Return how windows of a film at this rate are rendered for an actuator."""
+    undelayed = drive_filters(profile, rate_hz, "zero")
+    return Setting(undelayed if phase == "zero" else drive_filters(profile, rate_hz, phase), undelayed, rules)
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """A window with the sound that rendering it needs, and four drives over exactly its span."""
+
+    planned: PlannedWindow
+    shots: tuple[Shot, ...]
+    target: Samples
+    heard: Samples
+    needed: float
+    drives: dict[Drive, Samples]
+    steps: tuple[int, ...]
+    constrained_cpu_s: float
+
+
+def windows_of(scene: TrueScene, setting: Setting) -> Iterator[Window]:
+    """Yield each window of a scene with all its drives."""
+    for planned in scene.windows:
+        span = needed_audio(planned, frames=scene.frames, filters=setting.undelayed, rules=setting.rules)
+        yield rendered(scene.track.cut(span), planned, scene.shots, setting)
+
+
+def rendered(audio: Clip, planned: PlannedWindow, shots: tuple[Shot, ...], setting: Setting) -> Window:
+    """Return a window with all its drives; `audio` covers what phase zero needs, `shots` are all of the film."""
+    filters, window = setting.filters, planned.window
+    inside = slice(window.start - audio.start, window.stop - audio.start)
+    sound = np.asarray(audio.driving, dtype=np.float64)
+    free = compensated(sound, filters)[inside]
+    drives: dict[Drive, Samples] = {"clipped": np.clip(free, -1.0, 1.0)}
+    steps: tuple[int, ...] = ()
+    for name, model in _MODELS.items():
+        began = time.process_time()
+        done = render_window(
+            audio,
+            planned,
+            shots,
+            model=model,
+            reason="study",
+            filters=filters,
+            rules=setting.rules,
+            background="mute",
+        )
+        spent = time.process_time() - began
+        drives[name] = np.asarray(done.clip.driving, dtype=np.float64)
+        steps = tuple(info.solver_steps or 0 for info in done.drives)
+    return Window(
+        planned,
+        tuple(shots[index] for index in planned.shots),
+        target=in_band(sound, filters)[inside],
+        heard=in_band(sound, setting.undelayed)[inside],
+        needed=float(np.max(np.abs(free))),
+        drives=drives,
+        steps=steps,
+        constrained_cpu_s=spent,
+    )
+
+
+def judged(window: Window, scene: str, setting: Setting) -> WindowRow:
+    """Return what is felt of each shot of a window, from its onset to the lead of the next, to where the decay ends.
+
+    Shots that a film's end or the next shot leaves less than 5 ms are left out.
+    """
+    rate_hz, start = setting.filters.rate_hz, window.planned.window.start
+    lead = samples_from_ms(setting.rules.lead_ms, rate_hz)
+    onsets = [shot.onset - start for shot in window.shots]
+    ends = [*(onset - lead for onset in onsets[1:]), window.planned.core.stop - start]
+    vibrations = {name: felt(drive, setting.filters) for name, drive in window.drives.items()}
+    before = window.drives["constrained"][: max(0, onsets[0] - lead)]
+    rows = []
+    for onset, end, steps in zip(onsets, ends, window.steps, strict=True):
+        part = slice(onset, end)
+        if end - onset < samples_from_ms(_SHORTEST_MS, rate_hz) or not np.any(window.target[part]):
+            continue
+        rows.append(
+            ShotRow(
+                scene=scene,
+                onset_s=(start + onset) / rate_hz,
+                needed=window.needed,
+                before_lead=float(np.max(np.abs(before), initial=0.0)),
+                steps=steps,
+                felt={name: _felt_shot(window, name, vibrations[name], part, rate_hz) for name in window.drives},
+            )
+        )
+    return WindowRow(tuple(rows), len(window.target) / rate_hz, window.constrained_cpu_s)
+
+
+def _felt_shot(window: Window, name: Drive, vibration: Samples, part: slice, rate_hz: int) -> FeltShot:
+    """Return the figures of one drive over one shot."""
+    found, wanted = vibration[part], window.target[part]
+    level, against = float(np.sqrt(np.sum(found**2))), float(np.sqrt(np.sum(wanted**2)))
+    search = samples_from_ms(_SEARCH_MS, rate_hz)
+    padded = np.pad(vibration, search)[part.start : part.stop + 2 * search]
+    return FeltShot(
+        peak=float(np.max(np.abs(window.drives[name][part]))),
+        ratio=level / against,
+        correlation=float(np.sum(found * wanted)) / (level * against) if level > 0.0 else 0.0,
+        lag_ms=find(window.heard[part], padded).lag * 1000.0 / rate_hz,
+    )
+
+
+def windowed_error(scene: TrueScene, setting: Setting, *, preroll_ms: float | None = None) -> float:
+    """Return how far the compensator, run window by window, is from the same run over the whole track: the largest
+    difference in any window, against the peak there.
+    """
+    rules = setting.rules if preroll_ms is None else msgspec.structs.replace(setting.rules, preroll_ms=preroll_ms)
+    track = np.asarray(scene.track.cut(Span(0, scene.frames)).driving, dtype=np.float64)
+    whole = compensated(track, setting.filters)
+    errors = [0.0]
+    for planned in scene.windows:
+        span = needed_audio(planned, frames=scene.frames, filters=setting.filters, rules=rules)
+        alone = compensated(track[span.start : span.stop], setting.filters)
+        inside = slice(planned.window.start - span.start, planned.window.stop - span.start)
+        along = whole[planned.window.start : planned.window.stop]
+        peak = float(np.max(np.abs(along)))
+        errors.append(float(np.max(np.abs(alone[inside] - along))) / peak if peak > 0.0 else 0.0)
+    return max(errors)

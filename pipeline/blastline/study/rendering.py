@@ -1,0 +1,230 @@
+"""How faithful a drive within the limit is, and what it costs: every true shot of scenes, four ways, against bars."""
+
+import time
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+from ..model import Phase, Quality
+from ..render import needed_audio
+from ..render.filters import compensated
+from ..ruleset import load_actuator, load_rules
+from ..units import SILENCE_DB, db_from_gain, samples_from_ms
+from .drives import Drive, Setting, ShotRow, Window, WindowRow, judged, setting_for, windowed_error, windows_of
+from .optimum import Optimum, against_optimum
+from .truth import TrueScene, true_scenes
+
+PHASES: tuple[Phase, ...] = ("causal", "zero")
+_OPTIMA = 3
+_OPTIMUM_S = 0.08
+_OPTIMUM_HZ = 5000
+
+
+class Bar(msgspec.Struct, frozen=True):
+    """Something to reach: what was measured, and the limit it has to stay below (or, `at_least`, above)."""
+
+    name: str
+    measured: float
+    limit: float
+    unit: str = ""
+    at_least: bool = False
+
+    @property
+    def margin(self) -> float:
+        """Return by how much the bar is met; negative where it is not."""
+        return self.measured - self.limit if self.at_least else self.limit - self.measured
+
+    @property
+    def met(self) -> bool:
+        """Return whether the bar is met."""
+        return self.margin >= 0.0
+
+
+class Means(msgspec.Struct, frozen=True):
+    """The means of some shots under one drive."""
+
+    peak: float
+    ratio: float
+    correlation: float
+    lag_ms: float
+
+
+class RenderingScore(msgspec.Struct, frozen=True):
+    """The figures of a tier with an actuator; `shots` are the weak ones, by phase."""
+
+    quality: Quality
+    actuator: str
+    all_shots: int
+    shots: dict[Phase, tuple[ShotRow, ...]]
+    optima: tuple[Optimum, ...]
+    bars: tuple[Bar, ...]
+
+    def means(self, phase: Phase, drive: Drive, scene: str | None = None) -> Means:
+        """Return the means over the weak shots, of one scene or of all."""
+        felt = [row.felt[drive] for row in self.shots[phase] if scene in (None, row.scene)]
+        return Means(
+            *(
+                float(np.mean([getattr(each, name) for each in felt])) if felt else float("nan")
+                for name in ("peak", "ratio", "correlation", "lag_ms")
+            )
+        )
+
+
+@dataclass
+class _Tally:
+    """What grows from scene to scene, of one phase."""
+
+    windows: list[WindowRow] = field(default_factory=list)
+    window_error: float = 0.0
+    full_error: float = 0.0
+
+
+def score(
+    fixtures: Path, *, quality: Quality = "standard", actuator: str = "crowson-t108sm", rules: Path | None = None
+) -> RenderingScore:
+    """Render every shot of a folder's scenes, with both phases, and return its figures and the bars.
+
+    Raises RuleError for rules, an actuator or scenes that cannot be used.
+    """
+    profile, _ = load_actuator(actuator, rules)
+    tier = load_rules(quality, rules).tier
+    tallies = {phase: _Tally() for phase in PHASES}
+    costs: list[tuple[float, float]] = []
+    optima: list[Optimum] = []
+    for scene in true_scenes(fixtures, tier):
+        for phase, tally in tallies.items():
+            setting = setting_for(profile, scene.track.rate_hz, phase, tier.render)
+            for window in windows_of(scene, setting):
+                row = judged(window, scene.name, setting)
+                tally.windows.append(row)
+                if phase == "causal" and len(optima) < _OPTIMA and _suits(row, window, optima):
+                    optima.append(_optimum(window, row.shots[0], setting))
+            tally.window_error = max(tally.window_error, windowed_error(scene, setting))
+            whole_ms = 1000.0 * scene.frames / scene.track.rate_hz
+            tally.full_error = max(tally.full_error, windowed_error(scene, setting, preroll_ms=whole_ms))
+        costs.append(_filter_and_read(scene, setting_for(profile, scene.track.rate_hz, "causal", tier.render)))
+    # the rate in which a lag of one sample is counted
+    rate_hz = scene.track.rate_hz
+    weak = {
+        phase: tuple(shot for row in tally.windows for shot in row.shots if shot.weak)
+        for phase, tally in tallies.items()
+    }
+    return RenderingScore(
+        quality,
+        profile.name,
+        all_shots=sum(len(row.shots) for row in tallies["causal"].windows),
+        shots=weak,
+        optima=tuple(optima),
+        bars=(
+            *_fidelity_bars(weak),
+            *_lag_bars(weak, rate_hz),
+            *_window_bars(tallies),
+            *_cost_bars(tallies, costs),
+            *_optimum_bars(optima),
+        ),
+    )
+
+
+def _fidelity_bars(weak: dict[Phase, tuple[ShotRow, ...]]) -> list[Bar]:
+    bars = []
+    for phase, shots in weak.items():
+        felt = [shot.felt["constrained"] for shot in shots]
+        if not felt:
+            continue
+        bars += [
+            Bar(f"constrained, {phase}: mean ratio", float(np.mean([f.ratio for f in felt])), 0.83, at_least=True),
+            Bar(
+                f"constrained, {phase}: mean correlation",
+                float(np.mean([f.correlation for f in felt])),
+                0.95,
+                at_least=True,
+            ),
+            Bar(f"constrained, {phase}: peak", max(f.peak for f in felt), 1.0),
+            Bar(f"constrained, {phase}: drive before the lead", max(shot.before_lead for shot in shots), 0.0),
+        ]
+    return bars
+
+
+def _lag_bars(weak: dict[Phase, tuple[ShotRow, ...]], rate_hz: int) -> list[Bar]:
+    """Return the largest lag of any shot, of the filter, whose shape is the sound's, and of the constrained drive."""
+    bars = []
+    drives: tuple[tuple[Drive, str], ...] = (("scaled", "filter"), ("constrained", "constrained"))
+    for phase, shots in weak.items():
+        limit_ms = 0.5 if phase == "causal" else 1000.0 / rate_hz
+        for drive, name in drives:
+            lags = [abs(shot.felt[drive].lag_ms) for shot in shots]
+            bars.append(Bar(f"{name}, {phase}: largest lag", max(lags, default=0.0), limit_ms, "ms"))
+    return bars
+
+
+def _window_bars(tallies: dict[Phase, _Tally]) -> list[Bar]:
+    bars = []
+    for phase, tally in tallies.items():
+        error_db = max(SILENCE_DB, db_from_gain(tally.window_error))
+        bars.append(Bar(f"filter by windows against the whole track, {phase}", error_db, -80.0, "dB"))
+        bars.append(Bar(f"the same with all of the film as pre-roll, {phase}", tally.full_error, 0.0))
+    return bars
+
+
+def _cost_bars(tallies: dict[Phase, _Tally], costs: Sequence[tuple[float, float]]) -> list[Bar]:
+    rows = [row for tally in tallies.values() for row in tally.windows if any(shot.needed > 1.0 for shot in row.shots)]
+    spent, seconds = sum(row.constrained_cpu_s for row in rows), sum(row.window_s for row in rows)
+    filtering, reading = (sum(each) for each in zip(*costs, strict=True))
+    return [
+        Bar("constrained rendering: CPU per second of window", spent / seconds if seconds else 0.0, 0.1, "s"),
+        Bar("filter: CPU against soundfile reading the windows", filtering / reading, 2.0, "times"),
+    ]
+
+
+def _optimum_bars(optima: Iterable[Optimum]) -> list[Bar]:
+    return [
+        Bar(f"solver against scipy, {each.scene} at {each.onset_s:.2f} s", 100.0 * each.excess, 0.1, "%")
+        for each in optima
+    ]
+
+
+def _filter_and_read(scene: TrueScene, setting: Setting) -> tuple[float, float]:
+    """Return the CPU time of the compensator over all windows with their pre-roll, and of soundfile reading them."""
+    import soundfile
+
+    clips = [
+        scene.track.cut(needed_audio(planned, frames=scene.frames, filters=setting.filters, rules=setting.rules))
+        for planned in scene.windows
+    ]
+    sounds = [np.asarray(clip.driving, dtype=np.float64) for clip in clips]
+    began = time.process_time()
+    for sound in sounds:
+        compensated(sound, setting.filters)
+    filtered = time.process_time()
+    with soundfile.SoundFile(scene.path) as file:
+        for planned in scene.windows:
+            file.seek(planned.window.start)
+            file.read(len(planned.window.span), dtype="float32")
+    return filtered - began, time.process_time() - filtered
+
+
+def _suits(row: WindowRow, window: Window, optima: Sequence[Optimum]) -> bool:
+    """Return whether a window is one to hold against the optimum: a single weak shot, of a scene not yet among them."""
+    single = len(window.shots) == 1 and len(row.shots) == 1 and row.shots[0].weak
+    return single and row.shots[0].scene not in {each.scene for each in optima}
+
+
+def _optimum(window: Window, shot: ShotRow, setting: Setting) -> Optimum:
+    """Return how near the solver comes to the optimum over the first tenth of a second of a shot."""
+    filters, rules = setting.filters, setting.rules
+    first = max(
+        0, window.shots[0].onset - samples_from_ms(rules.lead_ms, filters.rate_hz) - window.planned.window.start
+    )
+    part = slice(first, first + samples_from_ms(1000.0 * _OPTIMUM_S, filters.rate_hz))
+    return against_optimum(
+        window.target[part],
+        window.drives["clipped"][part],
+        scene=shot.scene,
+        onset_s=shot.onset_s,
+        filters=filters,
+        rules=rules,
+        stride=max(1, filters.rate_hz // _OPTIMUM_HZ),
+    )

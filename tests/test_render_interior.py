@@ -1,0 +1,170 @@
+"""The interior-point solver against dense matrices, scipy, and what must hold of any minimum in a box."""
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.linalg import toeplitz
+from scipy.optimize import lsq_linear
+
+from blastline.model import Quality
+from blastline.render import DriveFilters, drive_filters
+from blastline.render.constrained import between_corners, constrained_drive, corner_rhs, full_problem
+from blastline.render.filters import compensated, felt, in_band
+from blastline.render.interior import SHORTEST, Recursion, solve_inside, sound_stride
+from blastline.ruleset import ActuatorProfile, load_rules
+from render_signals import CAUSAL, KINDS, PROFILE, film_with_shot
+
+Samples = NDArray[np.float64]
+
+SLOW_HZ = 8_000
+SLOW = drive_filters(PROFILE, SLOW_HZ, "causal")
+
+
+def profile(gain: float, zeros: list[tuple[float, float]], poles: list[tuple[float, float]]) -> ActuatorProfile:
+    response = msgspec.structs.replace(PROFILE.response, gain=gain, zeros_rad_s=tuple(zeros), poles_rad_s=tuple(poles))
+    return msgspec.structs.replace(PROFILE, response=response)
+
+
+OTHERS = {
+    "sharp resonance at 292 Hz": profile(3.4e6, [], [(-90.0, 1832.0), (-90.0, -1832.0)]),
+    "slow and fast poles": profile(3e8, [(-20.0, 0.0)], [(-6.0, 0.0), (-1400.0, 0.0), (-1400.0, 0.0), (-5e3, 0.0)]),
+    "two resonances": profile(
+        2e10, [(-40.0, 0.0)], [(-60.0, 400.0), (-60.0, -400.0), (-300.0, 1800.0), (-300.0, -1800.0)]
+    ),
+}
+
+
+def shot(filters: DriveFilters, *, peak: float = 0.9, frames: int = 0) -> tuple[Samples, Samples]:
+    """Return a shot in the band from its onset, and the compensator's drive there."""
+    film, found = film_with_shot(KINDS[1], peak=peak, rate_hz=filters.rate_hz)
+    inside = slice(found.onset, found.onset + frames if frames else len(film))
+    return in_band(film, filters)[inside], compensated(film, filters)[inside]
+
+
+def dense(recursion: Recursion, frames: int) -> Samples:
+    first = np.concatenate([recursion.impulse, np.zeros(frames - 1)])
+    matrix: Samples = toeplitz(first, np.zeros(frames))
+    return matrix
+
+
+@pytest.mark.parametrize(("stride", "peak"), [(1, 0.05), (1, 0.9), (2, 0.9), (2, 5.0)])
+def test_minimum_is_that_of_scipy(stride: int, peak: float) -> None:
+    target, warm = shot(SLOW, peak=peak, frames=160)
+    matrix = dense(SLOW.recursion, 160)
+    count = len(corner_rhs(target, stride))
+    lines = (
+        np.stack([between_corners(unit, stride, 160) for unit in np.eye(count)], axis=1) if stride > 1 else np.eye(160)
+    )
+    wanted = np.concatenate([target, np.zeros(len(matrix) - 160)])
+    slow = lsq_linear(matrix @ lines, wanted, bounds=(-1.0, 1.0), tol=1e-10, max_iter=60)
+    rhs = lines.T @ (matrix.T @ wanted)
+    found = solve_inside(
+        SLOW.recursion, rhs, warm[stride - 1 :: stride][:count], stride=stride, iterations=60, tolerance=1e-9
+    )
+    cost = 0.5 * float(np.sum((matrix @ (lines @ found.drive) - wanted) ** 2))
+    assert found.finished
+    assert cost <= slow.cost * (1.0 + 1e-4) + 1e-7 * float(np.sum(wanted**2))
+    assert np.max(np.abs(found.drive)) <= 1.0
+
+
+@pytest.mark.parametrize("name", OTHERS)
+@pytest.mark.parametrize("rate_hz", [8_000, 48_000, 96_000])
+def test_gap_to_the_minimum_is_what_was_asked_for_with_any_actuator(name: str, rate_hz: int) -> None:
+    filters = drive_filters(OTHERS[name], rate_hz, "causal")
+    target, warm = shot(filters, frames=rate_hz // 5)
+    problem = full_problem(target, filters.recursion.impulse, frames=len(target))
+    stride = sound_stride(filters.recursion, 1)
+    rhs = corner_rhs(problem.rhs, stride)
+    found = solve_inside(
+        filters.recursion, rhs, warm[stride - 1 :: stride][: len(rhs)], stride=stride, iterations=60, tolerance=1e-4
+    )
+    assert np.max(np.abs(found.drive)) <= 1.0
+    # over the box, a convex function is nowhere lower than its tangent: a bound that knows nothing of the solver
+    drive = between_corners(found.drive, stride, len(target)) if stride > 1 else found.drive
+    slope = corner_rhs(problem.normal(drive) - problem.rhs, stride)
+    gap = float(np.sum(slope * found.drive) + np.sum(np.abs(slope)))
+    assert found.finished
+    assert gap <= 1e-3 * abs(problem.objective(drive))  # the bound is looser than the solver's own, of 1e-4
+
+
+def test_stride_is_kept_where_rounding_allows_it() -> None:
+    assert sound_stride(CAUSAL.recursion, 1) == 1
+    assert sound_stride(CAUSAL.recursion, 6) == 6
+    slow = drive_filters(OTHERS["slow and fast poles"], 192_000, "causal").recursion
+    assert 4 < sound_stride(slow, 1) == sound_stride(slow, 4) < 24
+
+
+@given(st.floats(-30.0, 30.0), st.integers(0, 1000), st.integers(1, 4))
+@settings(max_examples=25, deadline=None)
+def test_scale_of_the_actuator_changes_nothing_but_numbers(level: float, seed: int, stride: int) -> None:
+    """With H and t a thousand times as large the best drive is the same, and the objective scales by the square."""
+    random = np.random.default_rng(seed)
+    rhs = random.standard_normal(200)
+    factor = 10.0 ** (level / 10.0)
+    larger = Recursion(factor * SLOW.recursion.forward, SLOW.recursion.feedback, factor * SLOW.recursion.impulse)
+    one, other = (
+        solve_inside(recursion, right, np.zeros(200), stride=stride, iterations=60, tolerance=1e-6)
+        for recursion, right in ((SLOW.recursion, rhs), (larger, factor**2 * rhs))
+    )
+    problem = full_problem(np.zeros(200 * stride), SLOW.recursion.impulse, frames=200 * stride)
+
+    def objective(corners: Samples) -> float:
+        straight = between_corners(corners, stride, 200 * stride + stride)[: 200 * stride] if stride > 1 else corners
+        return 0.5 * float(np.sum(straight * problem.normal(straight))) - float(np.sum(rhs * corners))
+
+    assert objective(one.drive) == pytest.approx(objective(other.drive), rel=1e-4)
+
+
+@pytest.mark.parametrize("frames", [SHORTEST, SHORTEST + 1, 3 * SHORTEST])
+@pytest.mark.parametrize("scale", [1e-12, 1.0, 1e30])
+def test_few_unknowns_and_any_size_of_target(frames: int, scale: float) -> None:
+    target, _ = shot(SLOW, frames=frames)
+    problem = full_problem(scale * target, SLOW.impulse, frames=frames)
+    found = solve_inside(SLOW.recursion, problem.rhs, np.zeros(frames), stride=1, iterations=60, tolerance=1e-4)
+    assert np.all(np.isfinite(found.drive))
+    assert np.max(np.abs(found.drive)) <= 1.0
+    if scale == 1e30:
+        np.testing.assert_allclose(found.drive, np.sign(problem.rhs), atol=0.05)
+
+
+def test_larger_limit_is_never_worse_and_costs_no_more_steps_than_it_may() -> None:
+    """A limit twice as high is the same problem with H twice as large, and its minimum is no higher."""
+    target, warm = shot(CAUSAL)
+    values = []
+    for limit in (0.5, 1.0, 2.0, 8.0, 100.0):
+        problem = full_problem(target, limit * CAUSAL.recursion.impulse, frames=len(target))
+        higher = Recursion(
+            limit * CAUSAL.recursion.forward, CAUSAL.recursion.feedback, limit * CAUSAL.recursion.impulse
+        )
+        found = solve_inside(higher, problem.rhs, warm / limit, stride=1, iterations=60, tolerance=1e-6)
+        values.append(problem.objective(found.drive))
+    assert values == sorted(values, reverse=True)
+    assert values[-1] == pytest.approx(-0.5 * float(np.sum(target**2)), rel=1e-3)
+
+
+@pytest.mark.parametrize("name", [*OTHERS, "built in"])
+@pytest.mark.parametrize(
+    ("rate_hz", "quality"), [(8_000, "draft"), (8_000, "standard"), (22_050, "standard"), (96_000, "draft")]
+)
+def test_whole_drive_beats_clipping_at_any_rate_with_any_actuator(name: str, rate_hz: int, quality: Quality) -> None:
+    filters = drive_filters(OTHERS.get(name, PROFILE), rate_hz, "causal")
+    target, warm = shot(filters, frames=rate_hz // 8)
+    drive, (effort,) = constrained_drive(
+        target,
+        starts=[7],
+        impulse=filters.impulse,
+        recursion=filters.recursion,
+        rate_hz=rate_hz,
+        warm=warm,
+        rules=load_rules(quality).tier.render,
+    )
+    assert not np.any(drive[:7])
+    assert np.max(np.abs(drive)) <= 1.0
+    clipped = np.clip(np.where(np.arange(len(warm)) < 7, 0.0, warm), -1.0, 1.0)
+    missed, missed_clipped = (float(np.linalg.norm(felt(u, filters) - target)) for u in (drive, clipped))
+    assert missed <= 1.001 * missed_clipped
+    assert 0.0 <= effort.explained <= 1.0
+    assert effort.steps < load_rules(quality).tier.render.iterations
