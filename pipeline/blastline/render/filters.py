@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 from .. import dsp
 from ..errors import RuleError
 from ..model import Phase, Span
-from ..ruleset import ActuatorProfile, RenderRules
+from ..ruleset import ActuatorProfile, RenderRules, check_stable
 from ..units import samples_from_ms
 from .windows import PlannedWindow
 
 Samples = NDArray[np.float64]
 
 _FADED = 1e-10  # an impulse response is cut where this much of it is left: far below 24-bit audio
+
+_LARGEST_GAIN = 1e6  # 120 dB either way: beyond any unit that an actuator is measured in
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,9 +39,12 @@ class DriveFilters:
 def drive_filters(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> DriveFilters:
     """Return the filters that make the drive for an actuator.
 
-    Raises RuleError where a corner of the profile does not lie below half the sample rate.
+    Raises RuleError where a corner of the profile does not lie below half the sample rate, or where the profile is
+    none that can be compensated.
     """
     _check_corners(profile, rate_hz)
+    check_stable(profile, profile.name)
+    _check_gain(profile, rate_hz)
     felt = dsp.felt_response(profile)
     shape = dsp.band(profile) if phase == "causal" else dsp.half_band(profile)
     sections = dsp.digital(felt, rate_hz)
@@ -96,6 +101,16 @@ def _until_faded(response: Samples) -> Samples:
     """Return an impulse response up to the last sample that is not negligible against its peak."""
     heard = np.flatnonzero(np.abs(response) > _FADED * np.max(np.abs(response)))
     return response[: int(heard[-1]) + 1]
+
+
+def _check_gain(profile: ActuatorProfile, rate_hz: int) -> None:
+    with np.errstate(over="ignore", invalid="ignore"):
+        peak = float(np.max(np.abs(dsp.felt_response(profile).at(np.geomspace(1.0, rate_hz / 2.0, 200)))))
+    if not 1.0 / _LARGEST_GAIN <= peak <= _LARGEST_GAIN:
+        raise RuleError(
+            f"{profile.name}: response.gain = {profile.response.gain:g}: what is felt of a full drive peaks at "
+            f"{peak:g}; expected {1.0 / _LARGEST_GAIN:g} to {_LARGEST_GAIN:g}"
+        )
 
 
 def _check_corners(profile: ActuatorProfile, rate_hz: int) -> None:

@@ -3,7 +3,7 @@
 `tables` holds one struct for each table of a rule file, `files` finds, merges and reads them.
 """
 
-from .files import Rules, actuator_names, check_rules, load_actuator, load_rules, rules_path
+from .files import Rules, actuator_names, check_rules, check_stable, load_actuator, load_rules, rules_path
 from .tables import (
     ActuatorProfile,
     AlignRules,
@@ -34,6 +34,7 @@ __all__ = [
     "WindowRules",
     "actuator_names",
     "check_rules",
+    "check_stable",
     "load_actuator",
     "load_rules",
     "rules_path",

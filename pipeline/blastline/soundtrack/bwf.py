@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 RIFF_LIMIT = 0xFFFFFFFF
+MARKER_LIMIT = 0xFFFFFFFF
 ORIGINATOR = b"blastline"
 SAMPLE_BYTES = 3
 
@@ -47,7 +48,12 @@ def header(*, frames: int, rate_hz: int, time_reference: int, description: str, 
 
 
 def cue_chunks(cues: Sequence[Cue]) -> bytes:
-    """Return the chunks after the samples: the places of the markers, then their names and lengths."""
+    """Return the chunks after the samples: the places of the markers, then their names and lengths.
+
+    The format counts samples with 32 bits: a marker beyond, after 12 h 25 min at 96 kHz, has no place in it and is left
+    to the timeline.
+    """
+    cues = [cue for cue in cues if cue.sample <= MARKER_LIMIT]
     if not cues:
         return b""
     places = struct.pack("<I", len(cues))
@@ -56,7 +62,7 @@ def cue_chunks(cues: Sequence[Cue]) -> bytes:
         places += struct.pack("<II4sIII", number, cue.sample, b"data", 0, 0, cue.sample)
         notes += chunk(b"labl", struct.pack("<I", number) + cue.label.encode() + b"\0")
         if cue.length:
-            notes += chunk(b"ltxt", struct.pack("<II4s4H", number, cue.length, b"rgn ", 0, 0, 0, 0))
+            notes += chunk(b"ltxt", struct.pack("<II4s4H", number, min(cue.length, MARKER_LIMIT), b"rgn ", 0, 0, 0, 0))
     return chunk(b"cue ", places) + chunk(b"LIST", notes)
 
 
