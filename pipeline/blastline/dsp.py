@@ -26,8 +26,8 @@ _EXTRA_POLES = np.array(
 )
 _LOW, _HIGH = 0.05, 0.402
 _LOW_WEIGHT, _LOW_WEIGHT_IN_FILMS, _FILM_RATE_HZ = 2.0, 15.0, 44_100
-_TAPS_AND_BEYOND = ((12, 0.01), (16, 0.002))  # the second where the first is not near enough
-_ENOUGH, _ROUNDS = 10.0 ** (-41.0 / 20.0), 4
+_TAPS_AND_BEYOND = ((12, 0.01), (16, 0.002), (20, 0.0005))  # the next where one is not near enough
+_ENOUGH, _ROUNDS = 10.0 ** (-40.3 / 20.0), 4
 
 _NEAR_ONE = 1e-6  # of two real poles p, q in one section, (1 - p)(1 - q) is known to 1e-16: at least this, to 1e-10
 _RUN, _SILENT = 65_536, 1e-290
@@ -66,8 +66,8 @@ def felt_response(profile: ActuatorProfile) -> Analogue:
 
 def band(profile: ActuatorProfile) -> Analogue:
     """Return L(s) D(s), the band in which the vibration is meant to follow the sound."""
-    low = _butterworth(profile.lowpass.order, profile.lowpass.corner_hz, "lowpass")
-    high = _butterworth(profile.highpass.order, profile.highpass.corner_hz, "highpass")
+    low = butterworth(profile.lowpass.order, profile.lowpass.corner_hz, "lowpass")
+    high = butterworth(profile.highpass.order, profile.highpass.corner_hz, "highpass")
     return low * high
 
 
@@ -83,7 +83,7 @@ def half_band(profile: ActuatorProfile) -> Analogue:
     # |B|^2 = 1 / (1 + (f / g)^2n) is 1 / sqrt(2) at the corner f when (f / g)^2n = sqrt(2) - 1
     low_hz = low.corner_hz / _EARLY ** (0.5 / low_order)
     high_hz = high.corner_hz * _EARLY ** (0.5 / high_order)
-    return _butterworth(low_order, low_hz, "lowpass") * _butterworth(high_order, high_hz, "highpass")
+    return butterworth(low_order, low_hz, "lowpass") * butterworth(high_order, high_hz, "highpass")
 
 
 def inverse(profile: ActuatorProfile) -> Analogue:
@@ -259,7 +259,8 @@ def cross_fade(dry: NDArray[np.float64], wet: NDArray[np.float64], weights: NDAr
     return np.where(weights == 1.0, wet, mixed)
 
 
-def _butterworth(order: int, corner_hz: float, kind: str) -> Analogue:
+def butterworth(order: int, corner_hz: float, kind: str) -> Analogue:
+    """Return a Butterworth filter of a kind that scipy knows, "lowpass" or "highpass"."""
     from scipy.signal import butter
 
     zeros, poles, gain = butter(order, 2.0 * math.pi * corner_hz, kind, analog=True, output="zpk")

@@ -1,4 +1,4 @@
-"""`study detection`."""
+"""`study detection` and `study stability`."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -58,6 +58,30 @@ def detection(
         best = best_librosa_score(heard(again), WINDOWS_MS, best_at_ms=50.0)
         f1 = ", ".join(f"{counts.f1:.3f} at {window_ms:g} ms" for window_ms, counts in best.counts.items())
         typer.echo(f"librosa at its best threshold ({best.threshold:g}): F1 {f1}")
+
+
+@group.command()
+def stability(
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every row as JSON as well.")
+    ] = None,
+) -> None:
+    """Measure the numbers at their extremes against independent references; exit code 1 where one misses its bar.
+
+    Example: `blastline study stability`
+    """
+    from ..study.stability import measure_stability, stability_json, stability_line
+
+    rows = []
+    for family, row in measure_stability():
+        rows.append((family, row))
+        typer.echo(stability_line(family, row))
+    if output:
+        output.write_bytes(stability_json(rows))
+    missed = sum(not row.ok for _, row in rows)
+    typer.echo(f"\n{len(rows)} rows, {missed} miss their bar")
+    if missed:
+        raise typer.Exit(1)
 
 
 def _table(score: "DetectionScore") -> str:
