@@ -1,29 +1,20 @@
-"""Filters as zeros, poles and a gain, and how they become digital.
-
-    H(s)  = k prod(s - z_i) / prod(s - p_i)             what is felt, per volt of drive
-    C(s)  = 1 / H(s)                                    the compensator
-    L(s)  Butterworth low-pass,  D(s)  Butterworth high-pass
+"""How an analogue filter becomes digital, and runs.
 
 Everything runs in float64 second-order sections: transfer-function form diverges for low corners, and float32
-sections lose 45 dB and crawl in digital silence.
+sections lose 45 dB.
 """
 
 import math
-from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .ruleset import ActuatorProfile
-
-_EARLY = math.sqrt(2.0) - 1.0
+from .analogue import Analogue
 
 # How `digital` fits, in cycles per sample: chosen by its error over 8 to 384 kHz and 60 random actuators against its
 # gain at half the rate. The extra poles stand where the response has to bend towards its real end.
-_EXTRA_POLES = np.array(
-    [r * np.exp(1j * math.pi * x) for r, x in ((0.87, 0.84), (0.975, 0.83)) for x in (x, -x)] + [-0.5]
-)
+_UPPER_POLES = np.array([0.87, 0.975]) * np.exp(1j * math.pi * np.array([0.84, 0.83]))
+_EXTRA_POLES = np.concatenate([_UPPER_POLES, _UPPER_POLES.conj(), [-0.5]])
 _LOW, _HIGH = 0.05, 0.402
 _LOW_WEIGHT, _LOW_WEIGHT_IN_FILMS, _FILM_RATE_HZ = 2.0, 15.0, 44_100
 _TAPS_AND_BEYOND = ((12, 0.01), (16, 0.002), (20, 0.0005))  # the next where one is not near enough
@@ -31,70 +22,6 @@ _ENOUGH, _ROUNDS = 10.0 ** (-40.3 / 20.0), 4
 
 _NEAR_ONE = 1e-6  # of two real poles p, q in one section, (1 - p)(1 - q) is known to 1e-16: at least this, to 1e-10
 _RUN, _SILENT = 65_536, 1e-290
-
-
-@dataclass(frozen=True, eq=False)
-class Analogue:
-    """An analogue filter: zeros and poles in rad/s, and its gain."""
-
-    zeros: NDArray[np.complex128]
-    poles: NDArray[np.complex128]
-    gain: float
-
-    def __mul__(self, other: "Analogue") -> "Analogue":
-        """Return the two filters in series."""
-        return Analogue(
-            np.concatenate([self.zeros, other.zeros]),
-            np.concatenate([self.poles, other.poles]),
-            self.gain * other.gain,
-        )
-
-    def at(self, frequencies_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
-        """Return the complex response at the given frequencies."""
-        s = 2j * math.pi * frequencies_hz[:, None]
-        return cast(
-            "NDArray[np.complex128]",
-            self.gain * np.prod(s - self.zeros, axis=1) / np.prod(s - self.poles, axis=1),
-        )
-
-
-def felt_response(profile: ActuatorProfile) -> Analogue:
-    """Return H(s), from drive to perceived vibration."""
-    response = profile.response
-    return Analogue(_roots(response.zeros_rad_s), _roots(response.poles_rad_s), response.gain)
-
-
-def band(profile: ActuatorProfile) -> Analogue:
-    """Return L(s) D(s), the band in which the vibration is meant to follow the sound."""
-    low = butterworth(profile.lowpass.order, profile.lowpass.corner_hz, "lowpass")
-    high = butterworth(profile.highpass.order, profile.highpass.corner_hz, "highpass")
-    return low * high
-
-
-def half_band(profile: ActuatorProfile) -> Analogue:
-    """Return B(s), the band of which B(s) B(-s) has no phase: run forwards, then backwards.
-
-    Twice together it is 3 dB down at the corners of `band` and falls at least as fast above. Its order is at least two
-    more than the compensator's rise, so that C(s) B(s) falls towards half the sample rate, as a digital filter must.
-    """
-    low, high, response = profile.lowpass, profile.highpass, profile.response
-    rise = len(response.poles_rad_s) - len(response.zeros_rad_s)
-    low_order, high_order = max((low.order + 1) // 2, rise + 2), (high.order + 1) // 2
-    # |B|^2 = 1 / (1 + (f / g)^2n) is 1 / sqrt(2) at the corner f when (f / g)^2n = sqrt(2) - 1
-    low_hz = low.corner_hz / _EARLY ** (0.5 / low_order)
-    high_hz = high.corner_hz * _EARLY ** (0.5 / high_order)
-    return butterworth(low_order, low_hz, "lowpass") * butterworth(high_order, high_hz, "highpass")
-
-
-def inverse(profile: ActuatorProfile) -> Analogue:
-    """Return C(s) = 1 / H(s), which is improper: only in series with a band can it be realised."""
-    felt = felt_response(profile)
-    return Analogue(felt.poles, felt.zeros, 1.0 / felt.gain)
-
-
-def compensator(profile: ActuatorProfile) -> Analogue:
-    """Return C(s) L(s) D(s), whose output drives the actuator so that H makes it the sound in the band."""
-    return inverse(profile) * band(profile)
 
 
 def digital(analogue: Analogue, rate_hz: int) -> NDArray[np.float64]:
@@ -105,7 +32,7 @@ def digital(analogue: Analogue, rate_hz: int) -> NDArray[np.float64]:
 
         F(z) = prod(1 - e^(z_i T) / z) / prod(1 - e^(p_i T) / z)  *  sum(c_k z^-k) / prod(1 - q_i / z)
 
-    Up to 2 kHz at 44.1 kHz the compensator of the built-in actuator is off by -73 dB of its peak; by the bilinear
+    Up to 2 kHz at 44.1 kHz the compensator of the built-in actuator is off by -77 dB of its peak; by the bilinear
     transform it would be -50 dB. Raises ValueError for an improper filter (a low-pass in series keeps zeros from
     outnumbering poles), and for one that float64 sections cannot hold: a pole so slow that rounding moves it onto
     the unit circle, or a gain beyond floating point.
@@ -238,34 +165,3 @@ def run_filter(sections: NDArray[np.float64], samples: NDArray[np.float64]) -> N
         if np.any(state) or not np.max(np.abs(piece)) < _SILENT:
             filtered[start : start + _RUN], state = sosfilt(sections, piece, zi=state)
     return filtered
-
-
-def fade(samples: int) -> NDArray[np.float64]:
-    """Return the rising half of an equal-gain cross-fade, sin^2 at the middle of each of its samples.
-
-    Dry and compensated sound are one signal, so the weights of a fade, not their squares, sum to one:
-    `fade(n) + fade(n)[::-1] == 1`.
-    """
-    phase = (np.arange(samples) + 0.5) / max(samples, 1) * (math.pi / 2.0)
-    return np.asarray(np.sin(phase) ** 2, dtype=np.float64)
-
-
-def cross_fade(dry: NDArray[np.float64], wet: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return `dry` where the weight is 0 and `wet` where it is 1, exactly, and a straight mix between.
-
-    Written as dry + w (wet - dry), so that fading a signal into itself changes nothing.
-    """
-    mixed = dry + weights * (wet - dry)
-    return np.where(weights == 1.0, wet, mixed)
-
-
-def butterworth(order: int, corner_hz: float, kind: str) -> Analogue:
-    """Return a Butterworth filter of a kind that scipy knows, "lowpass" or "highpass"."""
-    from scipy.signal import butter
-
-    zeros, poles, gain = butter(order, 2.0 * math.pi * corner_hz, kind, analog=True, output="zpk")
-    return Analogue(np.asarray(zeros, np.complex128), np.asarray(poles, np.complex128), float(gain))
-
-
-def _roots(pairs: tuple[tuple[float, float], ...]) -> NDArray[np.complex128]:
-    return np.array([complex(real, imaginary) for real, imaginary in pairs], dtype=np.complex128)
