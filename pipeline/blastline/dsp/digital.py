@@ -136,10 +136,10 @@ def _pairs(roots: NDArray[np.complex128]) -> list[tuple[complex, complex]]:
     left. The slowest goes with the fastest; where that one is slow as well, each has a section to itself.
     """
     real = [complex(root) for root in roots if root.imag == 0.0]
-    real = sorted([*real, 0j] if len(real) % 2 else real, key=lambda root: abs(1.0 - root))
     pairs = [(complex(root), complex(root).conjugate()) for root in roots if root.imag > 0.0]
-    if len(real) // 2 * 2 + 2 * len(pairs) < len(roots):
+    if len(real) + 2 * len(pairs) != len(roots):
         raise ValueError("complex zeros and poles must come with their conjugates")
+    real = sorted([*real, 0j] if len(real) % 2 else real, key=lambda root: abs(1.0 - root))
     for slow, fast in zip(real[: len(real) // 2], real[::-1], strict=False):
         apart = 0.0 < abs((1.0 - slow) * (1.0 - fast)) < _NEAR_ONE
         pairs += [(slow, 0j), (fast, 0j)] if apart else [(slow, fast)]
