@@ -55,7 +55,7 @@ def profiles(draw: st.DrawFn) -> ActuatorProfile:
         response=replace(PROFILE.response, poles_rad_s=poles, zeros_rad_s=zeros, gain=1.0),
         lowpass=replace(
             PROFILE.lowpass,
-            corner_hz=draw(st.floats(100.0, 1600.0)),
+            corner_hz=draw(st.floats(400.0, 1600.0)),
             order=draw(st.integers(rise + 1, max(6, rise + 1))),
         ),
         highpass=replace(PROFILE.highpass, corner_hz=draw(st.floats(1.0, 40.0)), order=draw(st.integers(1, 4))),
@@ -63,7 +63,7 @@ def profiles(draw: st.DrawFn) -> ActuatorProfile:
 
 
 @SLOW
-@given(profiles(), RATES_HZ)
+@given(profiles(), st.sampled_from((8_000, 11_025, 44_100)))
 def test_any_compensator_is_as_near_to_its_prototype_as_it_must(profile: ActuatorProfile, rate_hz: int) -> None:
     for analogue in (dsp.compensator(profile), dsp.inverse(profile) * dsp.half_band(profile)):
         sections = dsp.digital(analogue, rate_hz)
