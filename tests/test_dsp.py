@@ -60,7 +60,7 @@ def test_half_band_twice_is_3_db_down_at_the_same_corners(order: int) -> None:
 @pytest.mark.parametrize("rate_hz", RATES_HZ)
 def test_digital_filters_follow_the_analogue_ones(rate_hz: int) -> None:
     top = min(2000.0, 0.4 * rate_hz)
-    bars = (-108.0, -125.0, -68.0) if rate_hz >= 44_100 else (-64.0, -72.0, -35.0)
+    bars = (-108.0, -125.0, -75.0) if rate_hz >= 44_100 else (-64.0, -72.0, -41.0)
     for analogue, bar in zip(
         (dsp.felt_response(PROFILE), dsp.band(PROFILE), dsp.compensator(PROFILE)), bars, strict=True
     ):
@@ -70,7 +70,7 @@ def test_digital_filters_follow_the_analogue_ones(rate_hz: int) -> None:
 @pytest.mark.parametrize("rate_hz", RATES_HZ)
 def test_compensator_does_not_gain_close_to_half_the_rate(rate_hz: int) -> None:
     sections = dsp.digital(dsp.compensator(PROFILE), rate_hz)
-    _, low = freqz_sos(sections, np.geomspace(20.0, 2000.0, 200), fs=rate_hz)
+    _, low = freqz_sos(sections, np.geomspace(1.0, 2000.0, 200), fs=rate_hz)
     _, high = freqz_sos(sections, np.linspace(0.4, 0.5, 200) * rate_hz, fs=rate_hz)
     assert np.max(np.abs(high)) <= 1.2 * np.max(np.abs(low))
 
@@ -100,9 +100,9 @@ def test_resonance_rings_as_its_analogue_does() -> None:
     found = dsp.run_filter(dsp.digital(analogue, rate_hz), np.concatenate([[1.0], np.zeros(4799)]))
     time_s = np.arange(4800) / rate_hz
     wanted = abs(pole) ** 2 / pole.imag * np.exp(pole.real * time_s) * np.sin(pole.imag * time_s) / rate_hz
-    # a sampled impulse is a band-limited one: its first sample holds what the analogue response has not yet
+    # a sampled impulse is a band-limited one: its first samples hold what the analogue response has not yet
     assert np.max(np.abs(found - wanted)) < 5e-3 * np.max(np.abs(wanted))
-    assert np.max(np.abs(found - wanted)[10:]) < 2e-4 * np.max(np.abs(wanted))
+    assert np.max(np.abs(found - wanted)[200:]) < 1e-5 * np.max(np.abs(wanted))
 
 
 def test_improper_filter_is_refused() -> None:

@@ -1,4 +1,4 @@
-"""`study detection` and `study rendering`."""
+"""`study detection`, `study rendering` and `study stability`."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -88,6 +88,30 @@ def rendering(
         output.write_bytes(msgspec.json.format(msgspec.json.encode(result), indent=1) + b"\n")
     typer.echo(rendering_table(result))
     return 0 if all(bar.met for bar in result.bars) else 1
+
+
+@group.command()
+def stability(
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every row as JSON as well.")
+    ] = None,
+) -> None:
+    """Measure the numbers at their extremes against independent references; exit code 1 where one misses its bar.
+
+    Example: `blastline study stability`
+    """
+    from ..study.stability import measure_stability, stability_json, stability_line
+
+    rows = []
+    for family, row in measure_stability():
+        rows.append((family, row))
+        typer.echo(stability_line(family, row))
+    if output:
+        output.write_bytes(stability_json(rows))
+    missed = sum(not row.ok for _, row in rows)
+    typer.echo(f"\n{len(rows)} rows, {missed} miss their bar")
+    if missed:
+        raise typer.Exit(1)
 
 
 def _table(score: "DetectionScore") -> str:

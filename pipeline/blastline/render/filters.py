@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from .. import dsp
 from ..errors import RuleError
 from ..model import Phase, Span
-from ..ruleset import ActuatorProfile, RenderRules
+from ..ruleset import ActuatorProfile, RenderRules, check_stable
 from ..units import samples_from_ms
 from .interior import Recursion
 from .windows import PlannedWindow
@@ -18,6 +18,8 @@ Samples = NDArray[np.float64]
 
 _LEAN = 1e-3  # of the impulse response's energy may a shorter recursion miss, as amplitude; the solver is faster by it
 _FADED = 1e-10  # an impulse response is cut where this much of it is left: far below 24-bit audio
+
+_LARGEST_GAIN = 1e6  # 120 dB either way: beyond any unit that an actuator is measured in
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,9 +43,12 @@ class DriveFilters:
 def drive_filters(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> DriveFilters:
     """Return the filters that make the drive for an actuator.
 
-    Raises RuleError where a corner of the profile does not lie below half the sample rate.
+    Raises RuleError where a corner of the profile does not lie below half the sample rate, or where the profile is
+    none that can be compensated.
     """
     _check_corners(profile, rate_hz)
+    check_stable(profile, profile.name)
+    _check_gain(profile, rate_hz)
     felt = dsp.felt_response(profile)
     shape = dsp.band(profile) if phase == "causal" else dsp.half_band(profile)
     sections = dsp.digital(felt, rate_hz)
@@ -121,6 +126,16 @@ def _recursion(poles: NDArray[np.complex128], sections: Samples, impulse: Sample
         if np.linalg.norm(fitted - impulse) <= _LEAN * np.linalg.norm(impulse):
             break
     return Recursion(forward, feedback, fitted)
+
+
+def _check_gain(profile: ActuatorProfile, rate_hz: int) -> None:
+    with np.errstate(over="ignore", invalid="ignore"):
+        peak = float(np.max(np.abs(dsp.felt_response(profile).at(np.geomspace(1.0, rate_hz / 2.0, 200)))))
+    if not 1.0 / _LARGEST_GAIN <= peak <= _LARGEST_GAIN:
+        raise RuleError(
+            f"{profile.name}: response.gain = {profile.response.gain:g}: what is felt of a full drive peaks at "
+            f"{peak:g}; expected {1.0 / _LARGEST_GAIN:g} to {_LARGEST_GAIN:g}"
+        )
 
 
 def _check_corners(profile: ActuatorProfile, rate_hz: int) -> None:

@@ -21,6 +21,9 @@ from ..model import Quality
 from .measuring import MeasuringRules, PerceptionCurve
 from .tables import ActuatorProfile, AlignRules, HapticRules, QualityRules, SceneRules, Table, to_builtins
 
+SLOWEST_RAD_S = -1.0
+"""The slowest decay of an actuator, as the real part of a zero or pole: filters keep all of it in memory."""
+
 _T = TypeVar("_T", bound=Table)
 
 
@@ -103,14 +106,21 @@ def load_actuator(name: str, overlay: Path | None = None) -> tuple[ActuatorProfi
     return profile, hashlib.sha256(msgspec.json.encode(profile)).hexdigest()
 
 
-def check_stable(profile: ActuatorProfile, path: Path) -> None:
-    """Raise RuleError where a pole does not decay or a zero cannot be inverted by a stable compensator."""
+def check_stable(profile: ActuatorProfile, path: Path | str) -> None:
+    """Raise RuleError where a pole does not decay, a zero has no stable inverse, or no band is left.
+
+    `path` is what the message begins with: the profile's file, or its name.
+    """
     response = profile.response
     for kind, roots in (("pole", response.poles_rad_s), ("zero", response.zeros_rad_s)):
         for index, (real, imaginary) in enumerate(roots):
             where = f"{path}: response.{kind}s_rad_s[{index}] = [{real}, {imaginary}]"
             if real >= 0.0:
                 raise RuleError(f"{where}: expected a negative real part (stable, minimum phase)")
+            if real > SLOWEST_RAD_S:
+                raise RuleError(
+                    f"{where}: expected a real part of {SLOWEST_RAD_S:g} or less (it rings for {-5 / real:.2g} s)"
+                )
             if roots.count((real, -imaginary)) != roots.count((real, imaginary)):
                 raise RuleError(f"{where}: expected its conjugate [{real}, {-imaginary}] in the list as well")
     if len(response.zeros_rad_s) >= len(response.poles_rad_s):
@@ -120,6 +130,11 @@ def check_stable(profile: ActuatorProfile, path: Path) -> None:
         raise RuleError(
             f"{path}: lowpass.order = {profile.lowpass.order}: expected more than {excess}, "
             "the compensator's rise per octave, so that its gain falls above the band"
+        )
+    if profile.highpass.corner_hz >= profile.lowpass.corner_hz:
+        raise RuleError(
+            f"{path}: highpass.corner_hz = {profile.highpass.corner_hz:g}: expected below lowpass.corner_hz = "
+            f"{profile.lowpass.corner_hz:g}; nothing would be left between them"
         )
 
 

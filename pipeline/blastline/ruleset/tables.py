@@ -223,7 +223,7 @@ class LowPass(Table, frozen=True):
 class HighPass(Table, frozen=True):
     """The Butterworth high-pass that keeps DC and rumble out of the drive."""
 
-    corner_hz: Positive
+    corner_hz: Annotated[float, Meta(ge=0.1)]
     order: Annotated[int, Meta(ge=1, le=4)]
 
 

@@ -13,10 +13,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 RIFF_LIMIT = 0xFFFFFFFF
+MARKER_LIMIT = 0xFFFFFFFF
 ORIGINATOR = b"blastline"
 SAMPLE_BYTES = 3
-
-_LAST_PLACE = 0xFFFFFFFF
 
 
 @dataclass(frozen=True)
@@ -51,18 +50,19 @@ def header(*, frames: int, rate_hz: int, time_reference: int, description: str, 
 def cue_chunks(cues: Sequence[Cue]) -> bytes:
     """Return the chunks after the samples: the places of the markers, then their names and lengths.
 
-    A place has 32 bits, in RF64 too: what comes later than 2^32 samples (24 hours at 48 kHz) gets no marker.
+    The format counts samples with 32 bits: a marker beyond, after 12 h 25 min at 96 kHz, has no place in it and is left
+    to the timeline.
     """
-    held = [cue for cue in cues if cue.sample <= _LAST_PLACE]
-    if not held:
+    cues = [cue for cue in cues if cue.sample <= MARKER_LIMIT]
+    if not cues:
         return b""
-    places = struct.pack("<I", len(held))
+    places = struct.pack("<I", len(cues))
     notes = b"adtl"
-    for number, cue in enumerate(held, start=1):
+    for number, cue in enumerate(cues, start=1):
         places += struct.pack("<II4sIII", number, cue.sample, b"data", 0, 0, cue.sample)
         notes += chunk(b"labl", struct.pack("<I", number) + cue.label.encode() + b"\0")
         if cue.length:
-            notes += chunk(b"ltxt", struct.pack("<II4s4H", number, cue.length, b"rgn ", 0, 0, 0, 0))
+            notes += chunk(b"ltxt", struct.pack("<II4s4H", number, min(cue.length, MARKER_LIMIT), b"rgn ", 0, 0, 0, 0))
     return chunk(b"cue ", places) + chunk(b"LIST", notes)
 
 

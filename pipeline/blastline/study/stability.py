@@ -1,0 +1,69 @@
+"""Numbers at the extremes: each row is measured against an independent reference and held to a bar.
+
+    filters    the response of the rounded sections, and what they do to samples, against mpmath
+    signals    amplitudes, denormals, silence, DC, impulses, a full-scale square
+    windows    one sample, touching, overlapping, past the ends; blocks of any size
+    files      NaN and infinity, a day of stream, counters beyond 2^31
+    solver     nothing to follow, and far more than the limit
+    refusals   what has no meaningful answer, refused in one line
+
+A family is a function that makes its rows, and may use a folder for its files; to add one, name it in `families`.
+"""
+
+import dataclasses
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+
+from ..errors import RuleError
+from .stability_rows import Row
+
+Family = Callable[[Path], Iterator[Row]]
+
+
+def families() -> dict[str, Family]:
+    """Return the families of rows by name, in the order of the table."""
+    from .stability_files import file_rows
+    from .stability_filters import filter_rows
+    from .stability_refusals import refusal_rows
+    from .stability_signals import signal_rows
+    from .stability_solver import solver_rows
+    from .stability_windows import window_rows
+
+    return {
+        "filters": filter_rows,
+        "signals": signal_rows,
+        "windows": window_rows,
+        "files": file_rows,
+        "solver": solver_rows,
+        "refusals": refusal_rows,
+    }
+
+
+def measure_stability() -> Iterator[tuple[str, Row]]:
+    """Yield every row with the name of its family, each as soon as it has been measured.
+
+    Raises RuleError where mpmath, the reference, is not installed.
+    """
+    if find_spec("mpmath") is None:
+        raise RuleError("study stability: needs mpmath as its reference; pip install 'blastline[study]'")
+    for name, family in families().items():
+        with tempfile.TemporaryDirectory(prefix="blastline-") as folder:
+            for row in family(Path(folder)):
+                yield name, row
+
+
+def stability_line(family: str, row: Row) -> str:
+    """Return a row as a line of the table: family, case, measured, bar, margin, unit, and whether it holds."""
+    sign = {"below": "<=", "above": ">=", "equal": "= "}[row.better]
+    figures = f"{row.measured:11.4g} {sign} {row.bar:<8.4g} {row.margin + 0.0:10.3g}"
+    return f"{family:<9} {row.name:<66} {figures} {row.unit:<13} {'ok' if row.ok else 'MISSED'}"
+
+
+def stability_json(rows: Sequence[tuple[str, Row]]) -> bytes:
+    """Return the table as JSON; a figure that is no number is null."""
+    import msgspec
+
+    plain = [{"family": family, **dataclasses.asdict(row), "margin": row.margin, "ok": row.ok} for family, row in rows]
+    return msgspec.json.format(msgspec.json.encode(plain), indent=1) + b"\n"

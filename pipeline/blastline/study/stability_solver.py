@@ -1,0 +1,54 @@
+"""Rows about the constrained drive: nothing to follow, what the filter can do as well, and far more than the limit."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from ..render import drive_filters
+from ..render.filters import DriveFilters, Samples, compensated, felt, in_band
+from ..ruleset import load_actuator
+from ..units import db_from_gain
+from .stability_rows import Row, exact
+from .stability_signals import RATE_HZ, drive_of, shot_film
+
+_ONSET, _LEAD = 14_400, 48
+
+
+def solver_rows(folder: Path) -> Iterator[Row]:
+    """Yield the rows about the solver; needs no files."""
+    profile, _ = load_actuator("crowson-t108sm")
+    filters = drive_filters(profile, RATE_HZ, "causal")
+    silent = drive_of(np.zeros(24_000), _ONSET, "constrained", filters)
+    yield exact("zero target: samples of drive that are not 0", np.count_nonzero(silent))
+    yield _weak_row(filters)
+    for scale in (1.0, 1e3, 1e9, 1e30):
+        yield from _strong_rows(shot_film(scale=scale), f"{scale:g} times", filters)
+    enormous = [drive_of(shot_film(scale=scale), _ONSET, "constrained", filters) for scale in (1e20, 1e24)]
+    yield Row("target 1e20 and 1e24 times: greatest difference", float(np.max(np.abs(np.subtract(*enormous)))), 1e-6)
+
+
+def _weak_row(filters: DriveFilters) -> Row:
+    """Return how far what is felt stays from a target that the actuator can follow."""
+    film = shot_film(scale=0.01)
+    drive = drive_of(film, _ONSET, "constrained", filters)
+    whole = slice(_ONSET, _ONSET + 4_800)
+    wanted = in_band(film, filters)[whole]
+    error = np.linalg.norm(felt(drive, filters)[whole] - wanted) / np.linalg.norm(wanted)
+    return Row("target well inside the limit: error of what is felt", db_from_gain(float(error)), -40.0, "dB")
+
+
+def _strong_rows(film: Samples, name: str, filters: DriveFilters) -> Iterator[Row]:
+    """Yield what a drive at the limit does: stays in it, keeps to its lead, gains on the compensator clipped.
+
+    The larger the target, the more the best drive is the one whose felt vibration has the largest product with it.
+    """
+    drive = drive_of(film, _ONSET, "constrained", filters)
+    yield Row(f"target {name}: peak", float(np.max(np.abs(drive))), 1.0, "of the limit")
+    yield exact(f"target {name}: not 0 before the lead", np.count_nonzero(drive[: _ONSET - _LEAD]))
+    target = in_band(film, filters)
+    target = target / np.max(np.abs(target))
+    clipped = np.clip(compensated(film, filters), -1.0, 1.0)
+    clipped[drive == 0.0] = 0.0
+    one, other = (float(np.sum(felt(samples, filters) * target)) for samples in (drive, clipped))
+    yield Row(f"target {name}: product with what is felt, against clipped", one / other, 1.0, "", "above")

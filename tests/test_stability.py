@@ -1,0 +1,227 @@
+"""Numbers at the extremes: what `study stability` measures at fixed places holds over whole ranges as well."""
+
+import json
+import math
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from blastline import dsp
+from blastline.errors import RuleError
+from blastline.model import DriveModel
+from blastline.render import drive_filters
+from blastline.ruleset import ActuatorProfile
+from blastline.soundtrack import Cue
+from blastline.soundtrack.bwf import cue_chunks
+from blastline.study import stability, stability_filters
+from blastline.study.stability import stability_json, stability_line
+from blastline.study.stability_filters import bar_db, response_error_db, sections_response, single_pole, time_error_db
+from blastline.study.stability_rows import Row, exact
+from blastline.study.stability_signals import MODELS, drive_of, shot_film
+from commands import blastline
+from render_signals import CAUSAL, PROFILE
+
+RATES_HZ = st.sampled_from(stability_filters.RATES_HZ)
+SLOW = settings(max_examples=12, deadline=None, derandomize=True)
+
+
+@st.composite
+def roots(draw: st.DrawFn, most: int) -> tuple[tuple[float, float], ...]:
+    """Real roots from 1 to 800 Hz and resonances from 20 to 800 Hz, Q 0.5 to 30."""
+    found: tuple[tuple[float, float], ...] = ()
+    while len(found) < most and draw(st.booleans()):
+        if most - len(found) >= 2 and draw(st.booleans()):
+            corner_rad_s = 2.0 * math.pi * draw(st.floats(20.0, 800.0))
+            real = -corner_rad_s / (2.0 * draw(st.floats(0.51, 30.0)))
+            imaginary = math.sqrt(corner_rad_s**2 - real**2)
+            found += ((real, imaginary), (real, -imaginary))
+        else:
+            found += ((-2.0 * math.pi * draw(st.floats(1.0, 800.0)), 0.0),)
+    return found
+
+
+@st.composite
+def profiles(draw: st.DrawFn) -> ActuatorProfile:
+    poles = draw(roots(6)) or ((-1400.0, 0.0),)
+    zeros = draw(roots(len(poles) - 1))
+    rise = len(poles) - len(zeros)
+    replace = msgspec.structs.replace
+    return replace(
+        PROFILE,
+        response=replace(PROFILE.response, poles_rad_s=poles, zeros_rad_s=zeros, gain=1.0),
+        lowpass=replace(
+            PROFILE.lowpass,
+            corner_hz=draw(st.floats(400.0, 1600.0)),
+            order=draw(st.integers(rise + 1, max(6, rise + 1))),
+        ),
+        highpass=replace(PROFILE.highpass, corner_hz=draw(st.floats(1.0, 40.0)), order=draw(st.integers(1, 4))),
+    )
+
+
+@SLOW
+@given(profiles(), st.sampled_from((8_000, 11_025, 44_100)))
+def test_any_compensator_is_as_near_to_its_prototype_as_it_must(profile: ActuatorProfile, rate_hz: int) -> None:
+    for analogue in (dsp.compensator(profile), dsp.inverse(profile) * dsp.half_band(profile)):
+        sections = dsp.digital(analogue, rate_hz)
+        assert response_error_db(analogue, sections, rate_hz, points=25) <= bar_db(rate_hz)
+
+
+@SLOW
+@given(st.floats(math.log(0.01), math.log(0.9 * math.pi)), st.integers(1, 4), RATES_HZ)
+def test_single_corners_from_very_slow_to_nearly_half_the_rate(log_corner: float, times: int, rate_hz: int) -> None:
+    """The corner runs from 0.01 rad/s to 0.9 of half the rate, on a scale that reaches both."""
+    share = (log_corner - math.log(0.01)) / (math.log(0.9 * math.pi) - math.log(0.01))
+    corner_rad_s = 0.01 * (0.9 * math.pi * rate_hz / 0.01) ** share
+    analogue = single_pole(corner_rad_s, times)
+    error_db = response_error_db(analogue, dsp.digital(analogue, rate_hz), rate_hz, start_hz=1e-4, points=25)
+    assert error_db <= bar_db(rate_hz)
+
+
+@pytest.mark.parametrize("rate_hz", [8_000, 48_000, 384_000])
+@pytest.mark.parametrize("times", [1, 2, 3, 4])
+def test_slow_poles_keep_their_gain_at_dc_after_rounding(rate_hz: int, times: int) -> None:
+    sections = dsp.digital(single_pole(0.01, times), rate_hz)
+    (at_dc,) = sections_response(sections, np.zeros(1), rate_hz)
+    assert abs(at_dc - 1) < 1e-6
+
+
+@SLOW
+@given(st.floats(0.1, 40.0), st.integers(1, 4), RATES_HZ)
+def test_every_high_pass_that_a_profile_may_have_is_stable_and_stops_dc(
+    corner_hz: float, order: int, rate_hz: int
+) -> None:
+    band = dsp.butterworth(order, corner_hz, "highpass") * dsp.butterworth(3, 1000.0, "lowpass")
+    sections = dsp.digital(band, rate_hz)
+    (at_dc,) = sections_response(sections, np.zeros(1), rate_hz)
+    assert abs(at_dc) < 1e-8
+    assert response_error_db(band, sections, rate_hz, points=10) <= bar_db(rate_hz) - 20.0
+
+
+@settings(max_examples=8, deadline=None, derandomize=True)
+@given(RATES_HZ, st.integers(0, 99), st.floats(-30.0, 30.0))
+def test_filtered_samples_are_those_of_exact_arithmetic(rate_hz: int, seed: int, exponent: float) -> None:
+    sections = dsp.digital(dsp.compensator(PROFILE), rate_hz)
+    samples = np.random.default_rng(seed).uniform(-1.0, 1.0, 300) * 10.0**exponent
+    assert time_error_db(sections, samples) < -200.0
+
+
+@given(st.integers(-900, 900), st.integers(0, 2**32 - 1))
+def test_a_power_of_two_goes_through_a_filter_to_the_bit(power: int, seed: int) -> None:
+    samples = np.random.default_rng(seed).uniform(-1.0, 1.0, 64)
+    once = dsp.run_filter(CAUSAL.compensator, samples)
+    assert np.array_equal(dsp.run_filter(CAUSAL.compensator, np.ldexp(samples, power)), np.ldexp(once, power))
+
+
+def test_a_filter_left_alone_comes_to_rest() -> None:
+    """Denormals would last for ever: the smallest of them times 0.9 is itself."""
+    impulse = np.zeros(3 * 65_536)
+    impulse[0] = 1.0
+    felt = dsp.run_filter(CAUSAL.felt, impulse)
+    assert np.any(felt[:65_536])
+    assert not np.any(felt[65_536:])
+    assert not np.any(dsp.run_filter(CAUSAL.felt, np.full(1000, 1e-300)))
+
+
+@pytest.mark.parametrize("start", [0, 1, 65_535, 65_536, 65_537, 100_000])
+def test_where_a_run_is_cut_changes_no_bit(start: int) -> None:
+    samples = np.random.default_rng(0).standard_normal(140_000)
+    late = dsp.run_filter(CAUSAL.compensator, np.concatenate([np.zeros(start), samples]))
+    assert np.array_equal(late[start:], dsp.run_filter(CAUSAL.compensator, samples))
+    assert not np.any(late[:start])
+
+
+@pytest.mark.parametrize("model", MODELS)
+@settings(max_examples=6, deadline=None, derandomize=True)
+@given(exponent=st.floats(-320.0, 150.0))
+def test_a_drive_stays_within_the_limit_whatever_the_sound_is(model: DriveModel, exponent: float) -> None:
+    drive = drive_of(shot_film(scale=10.0**exponent), 14_400, model, CAUSAL)
+    assert np.all(np.abs(drive) <= 1.0)
+    assert not np.any(drive[: 14_400 - 48])
+
+
+@pytest.mark.parametrize(
+    ("table", "changes", "message"),
+    [
+        ("response", {"gain": 1e-200}, r"crowson-t108sm: response.gain = 1e-200: .* expected 1e-06 to 1e\+06"),
+        ("response", {"gain": 1e200}, r"response.gain = 1e\+200: .* expected 1e-06 to 1e\+06"),
+        ("response", {"zeros_rad_s": ((-0.5, 0.0),)}, r"zeros_rad_s\[0\] = \[-0.5, 0.0\]: .* \(it rings for 10 s\)"),
+        ("highpass", {"corner_hz": 1000.0}, r"highpass.corner_hz = 1000: expected below lowpass.corner_hz = 1000"),
+        ("lowpass", {"order": 1}, "crowson-t108sm: lowpass.order = 1: expected more than 2"),
+    ],
+)
+def test_profiles_that_no_filter_can_hold_are_refused(table: str, changes: dict[str, object], message: str) -> None:
+    replaced = msgspec.structs.replace(getattr(PROFILE, table), **changes)
+    with pytest.raises(RuleError, match=message):
+        drive_filters(msgspec.structs.replace(PROFILE, **{table: replaced}), 48_000, "causal")
+
+
+@pytest.mark.parametrize("rate_hz", [-1, 0, 1, 2_000])
+def test_a_rate_with_no_room_for_the_band_is_refused(rate_hz: int) -> None:
+    with pytest.raises(RuleError, match=f"half the soundtrack's sample rate of {rate_hz} Hz"):
+        drive_filters(PROFILE, rate_hz, "zero")
+
+
+@pytest.mark.parametrize("corner_rad_s", [1e-12, 1e-300])
+def test_a_pole_that_rounding_would_make_unstable_is_refused(corner_rad_s: float) -> None:
+    with pytest.raises(ValueError, match="decays too slowly"):
+        dsp.digital(single_pole(corner_rad_s), 384_000)
+
+
+def test_a_gain_beyond_floating_point_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"gain of .* cannot be computed"):
+        dsp.digital(dsp.Analogue(np.array([], complex), np.array([-1e3 + 0j]), 0.0), 48_000)
+
+
+def test_roots_without_their_conjugates_are_refused() -> None:
+    with pytest.raises(ValueError, match="conjugates"):
+        dsp.digital(dsp.Analogue(np.array([], complex), np.array([-1e3 - 1e3j]), 1.0), 48_000)
+
+
+def test_a_marker_beyond_32_bits_is_left_to_the_timeline() -> None:
+    last = Cue(2**32 - 1, "last", 5)
+    assert cue_chunks([last, Cue(2**32, "beyond")]) == cue_chunks([last])
+    assert cue_chunks([Cue(5, "long", 2**33)]) == cue_chunks([Cue(5, "long", 2**32 - 1)])
+
+
+@pytest.mark.parametrize("family", ["windows", "files", "solver", "refusals"])
+def test_a_family_of_rows_holds(family: str, tmp_path: Path) -> None:
+    rows = list(stability.families()[family](tmp_path))
+    assert len(rows) > 5
+    assert [row for row in rows if not row.ok] == []
+
+
+def test_rows_know_on_which_side_of_their_bar_they_are() -> None:
+    assert Row("a", -61.0, -60.0).ok
+    assert not Row("a", -59.0, -60.0).ok
+    assert Row("a", 2.0, 1.0, better="above").margin == 1.0
+    assert not Row("a", 0.5, 1.0, better="above").ok
+    assert exact("a", 0).ok
+    assert not exact("a", 1).ok
+    assert not Row("a", math.nan, 1.0).ok
+    assert not Row("a", math.nan, 1.0, better="above").ok
+    assert "MISSED" in stability_line("family", Row("a", 2.0, 1.0))
+
+
+def test_the_table_is_printed_and_written_and_a_missed_bar_is_exit_code_1(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rows = [Row("good", 0.5, 1.0, "dB"), Row("not a number", math.nan, 1.0)]
+    monkeypatch.setattr(stability, "families", lambda: {"few": lambda folder: iter(rows)})
+    ended = blastline("study", "stability", "--output", tmp_path / "rows.json")
+    assert ended.code == 1
+    assert "2 rows, 1 miss their bar" in ended.out
+    written = json.loads((tmp_path / "rows.json").read_bytes())
+    assert [row["ok"] for row in written] == [True, False]
+    assert [row["measured"] for row in written] == [0.5, None]
+    assert stability_json([("few", rows[0])]).endswith(b"\n")
+    rows.pop()
+    assert blastline("study", "stability").code == 0
+
+
+def test_without_its_reference_the_study_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(stability, "find_spec", lambda name: None)
+    assert "pip install 'blastline[study]'" in blastline("study", "stability").complaint
