@@ -6,7 +6,21 @@ from typing import Annotated
 import typer
 
 from ..model import Background, DriveChoice, Phase, Timeline, encode
-from .options import DRIVING, WRITING, Film, Formats, Mix, Overwrite, QualityOption, Quiet, RulesOption, Stream, listed
+from .options import (
+    DRIVING,
+    WRITING,
+    EditedTimeline,
+    Film,
+    Formats,
+    Mix,
+    OriginalTimeline,
+    Overwrite,
+    QualityOption,
+    Quiet,
+    RulesOption,
+    Stream,
+    listed,
+)
 from .progress import shown_progress
 from .summary import say_checks, say_summary
 
@@ -23,6 +37,8 @@ def render(
     rules: RulesOption = None,
     mix: Mix = "mains",
     stream: Stream = None,
+    timeline: EditedTimeline = None,
+    original: OriginalTimeline = None,
     actuator: Annotated[
         str,
         typer.Option(
@@ -74,13 +90,15 @@ def render(
         formats=listed(formats),
         report=report,
         overwrite=overwrite,
+        timeline=timeline,
+        original=original,
     )
     with shown_progress(quiet=quiet) as progress:
-        timeline = run.render(film, folder, options, progress)
+        made = run.render(film, folder, options, progress)
     if not quiet:
-        say_summary(timeline, folder / "report.html" if report else folder)
-    say_checks(timeline, quiet=quiet, err=True)
-    return _code(timeline)
+        say_summary(made, folder / "report.html" if report else folder)
+    say_checks(made, quiet=quiet, err=True)
+    return _code(made)
 
 
 def detect(

@@ -30,6 +30,8 @@ COLUMNS: Mapping[str, str] = MappingProxyType(
         "drive_peak": "float64",
         "perceived_gain_db": "float64",
         "fidelity": "float64",
+        "gain_db": "float64",
+        "origin": "str",
     }
 )
 """The columns in order, each with its pandas type; a cell is empty where an event has no such value.
@@ -74,4 +76,6 @@ def _row(event: Event, rate_hz: int) -> dict[str, str | float | None]:
         "drive_peak": drive.peak if drive else None,
         "perceived_gain_db": drive.perceived_gain_db if drive else None,
         "fidelity": drive.fidelity if drive else None,
+        "gain_db": event.gain_db,
+        "origin": event.origin,
     }

@@ -13,13 +13,14 @@ from .. import scene
 from ..align import check_files
 from ..errors import OutputError
 from ..export import export_timeline, known_formats
-from ..model import ActuatorRef, Background, Clip, DriveChoice, DriveInfo, Phase, Quality, Span, Timeline
+from ..model import ActuatorRef, Background, Clip, DriveChoice, DriveInfo, Edits, Phase, Quality, Span, Timeline
 from ..render import RenderedWindow, compose, drive_filters, measure, needed_audio, render_window
 from ..report import OverviewMeter, write_report
 from ..ruleset import ActuatorProfile, Rules, load_actuator, load_rules
 from ..soundtrack import Cue, Soundtrack, open_soundtrack, write_drive
 from ..staging import staged
-from .listening import BLOCK, Listened, assemble, event_id, listen
+from .editing import Editing, hear_edited, read_editing
+from .listening import BLOCK, Listened, assemble, listen
 from .progress import Progress, no_progress
 
 DRIVE_NAME, REPORT_NAME = "drive.wav", "report.html"
@@ -40,6 +41,8 @@ class RenderOptions:
     formats: tuple[str, ...] = ("json", "csv")
     report: bool = True
     overwrite: bool = False
+    timeline: Path | None = None
+    original: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,8 @@ class Setup:
 def render(film: Path, folder: Path, options: RenderOptions, progress: Progress = no_progress) -> Timeline:
     """Find the shots of a film and write drive, timeline and report to `folder`; return the timeline with its checks.
 
+    With `options.timeline`, an edited timeline, its events are rendered instead of what would be found.
+
     Raises BlastlineError for input, rules or an output folder that cannot be used; nothing is written then.
     """
     profile, digest = load_actuator(options.actuator, options.rules)
@@ -64,13 +69,17 @@ def render(film: Path, folder: Path, options: RenderOptions, progress: Progress 
     formats = known_formats(options.formats)
     names = [DRIVE_NAME, *(known.file_name for known in formats), *([REPORT_NAME] if options.report else [])]
     _refuse_to_replace(film, folder, names)
+    editing = None if options.timeline is None else read_editing(options.timeline, original=options.original)
     with staged(folder, names=names, overwrite=options.overwrite) as hidden:
         with open_soundtrack(film, stream=options.stream, mix=options.mix, spool_folder=hidden) as track:
             meter = OverviewMeter(track.rate_hz) if options.report else None
-            heard = listen(track, rules, progress, meter)
+            heard, edits = _heard(track, setup, editing, meter)
             drives = _write_drive(hidden / DRIVE_NAME, heard, setup)
             timeline = msgspec.structs.replace(
-                assemble(heard, rules, drives, setup.actuator), phase=options.phase, background=options.background
+                assemble(heard, rules, drives, setup.actuator),
+                phase=options.phase,
+                background=options.background,
+                edits=edits,
             )
             with open_soundtrack(hidden / DRIVE_NAME) as drive:
                 timeline = checked(timeline, track, drive, setup)
@@ -89,6 +98,15 @@ def render(film: Path, folder: Path, options: RenderOptions, progress: Progress 
     return timeline
 
 
+def _heard(
+    track: Soundtrack, setup: Setup, editing: Editing | None, meter: OverviewMeter | None
+) -> tuple[Listened, Edits | None]:
+    """Return the film with its shots, found or named by an edited timeline, and what was edited."""
+    if editing is None:
+        return listen(track, setup.rules, setup.progress, meter), None
+    return hear_edited(track, setup.rules, editing, progress=setup.progress, meter=meter)
+
+
 def _write_drive(path: Path, heard: Listened, setup: Setup) -> dict[int, DriveInfo]:
     """Render every window into the drive's file and return what was done for each shot, by its index."""
     drives: dict[int, DriveInfo] = {}
@@ -101,7 +119,7 @@ def _write_drive(path: Path, heard: Listened, setup: Setup) -> dict[int, DriveIn
 
     source = heard.source
     film = _cuts(heard.track, source.frames) if setup.options.background == "direct" else ()
-    cues = [Cue(shot.onset, event_id(index), len(shot.span)) for index, shot in enumerate(heard.found.shots)]
+    cues = [Cue(shot.onset, mark.id, len(shot.span)) for shot, mark in zip(heard.found.shots, heard.marks, strict=True)]
     write_drive(
         path,
         compose(film, noted(), setup.options.background),

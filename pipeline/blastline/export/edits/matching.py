@@ -1,0 +1,270 @@
+"""What became of each event: edited rows beside the events that they were exported from.
+
+A row is an original event by its id, or, where it has none, by its time. As long as the digits of the file allow it, an
+event is where it was; otherwise it was moved. What no row names any more was deleted.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from pathlib import Path
+
+from ...errors import TimelineError
+from ...model import Event, Origin, Window
+from .row import Edit, EditedFile, Point, nearest_sample
+
+_OWN_ID = re.compile(r"shot-\d+\b")
+_WITH_CONFIDENCE = re.compile(r"(\S+) ([01]\.\d\d)")
+_FROM_GAIN_DB, _TO_GAIN_DB = -60, 24
+
+
+@dataclass(frozen=True)
+class Wish:
+    """An event as it is wanted. `place` is where the edited file says so.
+
+    `was` is the original event where there is one. `window` is to be kept as it is; where it is None, `start` and `stop`
+    are ends set by hand, and one that is None is to be planned. `confidence` is None where nobody rated the event.
+    """
+
+    place: str
+    id: str
+    onset: int
+    origin: Origin
+    was: Event | None
+    window: Window | None
+    start: int | None
+    stop: int | None
+    confidence: float | None
+    gain_db: float
+
+    @property
+    def unmoved(self) -> bool:
+        """Return whether the event is an original one and where it was."""
+        return self.was is not None and self.was.onset_sample == self.onset
+
+    @property
+    def changed(self) -> bool:
+        """Return whether an unmoved event's window, gain or confidence is another."""
+        was = self.was
+        if was is None or not self.unmoved:
+            return False
+        ends = self.start is not None or self.stop is not None
+        return ends or (self.gain_db, self.confidence) != (was.gain_db, was.confidence)
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """All events that are wanted, by onset, and the originals that no row names any more."""
+
+    wishes: tuple[Wish, ...]
+    deleted: tuple[Event, ...]
+
+
+@dataclass(frozen=True)
+class _Pair:
+    """A row, the original event that it is of, if any, and its id, if it has one."""
+
+    edit: Edit
+    was: Event | None
+    id: str | None
+
+
+def match(edited: EditedFile, originals: Mapping[str, Event] | None, *, rate_hz: int) -> Wanted:
+    """Return what an edited file wants of a film at `rate_hz`; `originals` by id, None where they are not known.
+
+    Raises TimelineError where two rows have one id or one onset, where two cells of a row contradict each other and
+    nothing tells which was edited, or where a window does not hold its onset.
+    """
+    known = edited.own if originals is None else originals
+    pairs = list(_paired(edited, known, rate_hz))
+    _refuse_repeats(edited.path, ((pair.edit.place, pair.id) for pair in pairs if pair.id is not None), "id")
+    fresh = _free_ids({*known, *(pair.id for pair in pairs if pair.id is not None)})
+    wishes = [_wish(edited, pair, next(fresh) if pair.id is None else pair.id, rate_hz) for pair in pairs]
+    _refuse_repeats(edited.path, ((wish.place, wish.onset) for wish in wishes), "onset_sample")
+    named = {wish.id for wish in wishes}
+    deleted = tuple(event for event in known.values() if event.id not in named)
+    kept = _with_whole_windows(wishes, known.values())
+    return Wanted(tuple(sorted(kept, key=lambda wish: wish.onset)), deleted)
+
+
+def _paired(edited: EditedFile, known: Mapping[str, Event], rate_hz: int) -> Iterator[_Pair]:
+    """Yield each row with its original: by id, and of those without one by time."""
+    ids = [edit.id or _id_in(edit.text, known) for edit in edited.edits]
+    free = {event.onset_sample: event for event in known.values() if event.id not in ids}
+    for edit, identity in zip(edited.edits, ids, strict=True):
+        if identity is not None:
+            yield _Pair(edit, known.get(identity), identity)
+            continue
+        near = [event for onset, event in free.items() if edit.onset.may_be(onset, rate_hz)]
+        place = edit.onset.nearest(rate_hz)
+        was = min(near, key=lambda event: abs(event.onset_sample - place), default=None)
+        if was is not None:
+            del free[was.onset_sample]
+        yield _Pair(edit, was, was.id if was else None)
+
+
+def _id_in(text: str, known: Mapping[str, Event]) -> str | None:
+    """Return the id with which a label begins: one that is known, or one as this program writes them."""
+    if text in known:
+        return text
+    parts = text.split(" ")
+    for count in range(len(parts) - 1, 0, -1):
+        if (start := " ".join(parts[:count])) in known:
+            return start
+    said = _OWN_ID.match(text) or _WITH_CONFIDENCE.fullmatch(text)
+    return said[0].split(" ")[0] if said else None
+
+
+def _free_ids(taken: Iterable[str]) -> Iterator[str]:
+    """Yield ids that follow the highest that is taken."""
+    numbers = [int(name.removeprefix("shot-")) for name in taken if _OWN_ID.fullmatch(name)]
+    number = max(numbers, default=0)
+    while True:
+        number += 1
+        yield f"shot-{number:04d}"
+
+
+def _refuse_repeats(path: Path, values: Iterable[tuple[str, object]], name: str) -> None:
+    first: dict[object, str] = {}
+    for place, value in values:
+        if value in first:
+            raise TimelineError(f"{path}: {place}: {name} = {value!r}: {first[value]} has it too; expected each once")
+        first[value] = place
+
+
+def _wish(edited: EditedFile, pair: _Pair, identity: str, rate_hz: int) -> Wish:
+    edit, was = pair.edit, pair.was
+    onset = _settled(edited, edit, "onset", edit.onset, _onset_before(pair), rate_hz)
+    moved = was is not None and was.onset_sample != onset
+    if was is None and edit.blast_start is not None:
+        moved = edit.blast_start != onset
+    if was is not None:
+        origin: Origin = "moved" if moved and was.origin == "found" else was.origin
+    elif edit.origin is not None:
+        origin = "moved" if moved and edit.origin == "found" else edit.origin
+    else:
+        rated = edit.confidence is not None or _WITH_CONFIDENCE.match(edit.text)
+        origin = "added" if not rated or pair.id is None else "moved" if moved else "found"
+    start, stop = _ends(edited, pair, onset, moved=moved, rate_hz=rate_hz)
+    return Wish(
+        edit.place,
+        identity,
+        onset,
+        origin,
+        was,
+        window=None,
+        start=start,
+        stop=stop,
+        confidence=_confidence(edited, edit, was),
+        gain_db=_gain(edited, edit, was),
+    )
+
+
+def _onset_before(pair: _Pair) -> int | None:
+    return pair.was.onset_sample if pair.was else pair.edit.blast_start
+
+
+def _settled(edited: EditedFile, edit: Edit, name: str, point: Point, before: int | None, rate_hz: int) -> int:
+    """Return the sample that a row means: what it was before, unless sample or seconds say that it was moved."""
+    if before is not None and point.may_be(before, rate_hz) and _agrees(point, before, rate_hz):
+        return before
+    if point.sample is None or point.seconds is None or point.seconds_may_be(point.sample, rate_hz):
+        return point.nearest(rate_hz)
+    if point.sample == before:
+        return nearest_sample(point.seconds, rate_hz)
+    if before is not None and point.seconds_may_be(before, rate_hz):
+        return point.sample
+    seconds = f"{float(point.seconds):.9g}"
+    raise TimelineError(
+        f"{edited.path}: {edit.place}: {name}_sample = {point.sample} and {name}_s = {seconds} contradict each other: "
+        f"that is sample {nearest_sample(point.seconds, rate_hz)} at {rate_hz} Hz; expected one time, or one cell empty"
+    )
+
+
+def _agrees(point: Point, sample: int, rate_hz: int) -> bool:
+    return point.seconds is None or point.seconds_may_be(sample, rate_hz)
+
+
+def _ends(edited: EditedFile, pair: _Pair, onset: int, *, moved: bool, rate_hz: int) -> tuple[int | None, int | None]:
+    """Return the ends of the window that were set by hand.
+
+    An end that is where it was is not, unless its event was moved in a tool that shows the event with it. Where the
+    original is not known every end counts, but of a moved row of a table, whose window stayed behind.
+    """
+    edit, was = pair.edit, pair.was
+    if was is None and moved and not edited.shows_ends:
+        return None, None
+    ends: list[int | None] = []
+    for name, point, before in (
+        ("window_start", edit.window_start, was.window.start if was else None),
+        ("window_stop", edit.window_stop, was.window.stop if was else None),
+    ):
+        if point is None:
+            ends.append(None)
+            continue
+        end = _settled(edited, edit, name, point, before, rate_hz)
+        ends.append(None if end == before and not (moved and edited.shows_ends) else end)
+    start, stop = ends
+    if start is not None and start > onset:
+        raise TimelineError(f"{edited.path}: {edit.place}: window_start = {start}: expected at most {onset}, the onset")
+    if stop is not None and stop <= onset:
+        raise TimelineError(f"{edited.path}: {edit.place}: window_stop = {stop}: expected more than {onset}, the onset")
+    return start, stop
+
+
+def _confidence(edited: EditedFile, edit: Edit, was: Event | None) -> float | None:
+    """Return the confidence that the file has, unless that is the original's with fewer digits."""
+    said = edit.confidence
+    if said is None:
+        rated = None if was else _WITH_CONFIDENCE.match(edit.text)
+        said = Decimal(rated[2]) if rated else None
+    if said is None:
+        return was.confidence if was else None
+    if not 0 <= said <= 1:
+        raise TimelineError(f"{edited.path}: {edit.place}: confidence = {said}: expected 0 to 1")
+    return was.confidence if was and _rounds_to(was.confidence, said) else float(said)
+
+
+def _gain(edited: EditedFile, edit: Edit, was: Event | None) -> float:
+    if edit.gain_db is None:
+        return was.gain_db if was else 0.0
+    if not _FROM_GAIN_DB <= edit.gain_db <= _TO_GAIN_DB:
+        expected = f"{_FROM_GAIN_DB} to {_TO_GAIN_DB} dB"
+        raise TimelineError(f"{edited.path}: {edit.place}: gain_db = {edit.gain_db}: expected {expected}")
+    return was.gain_db if was and _rounds_to(was.gain_db, edit.gain_db) else float(edit.gain_db)
+
+
+def _rounds_to(value: float, said: Decimal) -> bool:
+    """Return whether what is said is a value, rounded or cut off at the last digit that is said."""
+    exponent = said.as_tuple().exponent
+    assert isinstance(exponent, int)
+    return float(said) == value or abs(Decimal(repr(value)) - said) < Decimal(1).scaleb(exponent)
+
+
+def _with_whole_windows(wishes: Iterable[Wish], originals: Iterable[Event]) -> Iterator[Wish]:
+    """Yield the wishes, each with its original window where nobody has touched any event of it.
+
+    Shots that follow closely share a window. Where one of them is gone, it must not go on in the window of the others.
+    """
+    listed = list(wishes)
+    untouched = {
+        wish.id for wish in listed if wish.was is not None and wish.unmoved and wish.start is None and wish.stop is None
+    }
+    mates: dict[Window, set[str]] = {}
+    for event in originals:
+        mates.setdefault(event.window, set()).add(event.id)
+    for wish in listed:
+        if wish.was is None or not wish.unmoved:
+            yield wish
+        elif mates[wish.was.window] <= untouched:
+            yield replace(wish, window=wish.was.window)
+        elif len(mates[wish.was.window]) == 1:
+            own = wish.was.window  # the end that was not touched stays
+            yield replace(
+                wish,
+                start=own.start if wish.start is None else wish.start,
+                stop=own.stop if wish.stop is None else wish.stop,
+            )
+        else:
+            yield wish
