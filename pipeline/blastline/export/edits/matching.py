@@ -23,8 +23,8 @@ _FROM_GAIN_DB, _TO_GAIN_DB = -60, 24
 class Wish:
     """An event as it is wanted. `place` is where the edited file says so.
 
-    `was` is the original event where there is one. `window` is to be kept as it is; where it is None, `start` and `stop`
-    are ends set by hand, and one that is None is to be planned. `confidence` is None where nobody rated the event.
+    `was` is the original event where there is one. `window` is to be kept as it is; where it is None, `start` and
+    `stop` are ends set by hand, and one that is None is to be planned. `confidence` is None where nobody rated it.
     """
 
     place: str
