@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from .. import dsp
 from ..model import Event, Span
+from ..units import gain_from_db
 from .comparison import Comparison, Samples
 from .sounds import Place, drive_at, stretch_of
 
@@ -37,7 +38,8 @@ class Heard:
 
     `intended` has the delay that the drive is meant to have, `undelayed` none; `direct` is what direct conversion
     would make felt. `wet` is the drive of an open window if nothing limited it, None where nothing asks for it: in the
-    window of a `solved` drive before the second shot. `weights` blends it with the drive of the `background`.
+    window of a `solved` drive before the second shot. `weights` blends it with the drive of the `background`. `gain` is
+    how much stronger than usual the shot was asked to be.
     """
 
     span: Span
@@ -49,6 +51,7 @@ class Heard:
     wet: Samples | None
     weights: Samples
     solved: bool
+    gain: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +104,7 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
         wet=wet,
         weights=_weights(event, span),
         solved=is_solved(event),
+        gain=gain_from_db(event.gain_db),
     )
 
 

@@ -25,13 +25,13 @@ COLUMNS: Mapping[str, str] = MappingProxyType(
         "window_stop_sample": "Int64",
         "window_start_s": "float64",
         "window_stop_s": "float64",
+        "gain_db": "float64",
+        "origin": "str",
         "drive_model": "str",
         "drive_reason": "str",
         "drive_peak": "float64",
         "perceived_gain_db": "float64",
         "fidelity": "float64",
-        "gain_db": "float64",
-        "origin": "str",
     }
 )
 """The columns in order, each with its pandas type; a cell is empty where an event has no such value.
@@ -71,11 +71,11 @@ def _row(event: Event, rate_hz: int) -> dict[str, str | float | None]:
         "window_stop_sample": event.window.stop,
         "window_start_s": event.window.start / rate_hz,
         "window_stop_s": event.window.stop / rate_hz,
+        "gain_db": event.gain_db,
+        "origin": event.origin,
         "drive_model": drive.model if drive else None,
         "drive_reason": drive.reason if drive else None,
         "drive_peak": drive.peak if drive else None,
         "perceived_gain_db": drive.perceived_gain_db if drive else None,
         "fidelity": drive.fidelity if drive else None,
-        "gain_db": event.gain_db,
-        "origin": event.origin,
     }

@@ -9,7 +9,7 @@ compose                                             the film's drive
 from .drive import RenderedWindow, measure, render_window
 from .filters import DriveFilters, drive_filters, needed_audio, preroll
 from .mix import compose
-from .windows import PlannedWindow, plan_windows, window_between
+from .windows import PlannedWindow, plan_windows, window_between, with_gains
 
 __all__ = [
     "DriveFilters",
@@ -23,4 +23,5 @@ __all__ = [
     "preroll",
     "render_window",
     "window_between",
+    "with_gains",
 ]

@@ -37,10 +37,11 @@ def measure(audio: Clip, planned: PlannedWindow, *, filters: DriveFilters, rules
     `audio` covers `needed_audio`; more of it changes nothing.
     """
     heard = _heard(audio, planned, filters, rules)
-    level = gain_from_db(rules.level_db)
+    gains = _gains(planned, filters, rules)
+    level = gain_from_db(rules.level_db) * gains
     core = _within(planned.core, planned)
-    target = level * in_band(heard.sound, filters)[heard.inside][core]
-    direct = felt(_limited(heard.sound[heard.inside]), filters)[core]
+    target = (level * in_band(heard.sound, filters)[heard.inside])[core]
+    direct = felt(_limited(gains * heard.sound[heard.inside]), filters)[core]
     drive = level * compensated(heard.sound, filters)[heard.inside]
     return SceneEvidence(
         direct_level_db=_level_db(direct, target),
@@ -66,13 +67,16 @@ def render_window(
     background, too, keeps to the limit, as the file that will hold the drive does.
     """
     heard = _heard(audio, planned, filters, rules)
+    gains = _gains(planned, filters, rules)
+    level = gain_from_db(rules.level_db) * gains
     direct = _limited(heard.sound[heard.inside])
-    target = gain_from_db(rules.level_db) * in_band(heard.sound, filters)[heard.inside]
+    target = level * in_band(heard.sound, filters)[heard.inside]
     own = [shots[index] for index in planned.shots]
     starts = _starts(planned, own, filters, rules)
-    wet = direct
-    if model != "direct":
-        wet = gain_from_db(rules.level_db) * compensated(heard.sound, filters)[heard.inside]
+    if model == "direct":
+        wet = _limited(gains * heard.sound[heard.inside])
+    else:
+        wet = level * compensated(heard.sound, filters)[heard.inside]
     if model == "filter" and (peak := float(np.max(np.abs(wet)))) > 1.0:
         wet = wet / peak
         reason = f"{reason}; the compensator's peak is {peak:.3g} of the limit, so the window is scaled down by it"
@@ -84,6 +88,18 @@ def render_window(
     drive = _limited(dsp.cross_fade(dry, wet, _weights(planned)))
     infos = _drive_infos(drive, direct, target, planned, own, starts, model=model, reason=reason, filters=filters)
     return RenderedWindow(planned, Clip(drive[:, None], audio.rate_hz, planned.window.start), infos)
+
+
+def _gains(planned: PlannedWindow, filters: DriveFilters, rules: RenderRules) -> Samples:
+    """Return the gain of a window's every sample: each shot's from its onset on, reached over the lead before it."""
+    gains = np.ones(len(planned.window.span))
+    lead = samples_from_ms(rules.lead_ms, filters.rate_hz)
+    for number, (at, gain_db) in enumerate(planned.gains):
+        onset, gain = at - planned.window.start, gain_from_db(gain_db)
+        start = 0 if number == 0 else max(0, onset - lead)
+        gains[start:onset] = np.linspace(gains[start], gain, onset - start, endpoint=False) if number else gain
+        gains[onset:] = gain
+    return gains
 
 
 def _starts(planned: PlannedWindow, shots: Sequence[Shot], filters: DriveFilters, rules: RenderRules) -> list[int]:

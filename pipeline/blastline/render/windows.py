@@ -6,7 +6,7 @@
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from ..model import Shot, Span, Window
@@ -16,10 +16,14 @@ from ..units import samples_from_ms
 
 @dataclass(frozen=True)
 class PlannedWindow:
-    """A window of the drive and the indices, in order, of the shots that it renders."""
+    """A window of the drive and the indices, in order, of the shots that it renders.
+
+    `gains` are the onset of each shot with how much stronger than usual it is wanted, in dB; empty where none is.
+    """
 
     window: Window
     shots: tuple[int, ...]
+    gains: tuple[tuple[int, float], ...] = ()
 
     @property
     def core(self) -> Span:
@@ -55,6 +59,18 @@ def plan_windows(
         else:
             planned.append(PlannedWindow(window, (index,)))
     return tuple(planned)
+
+
+def with_gains(
+    windows: Sequence[PlannedWindow], shots: Sequence[Shot], gains_db: Sequence[float]
+) -> tuple[PlannedWindow, ...]:
+    """Return the windows with the gains of their shots; `gains_db` is by the shot's index."""
+    return tuple(
+        replace(planned, gains=tuple((shots[index].onset, gains_db[index]) for index in planned.shots))
+        if any(gains_db[index] for index in planned.shots)
+        else planned
+        for planned in windows
+    )
 
 
 def window_between(

@@ -14,7 +14,7 @@ from ..errors import TimelineError
 from ..export import read_timeline
 from ..export.edits import EditedFile, Wanted, Wish, match, read_edits
 from ..model import Edits, Event, Rejection, Shot, Source, Window
-from ..render import plan_windows, window_between
+from ..render import plan_windows, window_between, with_gains
 from ..report import OverviewMeter
 from ..ruleset import Rules
 from ..soundtrack import Soundtrack
@@ -92,6 +92,7 @@ def hear_edited(
     )
     found = Detection(shots, _rejections(editing, wanted, source.sample_rate_hz))
     marks = tuple(Mark(wish.id, wish.origin, wish.gain_db) for wish in wishes)
+    windows = with_gains(windows, shots, [wish.gain_db for wish in wishes])
     return Listened(track, source, found, windows, marks), _counted(editing, wanted)
 
 
