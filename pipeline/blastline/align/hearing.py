@@ -23,13 +23,14 @@ class Part:
     """What belongs to a shot alone.
 
     `opens` says that the shot is the first of its window, `followed` that it is not the last. `since` is from where on
-    the drive before it is known, by the window or by the shot before.
+    the drive before it is known, by the window or by the shot before, which was asked to be `before_db` stronger.
     """
 
     span: Span
     opens: bool
     followed: bool
     since: int
+    before_db: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +95,10 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
         wet = dry[kept]
     elif not (part.opens and is_solved(event)):
         wet = shared.compensated(audio)[kept]
+    if part.before_db:
+        relative = _relative_gain(shared, part, span)
+        undelayed, intended = relative * undelayed, relative * intended
+        wet = None if wet is None else relative * wet
     return Heard(
         span,
         slice(margin, margin + len(part.span)),
@@ -106,6 +111,13 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
         solved=is_solved(event),
         gain=gain_from_db(event.gain_db),
     )
+
+
+def _relative_gain(shared: Comparison, part: Part, span: Span) -> Samples:
+    """Return the gain against the shot's own over a span: that of the shot before until the lead before the onset."""
+    lead, onset = shared.samples(shared.rules.lead_ms), part.span.start
+    before = gain_from_db(part.before_db)
+    return np.interp(np.arange(span.start, span.stop), [onset - lead, onset], [before, 1.0])
 
 
 def _weights(event: Event, span: Span) -> Samples:

@@ -34,7 +34,9 @@ class _Heard:
 def measure(audio: Clip, planned: PlannedWindow, *, filters: DriveFilters, rules: RenderRules) -> SceneEvidence:
     """Return what direct conversion and the compensator would do in a window, for the choice between the models.
 
-    `audio` covers `needed_audio`; more of it changes nothing.
+    `audio` covers `needed_audio`; more of it changes nothing. The compensator's peak is the higher of those with and
+    without the shots' gains: a window beyond its limit is not for it where it is only wanted softer, or it would be
+    softer by more than that.
     """
     heard = _heard(audio, planned, filters, rules)
     gains = _gains(planned, filters, rules)
@@ -46,7 +48,7 @@ def measure(audio: Clip, planned: PlannedWindow, *, filters: DriveFilters, rules
     return SceneEvidence(
         direct_level_db=_level_db(direct, target),
         direct_fidelity=_correlation(direct, target),
-        filter_peak=float(np.max(np.abs(drive))),
+        filter_peak=max(float(np.max(np.abs(drive))), float(np.max(np.abs(drive / gains)))),
     )
 
 
@@ -77,7 +79,7 @@ def render_window(
         wet = _limited(gains * heard.sound[heard.inside])
     else:
         wet = level * compensated(heard.sound, filters)[heard.inside]
-    if model == "filter" and (peak := float(np.max(np.abs(wet)))) > 1.0:
+    if model == "filter" and (peak := _excess(wet, gains)) > 1.0:
         wet = wet / peak
         reason = f"{reason}; the compensator's peak is {peak:.3g} of the limit, so the window is scaled down by it"
     if model == "constrained":
@@ -88,6 +90,15 @@ def render_window(
     drive = _limited(dsp.cross_fade(dry, wet, _weights(planned)))
     infos = _drive_infos(drive, direct, target, planned, own, starts, model=model, reason=reason, filters=filters)
     return RenderedWindow(planned, Clip(drive[:, None], audio.rate_hz, planned.window.start), infos)
+
+
+def _excess(wet: Samples, gains: Samples) -> float:
+    """Return what a drive is divided by to keep to the limit: it does so without its gains, and then with them.
+
+    So a shot that is wanted softer is softer, though scaling to the limit alone would undo its gain.
+    """
+    usual = max(1.0, float(np.max(np.abs(wet / gains))))
+    return usual * max(1.0, float(np.max(np.abs(wet))) / usual)
 
 
 def _gains(planned: PlannedWindow, filters: DriveFilters, rules: RenderRules) -> Samples:

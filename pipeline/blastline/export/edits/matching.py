@@ -193,23 +193,24 @@ def _ends(edited: EditedFile, pair: _Pair, onset: int, *, moved: bool, rate_hz: 
     original is not known every end counts, but of a moved row of a table, whose window stayed behind.
     """
     edit, was = pair.edit, pair.was
-    if was is None and moved and not edited.shows_ends:
+    stays_behind = moved and not edited.shows_ends
+    if was is None and stays_behind:
         return None, None
     ends: list[int | None] = []
     for name, point, before in (
         ("window_start", edit.window_start, was.window.start if was else None),
         ("window_stop", edit.window_stop, was.window.stop if was else None),
     ):
-        if point is None:
+        end = None if point is None else _settled(edited, edit, name, point, before, rate_hz)
+        if end is None or (end == before and stays_behind):
             ends.append(None)
             continue
-        end = _settled(edited, edit, name, point, before, rate_hz)
-        ends.append(None if end == before and not (moved and edited.shows_ends) else end)
+        if name == "window_start" and end > onset:
+            raise TimelineError(f"{edited.path}: {edit.place}: {name} = {end}: expected at most {onset}, the onset")
+        if name == "window_stop" and end <= onset:
+            raise TimelineError(f"{edited.path}: {edit.place}: {name} = {end}: expected more than {onset}, the onset")
+        ends.append(None if end == before and not moved else end)
     start, stop = ends
-    if start is not None and start > onset:
-        raise TimelineError(f"{edited.path}: {edit.place}: window_start = {start}: expected at most {onset}, the onset")
-    if stop is not None and stop <= onset:
-        raise TimelineError(f"{edited.path}: {edit.place}: window_stop = {stop}: expected more than {onset}, the onset")
     return start, stop
 
 
@@ -239,7 +240,8 @@ def _rounds_to(value: float, said: Decimal) -> bool:
     """Return whether what is said is a value, rounded or cut off at the last digit that is said."""
     exponent = said.as_tuple().exponent
     assert isinstance(exponent, int)
-    return float(said) == value or abs(Decimal(repr(value)) - said) < Decimal(1).scaleb(exponent)
+    step = Decimal(1).scaleb(exponent)
+    return float(said) == value or -step / 2 <= Decimal(repr(value)) - said < step
 
 
 def _with_whole_windows(wishes: Iterable[Wish], originals: Iterable[Event]) -> Iterator[Wish]:

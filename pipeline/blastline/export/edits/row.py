@@ -43,7 +43,7 @@ class Point:
         assert self.seconds is not None
         if nearest_sample(self.seconds, rate_hz) == sample:
             return True
-        return abs(self.seconds - Fraction(sample, rate_hz)) < self.step_s
+        return -self.step_s / 2 <= Fraction(sample, rate_hz) - self.seconds < self.step_s
 
 
 @dataclass(frozen=True)
