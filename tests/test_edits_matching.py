@@ -164,7 +164,7 @@ def test_a_spreadsheet_that_shows_few_digits_moves_nothing(tmp_path: Path, edits
         rows = [row for row in csv.DictReader(text) if edits.onsets[row["id"]] is not None]
     for row in rows:
         for name in ("onset_s", "window_start_s", "window_stop_s", "peak_dbfs", "confidence"):
-            row[name] = f"{float(row[name]):.4g}"
+            row[name] = f"{float(row[name]):.10g}"
         row["onset_sample"] = str(edits.onsets[row["id"]])
     _write(file, [*rows, *({"onset_sample": str(onset)} for onset in edits.added)])
     kept = {name: onset for name, onset in edits.onsets.items() if onset in (None, edits.originals[name].onset_sample)}
@@ -249,6 +249,14 @@ def table(tmp_path: Path, text: str, *events: Event) -> Wanted:
 def test_of_sample_and_seconds_the_one_that_was_edited_counts(tmp_path: Path, row: str, onset: int) -> None:
     [wish] = table(tmp_path, f"id,onset_sample,onset_s\nshot-0001,{row}\n", EVENT).wishes
     assert (wish.onset, wish.unmoved) == (onset, onset == 48_001)
+
+
+def test_a_short_number_that_somebody_typed_is_exact(tmp_path: Path) -> None:
+    longer = "shot-0002,1.200020833\n"
+    [first, _] = table(tmp_path, f"id,onset_s\nshot-0001,1\n{longer}", EVENT, MATE).wishes
+    assert (first.onset, first.unmoved) == (48_000, False)
+    [alone] = table(tmp_path, "id,onset_s\nshot-0001,1.1\n", msgspec.structs.replace(EVENT, onset_sample=50_000)).wishes
+    assert (alone.onset, alone.unmoved) == (52_800, False)
 
 
 @pytest.mark.parametrize(

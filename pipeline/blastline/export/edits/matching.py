@@ -167,7 +167,7 @@ def _onset_before(pair: _Pair) -> int | None:
 
 def _settled(edited: EditedFile, edit: Edit, name: str, point: Point, before: int | None, rate_hz: int) -> int:
     """Return the sample that a row means: what it was before, unless sample or seconds say that it was moved."""
-    if before is not None and point.may_be(before, rate_hz) and _agrees(point, before, rate_hz):
+    if before is not None and point.may_be(before, rate_hz):
         return before
     if point.sample is None or point.seconds is None or point.seconds_may_be(point.sample, rate_hz):
         return point.nearest(rate_hz)
@@ -180,10 +180,6 @@ def _settled(edited: EditedFile, edit: Edit, name: str, point: Point, before: in
         f"{edited.path}: {edit.place}: {name}_sample = {point.sample} and {name}_s = {seconds} contradict each other: "
         f"that is sample {nearest_sample(point.seconds, rate_hz)} at {rate_hz} Hz; expected one time, or one cell empty"
     )
-
-
-def _agrees(point: Point, sample: int, rate_hz: int) -> bool:
-    return point.seconds is None or point.seconds_may_be(sample, rate_hz)
 
 
 def _ends(edited: EditedFile, pair: _Pair, onset: int, *, moved: bool, rate_hz: int) -> tuple[int | None, int | None]:

@@ -1,12 +1,13 @@
 """Which tool an edited file comes from, by what is in it, and reading it."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from ...errors import TimelineError
 from .document import read_document
 from .labels import read_labels
 from .reaper import is_reaper, read_reaper
-from .row import EditedFile
+from .row import EditedFile, with_common_steps
 from .table import ONSETS, read_table
 from .text import decoded, read_bytes, separated
 
@@ -19,6 +20,11 @@ def read_edits(path: Path) -> EditedFile:
     An empty label track, and a table with nothing but its header, have no events. Raises TimelineError, in one line
     with the place, the value and what was expected, for anything that is none of them.
     """
+    edited = _read(path)
+    return replace(edited, edits=with_common_steps(edited.edits))
+
+
+def _read(path: Path) -> EditedFile:
     content = read_bytes(path)
     text = decoded(content, path)
     if path.suffix.lower() == ".json" or text.lstrip().startswith("{"):

@@ -1,7 +1,8 @@
 """One event as an edited file has it, and its numbers as they are written there."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from pathlib import Path
@@ -10,15 +11,18 @@ from types import MappingProxyType
 from ...errors import TimelineError
 from ...model import Event, Origin, Rejection, Source
 
+_COARSEST_S = Fraction(1, 1000)
+"""The step of the coarsest tool, REAPER: what is off by more was moved."""
+
 _LONGEST_NUMBER = 40
-_WIDEST_EXPONENT = 400
+_WIDEST_EXPONENT = 100
 
 
 @dataclass(frozen=True)
 class Point:
     """A time as a row gives it: as a sample, in seconds, or both; not negative.
 
-    `step_s` is the step of the last digit of the seconds: a tool that shows fewer digits has rounded by up to that.
+    `step_s` is the step to which the seconds were written: the tool may have rounded by up to that.
     """
 
     sample: int | None = None
@@ -33,10 +37,10 @@ class Point:
         return nearest_sample(self.seconds, rate_hz)
 
     def may_be(self, sample: int, rate_hz: int) -> bool:
-        """Return whether this is the given sample, as far as the digits tell."""
+        """Return whether this is the given sample, as far as the digits tell; seconds alone have to be fine enough."""
         if self.sample is not None:
-            return self.sample == sample
-        return self.seconds_may_be(sample, rate_hz)
+            return self.sample == sample and (self.seconds is None or self.seconds_may_be(sample, rate_hz))
+        return replace(self, step_s=min(self.step_s, _COARSEST_S)).seconds_may_be(sample, rate_hz)
 
     def seconds_may_be(self, sample: int, rate_hz: int) -> bool:
         """Return whether the seconds are those of the given sample, rounded or cut off at their last digit."""
@@ -124,6 +128,41 @@ class Cell:
         if number < 0:
             raise self.refused("a time from 0, the first frame of the track")
         return Point(seconds=Fraction(number), step_s=Fraction(10) ** _exponent(number))
+
+
+def with_common_steps(edits: Sequence[Edit]) -> tuple[Edit, ...]:
+    """Return the rows with the steps to which their times were written.
+
+    A tool writes a column with as many decimals, or as many digits, everywhere. A number that has fewer has lost zeros
+    at its end, or was typed.
+    """
+    onsets = _with_common_steps([edit.onset for edit in edits])
+    starts = _with_common_steps([edit.window_start for edit in edits])
+    stops = _with_common_steps([edit.window_stop for edit in edits])
+    return tuple(
+        replace(edit, onset=onset or edit.onset, window_start=start, window_stop=stop)
+        for edit, onset, start, stop in zip(edits, onsets, starts, stops, strict=True)
+    )
+
+
+def _with_common_steps(points: Sequence[Point | None]) -> list[Point | None]:
+    timed = [point for point in points if point is not None and point.seconds is not None]
+    finest = min((point.step_s for point in timed), default=Fraction(0))
+    most = max((_magnitude(point) / point.step_s for point in timed), default=Fraction(1))
+    return [
+        replace(point, step_s=min(point.step_s, max(finest, _magnitude(point) / most)))
+        if point is not None and point.seconds is not None
+        else point
+        for point in points
+    ]
+
+
+def _magnitude(point: Point) -> Fraction:
+    """Return the place of a time's first digit, a power of ten."""
+    assert point.seconds is not None
+    if not point.seconds:
+        return point.step_s
+    return Fraction(10) ** math.floor(math.log10(point.seconds))
 
 
 def nearest_sample(seconds: Fraction, rate_hz: int) -> int:
