@@ -68,6 +68,12 @@ def by_id(timeline: Timeline) -> Mapping[str, Event]:
     return {event.id: event for event in timeline.events}
 
 
+def felt_db(event: Event) -> float:
+    """Return the level of what an event lets feel, against direct conversion."""
+    assert event.drive is not None
+    return event.drive.perceived_gain_db
+
+
 def moving(drive: NDArray[np.int32], windows: list[tuple[int, int]]) -> None:
     """Assert that the drive is exactly 0 outside windows and moves in each."""
     outside = np.ones(drive.size, bool)
@@ -234,6 +240,22 @@ def test_a_gain_makes_the_drive_stronger_or_softer(tmp_path: Path, film: Path, r
         where = slice(event.onset_sample, stop or event.window.stop)
         expected = 10.0 ** (event.gain_db / 20.0) * usual[where]
         assert np.max(np.abs(drive[where] - expected)) <= 1.5 * steps
+
+
+@pytest.mark.parametrize("drive", ["auto", "constrained"])
+def test_shots_of_one_window_with_gains_of_their_own_pass_their_checks(
+    tmp_path: Path, film: Path, result: Path, drive: str
+) -> None:
+    def edit(rows: list[Row]) -> None:
+        rows[2]["gain_db"], rows[3]["gain_db"] = "3", "-9"
+
+    before = by_id(rendered(film, edited(result, tmp_path, lambda rows: None), "--drive", drive)[1])
+    _, after, _ = rendered(film, edited(result, tmp_path, edit), "--drive", drive)
+    assert all(check.passed for check in after.checks)
+    gained = {event.id: felt_db(event) - felt_db(before[event.id]) for event in after.events}
+    assert gained["shot-0001"] == gained["shot-0002"] == 0.0
+    assert 1.5 < gained["shot-0003"] <= 3.1
+    assert gained["shot-0004"] == pytest.approx(-9.0, abs=1.0)
 
 
 def test_detection_is_not_asked(tmp_path: Path, film: Path, result: Path, monkeypatch: pytest.MonkeyPatch) -> None:
