@@ -4,6 +4,7 @@ import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from random import Random
 
 import msgspec
 import pytest
@@ -140,7 +141,7 @@ def test_what_is_exported_and_not_edited_comes_back_to_the_sample(tmp_path: Path
 @SHARED_FOLDER
 @given(edited(), st.sampled_from(["onset_sample", "onset_s"]), st.randoms(use_true_random=False))
 def test_edits_of_one_time_column_of_a_table_come_back(
-    tmp_path: Path, edits: Edits, column: str, random: object
+    tmp_path: Path, edits: Edits, column: str, random: Random
 ) -> None:
     """A spreadsheet's user changes the column that they think in, adds short rows, and sorts as they like."""
     [file] = export_timeline(edits.before, tmp_path, formats=["csv"])
@@ -150,7 +151,7 @@ def test_edits_of_one_time_column_of_a_table_come_back(
         if row["onset_sample"] != str(edits.onsets[row["id"]]):
             row[column] = _cell(column, edits.onsets[row["id"]] or 0, edits.rate_hz)
     new = [{column: _cell(column, onset, edits.rate_hz)} for onset in edits.added]
-    random.shuffle(rows)  # type: ignore[attr-defined]
+    random.shuffle(rows)
     _write(file, [*rows, *new])
     require_exactly(wanted_of(file, edits), edits)
 

@@ -305,6 +305,20 @@ def test_another_film_is_refused_by_both_names(tmp_path: Path, film: Path, resul
     assert not (tmp_path / "out").exists()
 
 
+def test_another_sound_stream_is_refused(tmp_path: Path, film: Path, result: Path) -> None:
+    plain = json.loads((result / "timeline.json").read_text())
+    plain["source"]["stream"] = 1
+    file = tmp_path / "edited.json"
+    file.write_text(json.dumps(plain))
+    line = blastline("render", film, "-o", tmp_path / "out", "--timeline", file, "--quiet").complaint
+    assert line == f"{file}: is of sound stream 1 of film.wav, not 0; give --stream 1"
+
+
+def test_an_original_without_an_edited_timeline_is_refused(tmp_path: Path, film: Path, result: Path) -> None:
+    line = blastline("render", film, "-o", tmp_path / "out", "--original", result / "timeline.json").complaint
+    assert line.endswith("there is no edited timeline; give one with --timeline")
+
+
 def test_an_original_of_another_film_is_refused(tmp_path: Path, film: Path, result: Path) -> None:
     plain = json.loads((result / "timeline.json").read_text())
     plain["source"]["sha256"] = "ab" * 32

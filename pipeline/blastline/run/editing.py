@@ -104,11 +104,12 @@ def _require_same_film(editing: Editing, found: Source) -> None:
     expected = editing.source
     if expected is None:
         return
+    if found.sha256 == expected.sha256 and found.stream != expected.stream:
+        raise TimelineError(
+            f"{editing.named_by}: is of sound stream {expected.stream} of {expected.name}, not {found.stream}; "
+            f"give --stream {expected.stream}"
+        )
     if (found.sha256, found.frames) != (expected.sha256, expected.frames):
-        if found.sha256 == expected.sha256 and found.stream != expected.stream:
-            raise TimelineError(
-                f"{editing.named_by}: is of sound stream {expected.stream}; give --stream {expected.stream}"
-            )
         raise TimelineError(f"{editing.named_by}: is of {_named(expected)}, but the film is {_named(found)}; {_MEND}")
 
 
@@ -187,14 +188,20 @@ def _counted(editing: Editing, wanted: Wanted) -> Edits:
         )
     if not wanted.wishes:
         notes.append("no events: the drive is silent")
-    originals = [wish for wish in wanted.wishes if wish.was is not None]
-    unknown = editing.original is None and not editing.edited.own
+    ways = [_way(wish, known=editing.original is not None or bool(editing.edited.own)) for wish in wanted.wishes]
     return Edits(
         file=editing.edited.path.name,
-        kept=sum(w.unmoved and not w.changed for w in originals) + (len(wanted.wishes) if unknown else 0),
-        moved=sum(not w.unmoved for w in originals),
-        changed=sum(w.changed for w in originals),
-        added=0 if unknown else len(wanted.wishes) - len(originals),
+        kept=ways.count("kept"),
+        moved=ways.count("moved"),
+        changed=ways.count("changed"),
+        added=ways.count("added"),
         deleted=len(wanted.deleted),
         notes=tuple(notes),
     )
+
+
+def _way(wish: Wish, *, known: bool) -> str:
+    """Return in which way an event was edited, as far as the file tells where there is no original."""
+    if wish.was is None:
+        return "added" if known or wish.origin == "added" else "moved" if wish.origin == "moved" else "kept"
+    return "changed" if wish.changed else "kept" if wish.unmoved else "moved"

@@ -11,7 +11,7 @@ import msgspec
 
 from .. import scene
 from ..align import check_files
-from ..errors import OutputError
+from ..errors import OutputError, RuleError
 from ..export import export_timeline, known_formats
 from ..model import ActuatorRef, Background, Clip, DriveChoice, DriveInfo, Edits, Phase, Quality, Span, Timeline
 from ..render import RenderedWindow, compose, drive_filters, measure, needed_audio, render_window
@@ -69,6 +69,8 @@ def render(film: Path, folder: Path, options: RenderOptions, progress: Progress 
     formats = known_formats(options.formats)
     names = [DRIVE_NAME, *(known.file_name for known in formats), *([REPORT_NAME] if options.report else [])]
     _refuse_to_replace(film, folder, names)
+    if options.original is not None and options.timeline is None:
+        raise RuleError(f"--original {options.original}: there is no edited timeline; give one with --timeline")
     editing = None if options.timeline is None else read_editing(options.timeline, original=options.original)
     with staged(folder, names=names, overwrite=options.overwrite) as hidden:
         with open_soundtrack(film, stream=options.stream, mix=options.mix, spool_folder=hidden) as track:

@@ -10,22 +10,23 @@ import msgspec
 from msgspec import Meta
 
 from ...errors import TimelineError, misfit
-from ...model import Event, Index, Origin, Ratio, Rejection, Source, Span
+from ...model import Event, Origin, Ratio, Rejection, Source, Span
 from ..reading import read_plain
 from .row import Edit, EditedFile, Point
 
-_NotNegative = Annotated[float, Meta(ge=0.0)]
+_Seconds = Annotated[float, Meta(ge=0.0, le=1e9)]
+_Sample = Annotated[int, Meta(ge=0, le=2**53)]
 
 
 class _Window(msgspec.Struct, frozen=True):
-    start_sample: Index | None = None
-    stop_sample: Index | None = None
+    start_sample: _Sample | None = None
+    stop_sample: _Sample | None = None
 
 
 class _Event(msgspec.Struct, frozen=True):
     id: str | None = None
-    onset_sample: Index | None = None
-    onset_s: _NotNegative | None = None
+    onset_sample: _Sample | None = None
+    onset_s: _Seconds | None = None
     confidence: Ratio | None = None
     gain_db: float | None = None
     origin: Origin | None = None

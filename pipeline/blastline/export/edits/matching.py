@@ -7,16 +7,14 @@ event is where it was; otherwise it was moved. What no row names any more was de
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from decimal import Decimal
 from pathlib import Path
 
 from ...errors import TimelineError
 from ...model import Event, Origin, Window
-from .row import Edit, EditedFile, Point, nearest_sample
+from .meaning import WITH_CONFIDENCE, confidence, ends, gain_db, settled
+from .row import Edit, EditedFile
 
 _OWN_ID = re.compile(r"shot-\d+\b")
-_WITH_CONFIDENCE = re.compile(r"(\S+) ([01]\.\d\d)")
-_FROM_GAIN_DB, _TO_GAIN_DB = -60, 24
 
 
 @dataclass(frozen=True)
@@ -112,7 +110,7 @@ def _id_in(text: str, known: Mapping[str, Event]) -> str | None:
     for count in range(len(parts) - 1, 0, -1):
         if (start := " ".join(parts[:count])) in known:
             return start
-    said = _OWN_ID.match(text) or _WITH_CONFIDENCE.fullmatch(text)
+    said = _OWN_ID.match(text) or WITH_CONFIDENCE.fullmatch(text)
     return said[0].split(" ")[0] if said else None
 
 
@@ -135,7 +133,8 @@ def _refuse_repeats(path: Path, values: Iterable[tuple[str, object]], name: str)
 
 def _wish(edited: EditedFile, pair: _Pair, identity: str, rate_hz: int) -> Wish:
     edit, was = pair.edit, pair.was
-    onset = _settled(edited, edit, "onset", edit.onset, _onset_before(pair), rate_hz)
+    before = was.onset_sample if was else edit.blast_start
+    onset = settled(edited, edit, "onset", edit.onset, before, rate_hz)
     moved = was is not None and was.onset_sample != onset
     if was is None and edit.blast_start is not None:
         moved = edit.blast_start != onset
@@ -144,9 +143,9 @@ def _wish(edited: EditedFile, pair: _Pair, identity: str, rate_hz: int) -> Wish:
     elif edit.origin is not None:
         origin = "moved" if moved and edit.origin == "found" else edit.origin
     else:
-        rated = edit.confidence is not None or _WITH_CONFIDENCE.match(edit.text)
+        rated = edit.confidence is not None or WITH_CONFIDENCE.match(edit.text)
         origin = "added" if not rated or pair.id is None else "moved" if moved else "found"
-    start, stop = _ends(edited, pair, onset, moved=moved, rate_hz=rate_hz)
+    start, stop = ends(edited, edit, was, onset, moved=moved, rate_hz=rate_hz)
     return Wish(
         edit.place,
         identity,
@@ -156,88 +155,9 @@ def _wish(edited: EditedFile, pair: _Pair, identity: str, rate_hz: int) -> Wish:
         window=None,
         start=start,
         stop=stop,
-        confidence=_confidence(edited, edit, was),
-        gain_db=_gain(edited, edit, was),
+        confidence=confidence(edited, edit, was),
+        gain_db=gain_db(edited, edit, was),
     )
-
-
-def _onset_before(pair: _Pair) -> int | None:
-    return pair.was.onset_sample if pair.was else pair.edit.blast_start
-
-
-def _settled(edited: EditedFile, edit: Edit, name: str, point: Point, before: int | None, rate_hz: int) -> int:
-    """Return the sample that a row means: what it was before, unless sample or seconds say that it was moved."""
-    if before is not None and point.may_be(before, rate_hz):
-        return before
-    if point.sample is None or point.seconds is None or point.seconds_may_be(point.sample, rate_hz):
-        return point.nearest(rate_hz)
-    if point.sample == before:
-        return nearest_sample(point.seconds, rate_hz)
-    if before is not None and point.seconds_may_be(before, rate_hz):
-        return point.sample
-    seconds = f"{float(point.seconds):.9g}"
-    raise TimelineError(
-        f"{edited.path}: {edit.place}: {name}_sample = {point.sample} and {name}_s = {seconds} contradict each other: "
-        f"that is sample {nearest_sample(point.seconds, rate_hz)} at {rate_hz} Hz; expected one time, or one cell empty"
-    )
-
-
-def _ends(edited: EditedFile, pair: _Pair, onset: int, *, moved: bool, rate_hz: int) -> tuple[int | None, int | None]:
-    """Return the ends of the window that were set by hand.
-
-    An end that is where it was is not, unless its event was moved in a tool that shows the event with it. Where the
-    original is not known every end counts, but of a moved row of a table, whose window stayed behind.
-    """
-    edit, was = pair.edit, pair.was
-    stays_behind = moved and not edited.shows_ends
-    if was is None and stays_behind:
-        return None, None
-    ends: list[int | None] = []
-    for name, point, before in (
-        ("window_start", edit.window_start, was.window.start if was else None),
-        ("window_stop", edit.window_stop, was.window.stop if was else None),
-    ):
-        end = None if point is None else _settled(edited, edit, name, point, before, rate_hz)
-        if end is None or (end == before and stays_behind):
-            ends.append(None)
-            continue
-        if name == "window_start" and end > onset:
-            raise TimelineError(f"{edited.path}: {edit.place}: {name} = {end}: expected at most {onset}, the onset")
-        if name == "window_stop" and end <= onset:
-            raise TimelineError(f"{edited.path}: {edit.place}: {name} = {end}: expected more than {onset}, the onset")
-        ends.append(None if end == before and not moved else end)
-    start, stop = ends
-    return start, stop
-
-
-def _confidence(edited: EditedFile, edit: Edit, was: Event | None) -> float | None:
-    """Return the confidence that the file has, unless that is the original's with fewer digits."""
-    said = edit.confidence
-    if said is None:
-        rated = None if was else _WITH_CONFIDENCE.match(edit.text)
-        said = Decimal(rated[2]) if rated else None
-    if said is None:
-        return was.confidence if was else None
-    if not 0 <= said <= 1:
-        raise TimelineError(f"{edited.path}: {edit.place}: confidence = {said}: expected 0 to 1")
-    return was.confidence if was and _rounds_to(was.confidence, said) else float(said)
-
-
-def _gain(edited: EditedFile, edit: Edit, was: Event | None) -> float:
-    if edit.gain_db is None:
-        return was.gain_db if was else 0.0
-    if not _FROM_GAIN_DB <= edit.gain_db <= _TO_GAIN_DB:
-        expected = f"{_FROM_GAIN_DB} to {_TO_GAIN_DB} dB"
-        raise TimelineError(f"{edited.path}: {edit.place}: gain_db = {edit.gain_db}: expected {expected}")
-    return was.gain_db if was and _rounds_to(was.gain_db, edit.gain_db) else float(edit.gain_db)
-
-
-def _rounds_to(value: float, said: Decimal) -> bool:
-    """Return whether what is said is a value, rounded or cut off at the last digit that is said."""
-    exponent = said.as_tuple().exponent
-    assert isinstance(exponent, int)
-    step = Decimal(1).scaleb(exponent)
-    return float(said) == value or -step / 2 <= Decimal(repr(value)) - said < step
 
 
 def _with_whole_windows(wishes: Iterable[Wish], originals: Iterable[Event]) -> Iterator[Wish]:
