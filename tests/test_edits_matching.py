@@ -256,8 +256,20 @@ def test_a_short_number_that_somebody_typed_is_exact(tmp_path: Path) -> None:
     longer = "shot-0002,1.200020833\n"
     [first, _] = table(tmp_path, f"id,onset_s\nshot-0001,1\n{longer}", EVENT, MATE).wishes
     assert (first.onset, first.unmoved) == (48_000, False)
-    [alone] = table(tmp_path, "id,onset_s\nshot-0001,1.1\n", msgspec.structs.replace(EVENT, onset_sample=50_000)).wishes
+    [alone] = table(tmp_path, "id,onset_s\nshot-0001,1.1\n", msgspec.structs.replace(EVENT, onset_sample=51_000)).wishes
     assert (alone.onset, alone.unmoved) == (52_800, False)
+
+
+def test_digits_that_ran_out_late_in_a_film_move_nothing(tmp_path: Path) -> None:
+    """Ten digits are 10 us after the first 10,000 seconds: two samples at 192 kHz."""
+    late = round(10_500.123454 * 192_000)
+    known = {
+        "a": msgspec.structs.replace(EVENT, id="a"),
+        "b": msgspec.structs.replace(EVENT, id="b", onset_sample=late),
+    }
+    file = tmp_path / "edited.csv"
+    file.write_text("id,onset_s\na,0.2500052083\nb,10500.12345\n")
+    assert [wish.unmoved for wish in match(read_edits(file), known, rate_hz=192_000).wishes] == [True, True]
 
 
 @pytest.mark.parametrize(

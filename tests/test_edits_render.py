@@ -164,6 +164,7 @@ def test_reapers_milliseconds_leave_untouched_onsets_exact(tmp_path: Path, film:
     first["onset_sample"] += 17
     first["onset_s"] = first["onset_sample"] / RATE_HZ
     first["blast"]["start_sample"] += 17
+    first["peak_dbfs"] = -50.0  # as if other rules had measured it
     original = tmp_path / "timeline.json"
     original.write_text(json.dumps(plain))
     file = tmp_path / "regions.csv"
@@ -175,6 +176,7 @@ def test_reapers_milliseconds_leave_untouched_onsets_exact(tmp_path: Path, film:
     ended, after, _ = rendered(film, file)
     assert "edits: regions.csv: 4 kept" in ended.err
     assert [e.onset_sample for e in after.events] == [48_017, 120_000, 192_000, 196_800]
+    assert after.events[0].peak_dbfs == -50.0
 
 
 def test_no_events_are_a_silent_drive_and_said(tmp_path: Path, film: Path, result: Path) -> None:
