@@ -5,6 +5,7 @@ event is where it was; otherwise it was moved. What no row names any more was de
 """
 
 import re
+from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -89,16 +90,17 @@ def match(edited: EditedFile, originals: Mapping[str, Event] | None, *, rate_hz:
 def _paired(edited: EditedFile, known: Mapping[str, Event], rate_hz: int) -> Iterator[_Pair]:
     """Yield each row with its original: by id, and of those without one by time."""
     ids = [edit.id or _id_in(edit.text, known) for edit in edited.edits]
-    free = {event.onset_sample: event for event in known.values() if event.id not in ids}
+    named = set(ids)
+    free = {event.onset_sample: event for event in known.values() if event.id not in named}
+    onsets = sorted(free)
     for edit, identity in zip(edited.edits, ids, strict=True):
         if identity is not None:
             yield _Pair(edit, known.get(identity), identity)
             continue
-        near = [event for onset, event in free.items() if edit.onset.may_be(onset, rate_hz)]
         place = edit.onset.nearest(rate_hz)
-        was = min(near, key=lambda event: abs(event.onset_sample - place), default=None)
-        if was is not None:
-            del free[was.onset_sample]
+        after = bisect_left(onsets, place)
+        near = [onset for onset in onsets[max(0, after - 1) : after + 1] if edit.onset.may_be(onset, rate_hz)]
+        was = free.pop(min(near, key=lambda onset: abs(onset - place)), None) if near else None
         yield _Pair(edit, was, was.id if was else None)
 
 
