@@ -75,7 +75,10 @@ def test_every_option_of_render_arrives(monkeypatch: pytest.MonkeyPatch) -> None
 
     monkeypatch.setattr(run, "render", render)
     options = "--quality draft --actuator own.toml --rules own --drive filter --phase zero --background direct"
-    more = "--level -6 --mix lfe --stream 0 --format audacity --no-report --overwrite --frame-rate 25"
+    more = (
+        "--level -6 --mix lfe --stream 0 --format audacity --no-report --overwrite --frame-rate 25 "
+        "--timeline cut.csv --original first.json"
+    )
     assert blastline("render", "film.mkv", "-o", "out", *options.split(), *more.split()).code == 0
     [arrived] = asked
     assert arrived == run.RenderOptions(
@@ -92,6 +95,8 @@ def test_every_option_of_render_arrives(monkeypatch: pytest.MonkeyPatch) -> None
         formats=("audacity",),
         report=False,
         overwrite=True,
+        timeline=Path("cut.csv"),
+        original=Path("first.json"),
     )
     default = run.RenderOptions()
     assert [name for name in vars(default) if getattr(default, name) == getattr(arrived, name)] == []

@@ -20,6 +20,7 @@ DriveChoice = Literal["auto", "direct", "filter", "constrained"]
 Quality = Literal["draft", "standard", "reference"]
 Phase = Literal["causal", "zero"]
 Background = Literal["mute", "direct"]
+Origin = Literal["found", "moved", "added"]
 
 Index = Annotated[int, Meta(ge=0)]
 Ratio = Annotated[float, Meta(ge=0.0, le=1.0)]
@@ -188,7 +189,11 @@ class Shot(msgspec.Struct, frozen=True):
 
 
 class Event(msgspec.Struct, frozen=True):
-    """A gunshot in the timeline, with its window and its drive. `burst` is None for a single shot."""
+    """A gunshot in the timeline, with its window and its drive. `burst` is None for a single shot.
+
+    `origin` says whether detection put its onset where it is or somebody who edited the timeline. `gain_db` is how much
+    stronger than usual the drive was asked to be.
+    """
 
     id: str
     onset_sample: Index
@@ -203,6 +208,8 @@ class Event(msgspec.Struct, frozen=True):
     reflections: tuple[Reflection, ...]
     window: Window
     drive: DriveInfo | None = None
+    origin: Origin = "found"
+    gain_db: float = 0.0
 
 
 class Rejection(msgspec.Struct, frozen=True):
@@ -240,6 +247,21 @@ class SceneEvidence:
     filter_peak: float
 
 
+class Edits(msgspec.Struct, frozen=True):
+    """What somebody changed by hand: the file that says so, how many events it changed in which way, and remarks.
+
+    `changed` ones kept their onset, but not their window, gain or confidence.
+    """
+
+    file: str
+    kept: Index
+    moved: Index
+    changed: Index
+    added: Index
+    deleted: Index
+    notes: tuple[str, ...] = ()
+
+
 class Timeline(msgspec.Struct, frozen=True):
     """The whole result: source, actuator, events in order, rejections and checks.
 
@@ -259,6 +281,7 @@ class Timeline(msgspec.Struct, frozen=True):
     phase: Phase = "causal"
     background: Background = "mute"
     level_db: float = 0.0
+    edits: Edits | None = None
 
 
 def schema() -> dict[str, Any]:

@@ -65,7 +65,7 @@ def readings(shared: Comparison, heard: Heard, felt: Felt, shown: Shown) -> tupl
     rest = _rest(shared, heard)
     free = np.flatnonzero(felt.free[rest]) + rest.start
     limit, found = shared.rules.peak, []
-    for level in (1.0, _level(shown.intended[free], shown.felt[free])):
+    for level in (heard.gain, _level(shown.intended[free], shown.felt[free])):
         slope = level * shown.intended - shown.felt
         due = np.clip(felt.drive + _LONG * shared.step * slope, -limit, limit)
         if _energy((due - felt.drive)[rest]) <= MISSING**2 * _energy(due[rest]):

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from .. import dsp
 from ..model import Event, Span
+from ..units import gain_from_db
 from .comparison import Comparison, Samples
 from .sounds import Place, drive_at, stretch_of
 
@@ -22,13 +23,14 @@ class Part:
     """What belongs to a shot alone.
 
     `opens` says that the shot is the first of its window, `followed` that it is not the last. `since` is from where on
-    the drive before it is known, by the window or by the shot before.
+    the drive before it is known, by the window or by the shot before, which was asked to be `before_db` stronger.
     """
 
     span: Span
     opens: bool
     followed: bool
     since: int
+    before_db: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +39,8 @@ class Heard:
 
     `intended` has the delay that the drive is meant to have, `undelayed` none; `direct` is what direct conversion
     would make felt. `wet` is the drive of an open window if nothing limited it, None where nothing asks for it: in the
-    window of a `solved` drive before the second shot. `weights` blends it with the drive of the `background`.
+    window of a `solved` drive before the second shot. `weights` blends it with the drive of the `background`. `gain` is
+    how much stronger than usual the shot was asked to be.
     """
 
     span: Span
@@ -49,6 +52,7 @@ class Heard:
     wet: Samples | None
     weights: Samples
     solved: bool
+    gain: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +95,10 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
         wet = dry[kept]
     elif not (part.opens and is_solved(event)):
         wet = shared.compensated(audio)[kept]
+    if part.before_db:
+        relative = _relative_gain(shared, part, span)
+        undelayed, intended = relative * undelayed, relative * intended
+        wet = None if wet is None else relative * wet
     return Heard(
         span,
         slice(margin, margin + len(part.span)),
@@ -101,7 +109,15 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
         wet=wet,
         weights=_weights(event, span),
         solved=is_solved(event),
+        gain=gain_from_db(event.gain_db),
     )
+
+
+def _relative_gain(shared: Comparison, part: Part, span: Span) -> Samples:
+    """Return the gain against the shot's own over a span: that of the shot before until the lead before the onset."""
+    lead, onset = shared.samples(shared.rules.lead_ms), part.span.start
+    before = gain_from_db(part.before_db)
+    return np.interp(np.arange(span.start, span.stop), [onset - lead, onset], [before, 1.0])
 
 
 def _weights(event: Event, span: Span) -> Samples:

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..model import Event, Span
+from ..ruleset import AlignRules
 from ..units import samples_from_ms
 from .sounds import Sound, stretch_of
 
@@ -40,3 +41,12 @@ def audio_rise_db(event: Event, audio: Sound) -> float:
         for span in (Span(onset - around, onset), Span(onset, onset + around))
     )
     return float(20.0 * np.log10(max(after, 1e-12) / max(before, 1e-12)))
+
+
+def is_telling(event: Event, audio: Sound, rules: AlignRules) -> bool:
+    """Return whether a shot's drive can be compared with the sound: of one set by hand, where an attack is heard.
+
+    Who edits a timeline may put an event where nothing begins. In a tone or in silence one place sounds like the next,
+    and so nothing tells whether the drive is in its own.
+    """
+    return event.origin == "found" or audio_rise_db(event, audio) >= rules.hand_rise_db

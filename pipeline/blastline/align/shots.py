@@ -55,7 +55,8 @@ def parts_of(events: Sequence[Event], *, lead: int) -> tuple[Part, ...]:
             stop = min(whole, max(after.onset_sample - lead, event.onset_sample + 1))
         opens = before is None or before.window != event.window
         since = event.window.start if before is None or opens else before.onset_sample - lead
-        parts.append(Part(Span(event.onset_sample, stop), opens, stop < whole, since))
+        before_db = 0.0 if before is None or opens else before.gain_db - event.gain_db
+        parts.append(Part(Span(event.onset_sample, stop), opens, stop < whole, since, before_db))
     return tuple(parts)
 
 

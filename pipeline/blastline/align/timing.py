@@ -29,7 +29,7 @@ class Timing:
 
     `place` is the fitted line, None where no shot was found; `exact` says that the actuator's limit has no part in it.
     The figures were taken with the drive read from `read`. `lags` are in samples against what was intended, None
-    where a shot was not found.
+    where a shot was not found. `found` counts those that were and can tell.
     """
 
     place: Place | None
@@ -37,21 +37,23 @@ class Timing:
     read: Place
     figures: tuple[ShotFigures | None, ...]
     lags: tuple[float | None, ...]
+    found: int
 
 
-def time_film(shared: Comparison, events: Sequence[Event]) -> Timing:
-    """Return where the drive holds every shot.
+def time_film(shared: Comparison, events: Sequence[Event], telling: Sequence[bool]) -> Timing:
+    """Return where the drive holds every shot; only `telling` ones say where it is as a whole.
 
     First each shot is searched for around its own place. Where fewer than half are found there, the drive is taken
     to be displaced, and is read again from where it seems to be.
     """
     parts = parts_of(events, lead=shared.samples(shared.rules.lead_ms))
-    timing = _measure_all(shared, events, parts, Place())
-    if 2 * _found(timing) >= len(events):
+    timing = _measure_all(shared, events, parts, telling, Place())
+    asked = sum(telling)
+    if 2 * timing.found >= asked:
         return timing
-    for guess in _guesses(shared, events, parts):
-        elsewhere = _measure_all(shared, events, parts, _whole(guess, events))
-        if _found(elsewhere) > max(_found(timing), len(events) // 2):
+    for guess in _guesses(shared, events, parts, telling):
+        elsewhere = _measure_all(shared, events, parts, telling, _whole(guess, events))
+        if elsewhere.found > max(timing.found, asked // 2):
             return elsewhere
     return timing
 
@@ -62,28 +64,27 @@ def _whole(guess: Place, events: Sequence[Event]) -> Place:
     return Place(1.0, round(guess.lag(events[0].onset_sample))) if abs(drift) < 1.0 else guess
 
 
-def _found(timing: Timing) -> int:
-    return sum(lag is not None for lag in timing.lags)
-
-
-def _measure_all(shared: Comparison, events: Sequence[Event], parts: Sequence[Part], read: Place) -> Timing:
+def _measure_all(
+    shared: Comparison, events: Sequence[Event], parts: Sequence[Part], telling: Sequence[bool], read: Place
+) -> Timing:
     """Return the timing with the drive read from one place; the line goes through exact lags where there are enough."""
     figures = tuple(measure(shared, event, part, place=read) for event, part in zip(events, parts, strict=True))
     lags: list[float | None] = []
     found: list[tuple[float, float]] = []
     exact: list[tuple[float, float]] = []
-    for event, figure in zip(events, figures, strict=True):
+    for event, figure, tells in zip(events, figures, telling, strict=True):
         if figure is None or abs(figure.match.correlation) < likeness_limit(shared, event):
             lags.append(None)
             continue
         lag = read.lag(event.onset_sample) + figure.match.lag * read.stretch
         lags.append(lag)
-        found.append((event.onset_sample, lag))
-        if figure.exact:
+        if tells:
+            found.append((event.onset_sample, lag))
+        if tells and figure.exact:
             exact.append(found[-1])
     enough = len(exact) >= max(1, len(found) / 4)
     line = _line(exact if enough else found) if found else None
-    return Timing(line, enough, read, figures, tuple(lags))
+    return Timing(line, enough, read, figures, tuple(lags), len(found))
 
 
 def _line(found: Sequence[tuple[float, float]]) -> Place:
@@ -97,13 +98,16 @@ def _line(found: Sequence[tuple[float, float]]) -> Place:
     return Place(1.0 + slope, float(np.median(lags - slope * samples)))
 
 
-def _guesses(shared: Comparison, events: Sequence[Event], parts: Sequence[Part]) -> list[Place]:
+def _guesses(
+    shared: Comparison, events: Sequence[Event], parts: Sequence[Part], telling: Sequence[bool]
+) -> list[Place]:
     """Return where a displaced drive may lie: by the pattern of its windows, and by its shots one after the other."""
     guesses = []
     if shared.background == "mute":
         pattern = _by_windows(shared, events)
         guesses += [pattern] if pattern else []
-    probes = _by_probes(shared, events, parts)
+    told = [index for index, tells in enumerate(telling) if tells]
+    probes = _by_probes(shared, [events[index] for index in told], [parts[index] for index in told])
     return guesses + ([probes] if probes else [])
 
 

@@ -10,10 +10,12 @@ from ..timebase import parse_timebase
 from .options import (
     DRIVING,
     WRITING,
+    EditedTimeline,
     Film,
     Formats,
     FrameRate,
     Mix,
+    OriginalTimeline,
     Overwrite,
     QualityOption,
     Quiet,
@@ -38,6 +40,8 @@ def render(
     rules: RulesOption = None,
     mix: Mix = "mains",
     stream: Stream = None,
+    timeline: EditedTimeline = None,
+    original: OriginalTimeline = None,
     actuator: Annotated[
         str,
         typer.Option(
@@ -104,16 +108,18 @@ def render(
         formats=listed(formats),
         report=report,
         overwrite=overwrite,
+        timeline=timeline,
+        original=original,
     )
     notes: list[str] = []
     with shown_progress(quiet=quiet) as progress:
-        timeline = run.render(film, folder, options, progress, notes.append)
+        made = run.render(film, folder, options, progress, notes.append)
     if not quiet:
         for note in notes:
             typer.echo(note, err=True)
-        say_summary(timeline, folder / "report.html" if report else folder)
-    say_checks(timeline, quiet=quiet, err=True)
-    return _code(timeline)
+        say_summary(made, folder / "report.html" if report else folder)
+    say_checks(made, quiet=quiet, err=True)
+    return _code(made)
 
 
 def detect(

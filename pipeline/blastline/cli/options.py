@@ -72,6 +72,26 @@ FrameRate = Annotated[
     ),
 ]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace earlier results.", rich_help_panel=WRITING)]
+EditedTimeline = Annotated[
+    Path | None,
+    typer.Option(
+        "--timeline",
+        metavar="FILE",
+        help="Render the events of an edited timeline (JSON, CSV, Audacity labels, REAPER CSV) and detect none.",
+        show_default=False,
+        rich_help_panel=FINDING,
+    ),
+]
+OriginalTimeline = Annotated[
+    Path | None,
+    typer.Option(
+        "--original",
+        metavar="FILE",
+        help="The timeline.json that the edited one was exported from.",
+        show_default="timeline.json beside the edited one",
+        rich_help_panel=FINDING,
+    ),
+]
 Quiet = Annotated[
     bool, typer.Option("--quiet", "-q", help="No progress and no summary; errors still show.", rich_help_panel=MESSAGES)
 ]

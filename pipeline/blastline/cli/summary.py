@@ -4,7 +4,7 @@ from pathlib import Path
 
 import typer
 
-from ..model import Check, Timeline
+from ..model import Check, Edits, Timeline
 
 
 def say_summary(timeline: Timeline, results: Path) -> None:
@@ -13,12 +13,22 @@ def say_summary(timeline: Timeline, results: Path) -> None:
     bursts = {event.burst for event in events if event.burst is not None}
     models = [event.drive.model for event in events if event.drive is not None]
     typer.echo(f"{_count(len(events), 'shot')}, {_count(len(bursts), 'burst')}", err=True)
+    if timeline.edits is not None:
+        _say_edits(timeline.edits)
     if models:
         driven = ", ".join(f"{models.count(model)} {model}" for model in sorted(set(models)))
         typer.echo(f"drive: {driven}", err=True)
     for warning in timeline.source.warnings:
         typer.echo(f"warning: {warning}", err=True)
     typer.echo(f"results: {results}", err=True)
+
+
+def _say_edits(edits: Edits) -> None:
+    ways = ("kept", "moved", "changed", "added", "deleted")
+    counts = ", ".join(f"{number} {way}" for way in ways if (number := getattr(edits, way)))
+    typer.echo(f"edits: {edits.file}{': ' if counts else ''}{counts}", err=True)
+    for note in edits.notes:
+        typer.echo(f"note: {note}", err=True)
 
 
 def say_checks(timeline: Timeline, *, quiet: bool, err: bool) -> None:

@@ -5,7 +5,18 @@
 A cheap scan over the whole film (`tracks`, `scan`) names candidates; everything after works on the candidates only.
 """
 
+from .bursts import group_bursts, part_from_echoes
 from .find import Detection, find_shots
+from .given import audio_around, shot_at
 from .verify import Verifier, load_verifier
 
-__all__ = ["Detection", "Verifier", "find_shots", "load_verifier"]
+__all__ = [
+    "Detection",
+    "Verifier",
+    "audio_around",
+    "find_shots",
+    "group_bursts",
+    "load_verifier",
+    "part_from_echoes",
+    "shot_at",
+]

@@ -43,8 +43,8 @@ def segment(
 
     `film_stop` is where the film, or what is known of it, ends.
     """
-    reach = samples_from_ms(rules.longest_ms, rate_hz) + samples_from_ms(2 * _SMOOTH_MS, rate_hz)
-    wave = samples[onset : min(onset + reach, film_stop - film_start)].astype(np.float64)
+    stop = min(onset + reach(rate_hz=rate_hz, rules=rules), film_stop - film_start)
+    wave = samples[onset:stop].astype(np.float64)
     before = samples[max(0, onset - samples_from_ms(BACKGROUND_MS, rate_hz)) : onset].astype(np.float64)
     wave -= np.mean(before) if before.size else wave[0]  # a constant is no sound
     background = float(np.std(before)) if before.size else 0.0
@@ -60,6 +60,11 @@ def segment(
         reflections=_reflections(wave, blast, at=at, rate_hz=rate_hz, rules=rules),
         span=Span(at, at + _decay_length(wave, peak, background, rate_hz=rate_hz, rules=rules)),
     )
+
+
+def reach(*, rate_hz: int, rules: SegmentRules) -> int:
+    """Return how many samples from its onset on tell of a shot."""
+    return samples_from_ms(rules.longest_ms, rate_hz) + samples_from_ms(2 * _SMOOTH_MS, rate_hz)
 
 
 def _blast_length(wave: NDArray[np.float64], peak: float, *, rate_hz: int, rules: SegmentRules) -> int:

@@ -1,4 +1,4 @@
-"""The timeline as files: one writer for each tool that opens it, and the reader of `timeline.json`."""
+"""The timeline as files: a writer for each tool that opens it, a reader of `timeline.json`; `edits` reads them back."""
 
 from .formats import FORMATS, Format, export_timeline, known_formats, needs_drive
 from .frames import require_frame_rate

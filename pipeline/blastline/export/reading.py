@@ -16,8 +16,7 @@ def read_timeline(path: Path) -> Timeline:
     Raises TimelineError where there is no such file, where it is not JSON, where its schema is not the one this
     version writes, or where a field is missing or holds what it cannot: two events of one id, a negative time.
     """
-    plain = _json(path)
-    _refuse_schema(plain, path)
+    plain = read_plain(path, _content(path))
     try:
         timeline = msgspec.convert(plain, Timeline)
     except msgspec.ValidationError as error:
@@ -27,15 +26,23 @@ def read_timeline(path: Path) -> Timeline:
     return timeline
 
 
-def _json(path: Path) -> Any:
+def read_plain(path: Path, content: bytes) -> Any:
+    """Return what a timeline's JSON holds as plain data, once its schema has proved to be the one that is known."""
     try:
-        return msgspec.json.decode(path.read_bytes())
+        plain = msgspec.json.decode(content)
+    except (msgspec.DecodeError, RecursionError) as error:
+        raise TimelineError(f"{path}: not JSON: {error}; expected a timeline.json") from error
+    _refuse_schema(plain, path)
+    return plain
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
     except FileNotFoundError as error:
         raise TimelineError(f"{path}: no such file; expected a timeline.json") from error
     except OSError as error:
         raise TimelineError(f"{path}: cannot be read: {error.strerror}; expected a timeline.json") from error
-    except (msgspec.DecodeError, RecursionError) as error:
-        raise TimelineError(f"{path}: not JSON: {error}; expected a timeline.json") from error
 
 
 def _refuse_schema(plain: Any, path: Path) -> None:

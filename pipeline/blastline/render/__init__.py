@@ -9,7 +9,7 @@ compose                                             the film's drive
 from .drive import RenderedWindow, measure, render_window
 from .filters import DriveFilters, drive_filters, needed_audio, preroll
 from .mix import compose
-from .windows import PlannedWindow, plan_windows
+from .windows import PlannedWindow, plan_windows, window_between, with_gains
 
 __all__ = [
     "DriveFilters",
@@ -22,4 +22,6 @@ __all__ = [
     "plan_windows",
     "preroll",
     "render_window",
+    "window_between",
+    "with_gains",
 ]

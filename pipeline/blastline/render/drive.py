@@ -35,18 +35,21 @@ class _Heard:
 def measure(audio: Clip, planned: PlannedWindow, *, filters: DriveFilters, rules: RenderRules) -> SceneEvidence:
     """Return what direct conversion and the compensator would do in a window, for the choice between the models.
 
-    `audio` covers `needed_audio`; more of it changes nothing.
+    `audio` covers `needed_audio`; more of it changes nothing. The compensator's peak is the higher of those with and
+    without the shots' gains: a window beyond its limit is not for it where it is only wanted softer, or it would be
+    softer by more than that.
     """
     heard = _heard(audio, planned, filters, rules)
-    level = gain_from_db(rules.level_db)
+    gains = _gains(planned, filters, rules)
+    level = gain_from_db(rules.level_db) * gains
     core = _within(planned.core, planned)
-    target = level * in_band(heard.sound, filters)[heard.inside][core]
-    direct = felt(_limited(heard.sound[heard.inside]), filters)[core]
+    target = (level * in_band(heard.sound, filters)[heard.inside])[core]
+    direct = felt(_limited(gains * heard.sound[heard.inside]), filters)[core]
     drive = level * compensated(heard.sound, filters)[heard.inside]
     return SceneEvidence(
         direct_level_db=_level_db(direct, target),
         direct_fidelity=_correlation(direct, target),
-        filter_peak=float(np.max(np.abs(drive))),
+        filter_peak=max(float(np.max(np.abs(drive))), float(np.max(np.abs(drive / gains)))),
     )
 
 
@@ -67,14 +70,17 @@ def render_window(
     background, too, keeps to the limit, as the file that will hold the drive does.
     """
     heard = _heard(audio, planned, filters, rules)
+    gains = _gains(planned, filters, rules)
+    level = gain_from_db(rules.level_db) * gains
     direct = _limited(heard.sound[heard.inside])
-    target = gain_from_db(rules.level_db) * in_band(heard.sound, filters)[heard.inside]
+    target = level * in_band(heard.sound, filters)[heard.inside]
     own = [shots[index] for index in planned.shots]
     starts = _starts(planned, own, filters, rules)
-    wet = direct
-    if model != "direct":
-        wet = gain_from_db(rules.level_db) * compensated(heard.sound, filters)[heard.inside]
-    if model == "filter" and (peak := float(np.max(np.abs(wet)))) > 1.0:
+    if model == "direct":
+        wet = _limited(gains * heard.sound[heard.inside])
+    else:
+        wet = level * compensated(heard.sound, filters)[heard.inside]
+    if model == "filter" and (peak := _excess(wet, gains)) > 1.0:
         wet = wet / peak
         reason = f"{reason}; the compensator's peak is {peak:.3g} of the limit, so the window is scaled down by it"
     efforts: Sequence[Effort | None] = [None] * len(own)
@@ -99,6 +105,27 @@ def _with_effort(info: DriveInfo, effort: Effort | None) -> DriveInfo:
     if effort is None:
         return info
     return msgspec.structs.replace(info, solver_steps=effort.steps, explained=effort.explained)
+
+
+def _excess(wet: Samples, gains: Samples) -> float:
+    """Return what a drive is divided by to keep to the limit: it does so without its gains, and then with them.
+
+    So a shot that is wanted softer is softer, though scaling to the limit alone would undo its gain.
+    """
+    usual = max(1.0, float(np.max(np.abs(wet / gains))))
+    return usual * max(1.0, float(np.max(np.abs(wet))) / usual)
+
+
+def _gains(planned: PlannedWindow, filters: DriveFilters, rules: RenderRules) -> Samples:
+    """Return the gain of a window's every sample: each shot's from its onset on, reached over the lead before it."""
+    gains = np.ones(len(planned.window.span))
+    lead = samples_from_ms(rules.lead_ms, filters.rate_hz)
+    for number, (at, gain_db) in enumerate(planned.gains):
+        onset, gain = at - planned.window.start, gain_from_db(gain_db)
+        start = 0 if number == 0 else max(0, onset - lead)
+        gains[start:onset] = np.linspace(gains[start], gain, onset - start, endpoint=False) if number else gain
+        gains[onset:] = gain
+    return gains
 
 
 def _starts(planned: PlannedWindow, shots: Sequence[Shot], filters: DriveFilters, rules: RenderRules) -> list[int]:

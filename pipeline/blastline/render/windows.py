@@ -5,8 +5,9 @@
      window.start                                window.stop
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 from ..model import Shot, Span, Window
 from ..ruleset import WindowRules
@@ -15,10 +16,14 @@ from ..units import samples_from_ms
 
 @dataclass(frozen=True)
 class PlannedWindow:
-    """A window of the drive and the indices, in order, of the shots that it renders."""
+    """A window of the drive and the indices, in order, of the shots that it renders.
+
+    `gains` are the onset of each shot with how much stronger than usual it is wanted, in dB; empty where none is.
+    """
 
     window: Window
     shots: tuple[int, ...]
+    gains: tuple[tuple[int, float], ...] = ()
 
     @property
     def core(self) -> Span:
@@ -26,29 +31,84 @@ class PlannedWindow:
         return Span(self.window.start + self.window.fade_in_samples, self.window.stop - self.window.fade_out_samples)
 
 
-def plan_windows(shots: Sequence[Shot], *, frames: int, rate_hz: int, rules: WindowRules) -> tuple[PlannedWindow, ...]:
+def plan_windows(
+    shots: Sequence[Shot],
+    *,
+    frames: int,
+    rate_hz: int,
+    rules: WindowRules,
+    given: Mapping[int, Window] = MappingProxyType({}),
+) -> tuple[PlannedWindow, ...]:
     """Return the windows of a film's shots: sorted, disjoint, not touching, inside [0, frames).
 
     The fade-in is over `guard_ms` before the onset, the fade-out begins where the decay has ended. Windows that touch
     or overlap become one. At the ends of the film a fade shrinks to the room there is: a shot on frame 0 has full
-    weight at once. Raises ValueError for a shot that begins outside the film.
+    weight at once. `given` are windows, by the shot's index, that are settled already. Raises ValueError for a shot
+    that begins outside the film.
     """
-    spans: list[tuple[Span, tuple[int, ...]]] = []
-    reach = 0  # up to where the windows so far reach
-    for index in sorted(range(len(shots)), key=lambda i: (shots[i].onset, i)):
-        shot = shots[index]
+    own: list[tuple[Window, int]] = []
+    for index, shot in enumerate(shots):
         if not 0 <= shot.onset < frames:
             raise ValueError(f"shot {index} begins at sample {shot.onset}, outside the film's {frames} frames")
         sounding = Span(shot.onset, min(max(shot.span.stop, shot.onset + 1), frames))
-        window = _around(sounding, frames=frames, rate_hz=rate_hz, rules=rules)
-        if spans and window.start <= reach:
-            together, members = spans[-1]
-            spans[-1] = (together | sounding, (*members, index))
+        own.append((given.get(index) or _around(sounding, frames=frames, rate_hz=rate_hz, rules=rules), index))
+    planned: list[PlannedWindow] = []
+    for window, index in sorted(own, key=lambda one: (one[0].start, shots[one[1]].onset, one[1])):
+        if planned and window.start <= planned[-1].window.stop:
+            planned[-1] = _joined(planned[-1], window, index, shots)
         else:
-            spans.append((sounding, (index,)))
-        reach = max(reach, window.stop)
+            planned.append(PlannedWindow(window, (index,)))
+    return tuple(planned)
+
+
+def with_gains(
+    windows: Sequence[PlannedWindow], shots: Sequence[Shot], gains_db: Sequence[float]
+) -> tuple[PlannedWindow, ...]:
+    """Return the windows with the gains of their shots; `gains_db` is by the shot's index."""
     return tuple(
-        PlannedWindow(_around(span, frames=frames, rate_hz=rate_hz, rules=rules), members) for span, members in spans
+        replace(planned, gains=tuple((shots[index].onset, gains_db[index]) for index in planned.shots))
+        if any(gains_db[index] for index in planned.shots)
+        else planned
+        for planned in windows
+    )
+
+
+def window_between(
+    shot: Shot, *, start: int | None, stop: int | None, frames: int, rate_hz: int, rules: WindowRules
+) -> Window:
+    """Return a shot's window with ends that somebody has set; one that is None is where it would be planned.
+
+    The fades are inside and shrink to the room there is before the onset and after it. Raises ValueError where the
+    onset is not inside.
+    """
+    sounding = Span(shot.onset, min(max(shot.span.stop, shot.onset + 1), frames))
+    own = _around(sounding, frames=frames, rate_hz=rate_hz, rules=rules)
+    begin, end = own.start if start is None else start, own.stop if stop is None else stop
+    if not begin <= shot.onset < end <= frames:
+        raise ValueError(f"a window from {begin} to {end} does not hold the onset at {shot.onset}")
+    fade_in = own.fade_in_samples
+    if start is not None:
+        whole = max(0, shot.onset - samples_from_ms(rules.guard_ms, rate_hz))
+        fade_in = max(0, min(samples_from_ms(rules.fade_in_ms, rate_hz), whole - begin))
+    fade_out = own.fade_out_samples
+    if stop is not None:
+        fade_out = min(samples_from_ms(rules.fade_out_ms, rate_hz), end - shot.onset - 1)
+    return Window(begin, end, fade_in, fade_out)
+
+
+def _joined(planned: PlannedWindow, window: Window, index: int, shots: Sequence[Shot]) -> PlannedWindow:
+    """Return a planned window together with one that starts no earlier and meets it; no fade reaches into an onset."""
+    before = planned.window
+    members = tuple(sorted((*planned.shots, index), key=lambda i: (shots[i].onset, i)))
+    last = max(before, window, key=lambda w: (w.stop, -w.fade_out_samples))
+    return PlannedWindow(
+        Window(
+            before.start,
+            last.stop,
+            min(before.fade_in_samples, shots[members[0]].onset - before.start),
+            min(last.fade_out_samples, last.stop - shots[members[-1]].onset - 1),
+        ),
+        members,
     )
 
 

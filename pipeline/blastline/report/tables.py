@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 
-from ..model import Check, Event, Rejection, Timeline
+from ..model import Check, Edits, Event, Rejection, Timeline
 from .words import allowed, claim, duration, figure, fixed, measured, safe
 
 _STRONGEST = 5
@@ -123,6 +123,7 @@ def origin_list(timeline: Timeline, options: Mapping[str, str]) -> str:
         "blastline": timeline.version,
         "Quality": timeline.quality,
         "Rules": timeline.rules_digest,
+        **_edits(timeline.edits),
         "Film": source.name,
         "Film's SHA-256": source.sha256,
         "Sound": f"stream {source.stream}, mix {source.mix}, {source.channels} channels, "
@@ -133,3 +134,12 @@ def origin_list(timeline: Timeline, options: Mapping[str, str]) -> str:
     }
     rows = "".join(f"<dt>{safe(name)}</dt><dd>{safe(value)}</dd>" for name, value in facts.items())
     return f'<dl class="origin">{rows}</dl>'
+
+
+def _edits(edits: Edits | None) -> dict[str, str]:
+    if edits is None:
+        return {}
+    counts = (
+        f"{edits.kept} kept, {edits.moved} moved, {edits.changed} changed, {edits.added} added, {edits.deleted} deleted"
+    )
+    return {"Edited by hand": "; ".join([f"{edits.file}: {counts}", *edits.notes])}

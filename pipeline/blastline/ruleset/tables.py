@@ -188,6 +188,7 @@ class AlignRules(Table, frozen=True):
     preecho_guard_ms: NonNegative
     peak: Positive
     rise_db: NonNegative
+    hand_rise_db: NonNegative
     shift_samples: NonNegative
     drift_samples: NonNegative
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from .. import __version__
 from ..detect import Detection, find_shots, load_verifier
-from ..model import SCHEMA, ActuatorRef, DriveInfo, Event, Quality, Source, Timeline
+from ..model import SCHEMA, ActuatorRef, DriveInfo, Event, Origin, Quality, Source, Timeline
 from ..render import PlannedWindow, plan_windows
 from ..report import OverviewMeter
 from ..ruleset import Rules, load_rules, rules_path
@@ -19,14 +19,27 @@ BLOCK = 65_536
 """Frames that are read at a time; nothing in a result depends on it."""
 
 
+@dataclass(frozen=True)
+class Mark:
+    """A shot's id, origin and gain."""
+
+    id: str
+    origin: Origin = "found"
+    gain_db: float = 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class Listened:
-    """A film that has been heard: its track, ready to be cut, and what was found in it."""
+    """A film that has been heard: its track, ready to be cut, and what was found in it.
+
+    `marks` say of each shot what no ear hears: its name, where its onset comes from, how strong it is wanted.
+    """
 
     track: Soundtrack
     source: Source
     found: Detection
     windows: tuple[PlannedWindow, ...]
+    marks: tuple[Mark, ...]
 
 
 def detect(
@@ -59,7 +72,7 @@ def listen(track: Soundtrack, rules: Rules, progress: Progress, meter: OverviewM
     found = find_shots(heard, rate_hz=track.rate_hz, tier=rules.tier, verifier=verifier)
     source = track.source()
     windows = plan_windows(found.shots, frames=source.frames, rate_hz=source.sample_rate_hz, rules=rules.tier.windows)
-    return Listened(track, source, found, windows)
+    return Listened(track, source, found, windows, tuple(Mark(event_id(index)) for index in range(len(found.shots))))
 
 
 def assemble(heard: Listened, rules: Rules, drives: Mapping[int, DriveInfo], actuator: ActuatorRef | None) -> Timeline:
@@ -68,7 +81,7 @@ def assemble(heard: Listened, rules: Rules, drives: Mapping[int, DriveInfo], act
     window_of = {index: planned.window for planned in heard.windows for index in planned.shots}
     events = tuple(
         Event(
-            id=event_id(index),
+            id=mark.id,
             onset_sample=shot.onset,
             onset_s=shot.onset / source.sample_rate_hz,
             timecode=timecode_at(source, shot.onset),
@@ -81,8 +94,10 @@ def assemble(heard: Listened, rules: Rules, drives: Mapping[int, DriveInfo], act
             reflections=shot.reflections,
             window=window_of[index],
             drive=drives.get(index),
+            origin=mark.origin,
+            gain_db=mark.gain_db,
         )
-        for index, shot in enumerate(heard.found.shots)
+        for index, (shot, mark) in enumerate(zip(heard.found.shots, heard.marks, strict=True))
     )
     return Timeline(
         schema=SCHEMA,

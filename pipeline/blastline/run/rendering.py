@@ -13,16 +13,17 @@ from .. import scene
 from ..align import check_files
 from ..errors import OutputError, RuleError
 from ..export import export_timeline, known_formats, needs_drive, require_frame_rate, rounding
-from ..model import ActuatorRef, Background, Clip, DriveChoice, DriveInfo, Phase, Quality, Span, Timeline
+from ..model import ActuatorRef, Background, Clip, DriveChoice, DriveInfo, Edits, Phase, Quality, Span, Timeline
 from ..render import RenderedWindow, compose, drive_filters, measure, needed_audio, render_window
 from ..report import OverviewMeter, write_report
 from ..ruleset import ActuatorProfile, Rules, load_actuator, load_haptics, load_rules
 from ..soundtrack import Cue, Soundtrack, open_soundtrack, write_drive
 from ..staging import staged
 from ..timebase import AS_FILMED, Timebase
+from .editing import Editing, hear_edited, read_editing
 from .exports import exports
 from .haptics import rounding_notes, tell_silent, track_of
-from .listening import BLOCK, Listened, assemble, event_id, listen
+from .listening import BLOCK, Listened, assemble, listen
 from .progress import Note, Progress, no_note, no_progress
 
 DRIVE_NAME, REPORT_NAME = "drive.wav", "report.html"
@@ -46,6 +47,8 @@ class RenderOptions:
     timebase: Timebase = AS_FILMED
     report: bool = True
     overwrite: bool = False
+    timeline: Path | None = None
+    original: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -64,7 +67,8 @@ def render(
 ) -> Timeline:
     """Find the shots of a film and write drive, timeline and report to `folder`; return the timeline with its checks.
 
-    `note` is told what the timeline's formats had to round.
+    With `options.timeline`, an edited timeline, its events are rendered instead of what would be found. `note` is told
+    what the timeline's formats had to round.
     Raises BlastlineError for input, rules or an output folder that cannot be used; nothing is written then.
     """
     profile, digest = load_actuator(options.actuator, options.rules)
@@ -76,19 +80,23 @@ def render(
     names = [DRIVE_NAME, *files, *([REPORT_NAME] if options.report else [])]
     sets = [pattern for known in formats for pattern in known.sets]
     _refuse_to_replace(film, folder, names)
+    if options.original is not None and options.timeline is None:
+        raise RuleError(f"--original {options.original}: there is no edited timeline; give one with --timeline")
+    editing = None if options.timeline is None else read_editing(options.timeline, original=options.original)
     with staged(folder, names=names, sets=sets, overwrite=options.overwrite) as hidden:
         with open_soundtrack(
             film, stream=options.stream, mix=options.mix, spool_folder=hidden, timebase=options.timebase
         ) as track:
             require_frame_rate(options.formats, track.described())
             meter = OverviewMeter(track.rate_hz) if options.report else None
-            heard = listen(track, rules, progress, meter)
+            heard, edits = _heard(track, setup, editing, meter)
             drives = _write_drive(hidden / DRIVE_NAME, heard, setup)
             timeline = msgspec.structs.replace(
                 assemble(heard, rules, drives, setup.actuator),
                 phase=options.phase,
                 background=options.background,
                 level_db=rules.tier.render.level_db,
+                edits=edits,
             )
             with open_soundtrack(hidden / DRIVE_NAME) as drive:
                 timeline = checked(timeline, track, drive, setup)
@@ -130,6 +138,15 @@ def _levelled(rules: Rules, level_db: float | None) -> Rules:
     return replace(rules, tier=louder)
 
 
+def _heard(
+    track: Soundtrack, setup: Setup, editing: Editing | None, meter: OverviewMeter | None
+) -> tuple[Listened, Edits | None]:
+    """Return the film with its shots, found or named by an edited timeline, and what was edited."""
+    if editing is None:
+        return listen(track, setup.rules, setup.progress, meter), None
+    return hear_edited(track, setup.rules, editing, progress=setup.progress, meter=meter)
+
+
 def _write_drive(path: Path, heard: Listened, setup: Setup) -> dict[int, DriveInfo]:
     """Render every window into the drive's file and return what was done for each shot, by its index."""
     drives: dict[int, DriveInfo] = {}
@@ -142,7 +159,7 @@ def _write_drive(path: Path, heard: Listened, setup: Setup) -> dict[int, DriveIn
 
     source = heard.source
     film = _cuts(heard.track, source.frames) if setup.options.background == "direct" else ()
-    cues = [Cue(shot.onset, event_id(index), len(shot.span)) for index, shot in enumerate(heard.found.shots)]
+    cues = [Cue(shot.onset, mark.id, len(shot.span)) for shot, mark in zip(heard.found.shots, heard.marks, strict=True)]
     write_drive(
         path,
         compose(film, noted(), setup.options.background),

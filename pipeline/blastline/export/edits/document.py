@@ -1,0 +1,91 @@
+"""The edited `timeline.json`: every field of an event but its onset may be missing, and is found out again."""
+
+from collections.abc import Mapping
+from decimal import Decimal
+from fractions import Fraction
+from pathlib import Path
+from typing import Annotated, Any
+
+import msgspec
+from msgspec import Meta
+
+from ...errors import TimelineError, misfit
+from ...model import Event, Origin, Ratio, Rejection, Source, Span
+from ..reading import read_plain
+from .row import Edit, EditedFile, Point
+
+_Seconds = Annotated[float, Meta(ge=0.0, le=1e9)]
+_Sample = Annotated[int, Meta(ge=0, le=2**53)]
+
+
+class _Window(msgspec.Struct, frozen=True):
+    start_sample: _Sample | None = None
+    stop_sample: _Sample | None = None
+
+
+class _Event(msgspec.Struct, frozen=True):
+    id: str | None = None
+    onset_sample: _Sample | None = None
+    onset_s: _Seconds | None = None
+    confidence: Ratio | None = None
+    gain_db: float | None = None
+    origin: Origin | None = None
+    blast: Span | None = None
+    window: _Window | None = None
+
+
+class _Timeline(msgspec.Struct, frozen=True):
+    source: Source
+    events: tuple[_Event, ...]
+    rejections: tuple[Rejection, ...] = ()
+
+
+def read_document(content: bytes, path: Path) -> EditedFile:
+    """Return the events of a timeline that somebody edited; its schema has to be the one this version reads."""
+    plain = read_plain(path, content)
+    try:
+        timeline = msgspec.convert(plain, _Timeline)
+    except msgspec.ValidationError as error:
+        raise TimelineError(f"{path}: {misfit(plain, error)}") from error
+    edits = tuple(_edit(event, index, path) for index, event in enumerate(timeline.events))
+    return EditedFile(
+        path, edits, source=timeline.source, own=_as_it_was(plain["events"]), rejections=timeline.rejections
+    )
+
+
+def _edit(event: _Event, index: int, path: Path) -> Edit:
+    place = f"events[{index}]"
+    if event.onset_sample is None and event.onset_s is None:
+        raise TimelineError(f"{path}: {place}: no onset; expected onset_sample or onset_s")
+    window = event.window or _Window()
+    seconds = None if event.onset_s is None else Decimal(repr(event.onset_s))
+    return Edit(
+        place,
+        Point(event.onset_sample) if seconds is None else _written(event.onset_sample, seconds),
+        id=event.id,
+        window_start=None if window.start_sample is None else Point(window.start_sample),
+        window_stop=None if window.stop_sample is None else Point(window.stop_sample),
+        confidence=None if event.confidence is None else Decimal(repr(event.confidence)),
+        gain_db=None if event.gain_db is None else Decimal(repr(event.gain_db)),
+        blast_start=event.blast.start if event.blast and event.blast.start >= 0 else None,
+        origin=event.origin,
+    )
+
+
+def _written(sample: int | None, seconds: Decimal) -> Point:
+    exponent = seconds.as_tuple().exponent
+    assert isinstance(exponent, int)  # JSON holds no NaN
+    return Point(sample, Fraction(seconds), Fraction(10) ** exponent)
+
+
+def _as_it_was(plain: list[Any]) -> Mapping[str, Event]:
+    """Return the events that are whole, by id; the blast, which nobody edits, tells where an onset was."""
+    found: dict[str, Event] = {}
+    for fields in plain:
+        try:
+            event = msgspec.convert(fields, Event)
+        except msgspec.ValidationError:
+            continue  # an event that was added with its onset alone has no past
+        if event.blast.start >= 0:
+            found.setdefault(event.id, msgspec.structs.replace(event, onset_sample=event.blast.start))
+    return found

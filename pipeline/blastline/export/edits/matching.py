@@ -1,0 +1,190 @@
+"""What became of each event: edited rows beside the events that they were exported from.
+
+A row is an original event by its id, or, where it has none, by its time. As long as the digits of the file allow it, an
+event is where it was; otherwise it was moved. What no row names any more was deleted.
+"""
+
+import re
+from bisect import bisect_left
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ...errors import TimelineError
+from ...model import Event, Origin, Window
+from .meaning import WITH_CONFIDENCE, confidence, ends, gain_db, settled
+from .row import Edit, EditedFile
+
+_OWN_ID = re.compile(r"shot-\d+\b")
+
+
+@dataclass(frozen=True)
+class Wish:
+    """An event as it is wanted. `place` is where the edited file says so.
+
+    `was` is the original event where there is one. `window` is to be kept as it is; where it is None, `start` and
+    `stop` are ends set by hand, and one that is None is to be planned. `confidence` is None where nobody rated it.
+    """
+
+    place: str
+    id: str
+    onset: int
+    origin: Origin
+    was: Event | None
+    window: Window | None
+    start: int | None
+    stop: int | None
+    confidence: float | None
+    gain_db: float
+
+    @property
+    def unmoved(self) -> bool:
+        """Return whether the event is an original one and where it was."""
+        return self.was is not None and self.was.onset_sample == self.onset
+
+    @property
+    def changed(self) -> bool:
+        """Return whether an unmoved event's window, gain or confidence is another."""
+        was = self.was
+        if was is None or not self.unmoved:
+            return False
+        ends = self.start is not None or self.stop is not None
+        return ends or (self.gain_db, self.confidence) != (was.gain_db, was.confidence)
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """All events that are wanted, by onset, and the originals that no row names any more."""
+
+    wishes: tuple[Wish, ...]
+    deleted: tuple[Event, ...]
+
+
+@dataclass(frozen=True)
+class _Pair:
+    """A row, the original event that it is of, if any, and its id, if it has one."""
+
+    edit: Edit
+    was: Event | None
+    id: str | None
+
+
+def match(edited: EditedFile, originals: Mapping[str, Event] | None, *, rate_hz: int) -> Wanted:
+    """Return what an edited file wants of a film at `rate_hz`; `originals` by id, None where they are not known.
+
+    Raises TimelineError where two rows have one id or one onset, where two cells of a row contradict each other and
+    nothing tells which was edited, or where a window does not hold its onset.
+    """
+    known = edited.own if originals is None else originals
+    pairs = list(_paired(edited, known, rate_hz))
+    _refuse_repeats(edited.path, ((pair.edit.place, pair.id) for pair in pairs if pair.id is not None), "id")
+    fresh = _free_ids({*known, *(pair.id for pair in pairs if pair.id is not None)})
+    wishes = [_wish(edited, pair, next(fresh) if pair.id is None else pair.id, rate_hz) for pair in pairs]
+    _refuse_repeats(edited.path, ((wish.place, wish.onset) for wish in wishes), "onset_sample")
+    named = {wish.id for wish in wishes}
+    deleted = tuple(event for event in known.values() if event.id not in named)
+    kept = _with_whole_windows(wishes, known.values())
+    return Wanted(tuple(sorted(kept, key=lambda wish: wish.onset)), deleted)
+
+
+def _paired(edited: EditedFile, known: Mapping[str, Event], rate_hz: int) -> Iterator[_Pair]:
+    """Yield each row with its original: by id, and of those without one by time."""
+    ids = [edit.id or _id_in(edit.text, known) for edit in edited.edits]
+    named = set(ids)
+    free = {event.onset_sample: event for event in known.values() if event.id not in named}
+    onsets = sorted(free)
+    for edit, identity in zip(edited.edits, ids, strict=True):
+        if identity is not None:
+            yield _Pair(edit, known.get(identity), identity)
+            continue
+        place = edit.onset.nearest(rate_hz)
+        after = bisect_left(onsets, place)
+        near = [onset for onset in onsets[max(0, after - 1) : after + 1] if edit.onset.may_be(onset, rate_hz)]
+        was = free.pop(min(near, key=lambda onset: abs(onset - place)), None) if near else None
+        yield _Pair(edit, was, was.id if was else None)
+
+
+def _id_in(text: str, known: Mapping[str, Event]) -> str | None:
+    """Return the id with which a label begins: one that is known, or one as this program writes them."""
+    if text in known:
+        return text
+    parts = text.split(" ")
+    for count in range(len(parts) - 1, 0, -1):
+        if (start := " ".join(parts[:count])) in known:
+            return start
+    said = _OWN_ID.match(text) or WITH_CONFIDENCE.fullmatch(text)
+    return said[0].split(" ")[0] if said else None
+
+
+def _free_ids(taken: Iterable[str]) -> Iterator[str]:
+    """Yield ids that follow the highest that is taken."""
+    numbers = [int(name.removeprefix("shot-")) for name in taken if _OWN_ID.fullmatch(name)]
+    number = max(numbers, default=0)
+    while True:
+        number += 1
+        yield f"shot-{number:04d}"
+
+
+def _refuse_repeats(path: Path, values: Iterable[tuple[str, object]], name: str) -> None:
+    first: dict[object, str] = {}
+    for place, value in values:
+        if value in first:
+            raise TimelineError(f"{path}: {place}: {name} = {value!r}: {first[value]} has it too; expected each once")
+        first[value] = place
+
+
+def _wish(edited: EditedFile, pair: _Pair, identity: str, rate_hz: int) -> Wish:
+    edit, was = pair.edit, pair.was
+    before = was.onset_sample if was else edit.blast_start
+    onset = settled(edited, edit, "onset", edit.onset, before, rate_hz)
+    moved = was is not None and was.onset_sample != onset
+    if was is None and edit.blast_start is not None:
+        moved = edit.blast_start != onset
+    if was is not None:
+        origin: Origin = "moved" if moved and was.origin == "found" else was.origin
+    elif edit.origin is not None:
+        origin = "moved" if moved and edit.origin == "found" else edit.origin
+    else:
+        rated = edit.confidence is not None or WITH_CONFIDENCE.match(edit.text)
+        origin = "added" if not rated or pair.id is None else "moved" if moved else "found"
+    start, stop = ends(edited, edit, was, onset, moved=moved, rate_hz=rate_hz)
+    return Wish(
+        edit.place,
+        identity,
+        onset,
+        origin,
+        was,
+        window=None,
+        start=start,
+        stop=stop,
+        confidence=confidence(edited, edit, was),
+        gain_db=gain_db(edited, edit, was),
+    )
+
+
+def _with_whole_windows(wishes: Iterable[Wish], originals: Iterable[Event]) -> Iterator[Wish]:
+    """Yield the wishes, each with its original window where nobody has touched any event of it.
+
+    Shots that follow closely share a window. Where one of them is gone, it must not go on in the window of the others.
+    """
+    listed = list(wishes)
+    untouched = {
+        wish.id for wish in listed if wish.was is not None and wish.unmoved and wish.start is None and wish.stop is None
+    }
+    mates: dict[Window, set[str]] = {}
+    for event in originals:
+        mates.setdefault(event.window, set()).add(event.id)
+    for wish in listed:
+        if wish.was is None or not wish.unmoved:
+            yield wish
+        elif mates[wish.was.window] <= untouched:
+            yield replace(wish, window=wish.was.window)
+        elif len(mates[wish.was.window]) == 1:
+            own = wish.was.window  # the end that was not touched stays
+            yield replace(
+                wish,
+                start=own.start if wish.start is None else wish.start,
+                stop=own.stop if wish.stop is None else wish.stop,
+            )
+        else:
+            yield wish

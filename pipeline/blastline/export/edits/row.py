@@ -1,0 +1,176 @@
+"""One event as an edited file has it, and its numbers as they are written there."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from decimal import Decimal, InvalidOperation
+from fractions import Fraction
+from pathlib import Path
+from types import MappingProxyType
+
+from ...errors import TimelineError
+from ...model import Event, Origin, Rejection, Source
+
+_COARSEST_S = Fraction(1, 1000)
+"""The step of the coarsest tool, REAPER: what is off by more was moved."""
+
+_LONGEST_NUMBER = 40
+_WIDEST_EXPONENT = 100
+
+
+@dataclass(frozen=True)
+class Point:
+    """A time as a row gives it: as a sample, in seconds, or both; not negative.
+
+    `step_s` is the step to which the seconds were written: the tool may have rounded by up to that.
+    """
+
+    sample: int | None = None
+    seconds: Fraction | None = None
+    step_s: Fraction = Fraction(0)
+
+    def nearest(self, rate_hz: int) -> int:
+        """Return the sample, or the one nearest to the seconds, halves upwards."""
+        if self.sample is not None:
+            return self.sample
+        assert self.seconds is not None
+        return nearest_sample(self.seconds, rate_hz)
+
+    def may_be(self, sample: int, rate_hz: int) -> bool:
+        """Return whether this is the given sample, as far as the digits tell; seconds alone have to be fine enough."""
+        if self.sample is not None:
+            return self.sample == sample and (self.seconds is None or self.seconds_may_be(sample, rate_hz))
+        return replace(self, step_s=min(self.step_s, _COARSEST_S)).seconds_may_be(sample, rate_hz)
+
+    def seconds_may_be(self, sample: int, rate_hz: int) -> bool:
+        """Return whether the seconds are those of the given sample, rounded or cut off at their last digit."""
+        assert self.seconds is not None
+        if nearest_sample(self.seconds, rate_hz) == sample:
+            return True
+        return -self.step_s / 2 <= Fraction(sample, rate_hz) - self.seconds < self.step_s
+
+
+@dataclass(frozen=True)
+class Edit:
+    """One event of an edited file; None where the file does not say.
+
+    `place` is where it stands in the file, for messages. `text` is a label in which an id may stand. `blast_start` is
+    a column that nobody edits, which tells where the onset was.
+    """
+
+    place: str
+    onset: Point
+    id: str | None = None
+    text: str = ""
+    window_start: Point | None = None
+    window_stop: Point | None = None
+    confidence: Decimal | None = None
+    gain_db: Decimal | None = None
+    blast_start: int | None = None
+    origin: Origin | None = None
+
+
+@dataclass(frozen=True)
+class EditedFile:
+    """An edited file that has been read.
+
+    `shows_ends` says that the tool shows each event as a range: who moves it sees where it ends. `own` are the events
+    as a JSON timeline itself says they were before the edits; `source` and `rejections` are its, too.
+    """
+
+    path: Path
+    edits: tuple[Edit, ...]
+    shows_ends: bool = False
+    notes: tuple[str, ...] = ()
+    source: Source | None = None
+    own: Mapping[str, Event] = field(default_factory=lambda: MappingProxyType({}))
+    rejections: tuple[Rejection, ...] = ()
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A piece of text in a file: where it stands, what it is called there, and what it says."""
+
+    path: Path
+    place: str
+    name: str
+    text: str
+
+    def refused(self, expected: str) -> TimelineError:
+        """Return the error that says what was expected in place of the text."""
+        return TimelineError(f"{self.path}: {self.place}: {self.name} = {self.text!r}: expected {expected}")
+
+    def number(self, *, comma: bool = False) -> Decimal:
+        """Return the number that the text is; with `comma`, a decimal comma is one."""
+        text = self.text.strip()
+        if comma and text.count(",") == 1 and "." not in text:
+            text = text.replace(",", ".")
+        try:
+            number = Decimal(text) if len(text) <= _LONGEST_NUMBER and "_" not in text else Decimal("nan")
+        except InvalidOperation:
+            number = Decimal("nan")
+        if not number.is_finite() or abs(number.adjusted()) > _WIDEST_EXPONENT:
+            raise self.refused("a number")
+        return number
+
+    def sample(self, *, comma: bool = False) -> int:
+        """Return the sample index that the text is; `48001.0` is one, `1.2E+08` has lost digits."""
+        number = self.number(comma=comma)
+        if number != number.to_integral_value() or _exponent(number) > 0:
+            raise self.refused("a whole number of samples, with all its digits")
+        if number < 0:
+            raise self.refused("a sample from 0, the first of the track")
+        return int(number)
+
+    def seconds(self, *, comma: bool = False) -> Point:
+        """Return the time that the text is, in seconds."""
+        number = self.number(comma=comma)
+        if number < 0:
+            raise self.refused("a time from 0, the first frame of the track")
+        return Point(seconds=Fraction(number), step_s=Fraction(10) ** _exponent(number))
+
+
+def with_common_steps(edits: Sequence[Edit]) -> tuple[Edit, ...]:
+    """Return the rows with the steps to which their times were written.
+
+    A tool writes a column with as many decimals, or as many digits, everywhere. A number that has fewer has lost zeros
+    at its end, or was typed.
+    """
+    onsets = _with_common_steps([edit.onset for edit in edits])
+    starts = _with_common_steps([edit.window_start for edit in edits])
+    stops = _with_common_steps([edit.window_stop for edit in edits])
+    return tuple(
+        replace(edit, onset=onset or edit.onset, window_start=start, window_stop=stop)
+        for edit, onset, start, stop in zip(edits, onsets, starts, stops, strict=True)
+    )
+
+
+def _with_common_steps(points: Sequence[Point | None]) -> list[Point | None]:
+    timed = [point for point in points if point is not None and point.seconds is not None]
+    finest = min((point.step_s for point in timed), default=Fraction(0))
+    most = max((_magnitude(point) / point.step_s for point in timed), default=Fraction(1))
+    return [
+        replace(point, step_s=min(point.step_s, max(finest, _magnitude(point) / most)))
+        if point is not None and point.seconds is not None
+        else point
+        for point in points
+    ]
+
+
+def _magnitude(point: Point) -> Fraction:
+    """Return the place of a time's first digit, a power of ten."""
+    assert point.seconds is not None
+    if not point.seconds:
+        return point.step_s
+    return Fraction(10) ** math.floor(math.log10(point.seconds))
+
+
+def nearest_sample(seconds: Fraction, rate_hz: int) -> int:
+    """Return the sample nearest to a time, halves upwards."""
+    return (2 * seconds * rate_hz + 1).__floor__() // 2
+
+
+def _exponent(number: Decimal) -> int:
+    exponent = number.as_tuple().exponent
+    assert isinstance(exponent, int)  # the number is finite
+    return exponent

@@ -1,0 +1,78 @@
+"""The edited table, `timeline.csv`, as spreadsheets and scripts write it."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import get_args
+
+import msgspec
+
+from ...errors import TimelineError
+from ...model import Origin
+from ..table import COLUMNS
+from .row import Cell, Edit, EditedFile, Point
+from .text import Grid, Row
+
+ONSETS = ("onset_sample", "onset_s")
+
+
+def read_table(grid: Grid, path: Path) -> EditedFile:
+    """Return the events of a table with a header; it has an onset, in samples or seconds, all else may be missing.
+
+    Columns that this version does not know are left aside, with a note.
+    """
+    header, *rows = grid.rows
+    names = header.cells
+    for index, name in enumerate(names):
+        if name and name in names[:index]:
+            raise TimelineError(f"{path}: line {header.line}: two columns are called {name!r}; expected each once")
+    if not set(names) & set(ONSETS):
+        raise TimelineError(
+            f"{path}: line {header.line}: no column onset_sample or onset_s; expected one of them or both, "
+            f"found: {', '.join(names)}"
+        )
+    unknown = [name for name in names if name and name not in COLUMNS]
+    notes = (f"not used: column {', '.join(unknown)}",) if unknown else ()
+    return EditedFile(path, tuple(_edit(row, names, grid.comma, path) for row in rows), notes=notes)
+
+
+def _edit(row: Row, names: Sequence[str], comma: bool, path: Path) -> Edit:
+    place = f"line {row.line}"
+    if len(row.cells) > len(names) and any(row.cells[len(names) :]):
+        raise TimelineError(
+            f"{path}: {place}: {len(row.cells)} cells; expected {len(names)}, as many as the header has columns"
+        )
+    cells = {n: Cell(path, place, n, text) for n, text in zip(names, row.cells, strict=False) if n and text}
+    onset = _point(cells, *ONSETS, comma=comma)
+    if onset is None:
+        raise TimelineError(f"{path}: {place}: no onset; expected a time in {' or '.join(ONSETS)}")
+    confidence, gain, origin = cells.get("confidence"), cells.get("gain_db"), cells.get("origin")
+    return Edit(
+        place,
+        onset,
+        id=cells["id"].text if "id" in cells else None,
+        window_start=_point(cells, "window_start_sample", "window_start_s", comma=comma),
+        window_stop=_point(cells, "window_stop_sample", "window_stop_s", comma=comma),
+        confidence=confidence.number(comma=comma) if confidence else None,
+        gain_db=gain.number(comma=comma) if gain else None,
+        blast_start=cells["blast_start_sample"].sample(comma=comma) if "blast_start_sample" in cells else None,
+        origin=_origin(origin) if origin else None,
+    )
+
+
+def _point(cells: Mapping[str, Cell], in_samples: str, in_seconds: str, *, comma: bool) -> Point | None:
+    sample, seconds = cells.get(in_samples), cells.get(in_seconds)
+    if sample is None:
+        return None if seconds is None else seconds.seconds(comma=comma)
+    index = sample.sample(comma=comma)
+    if seconds is None:
+        return Point(index)
+    time = seconds.seconds(comma=comma)
+    return Point(index, time.seconds, time.step_s)
+
+
+def _origin(cell: Cell) -> Origin:
+    try:
+        origin: Origin = msgspec.convert(cell.text, Origin)
+    except msgspec.ValidationError as error:
+        raise cell.refused(f"one of: {', '.join(get_args(Origin))}") from error
+    return origin

@@ -1,0 +1,85 @@
+"""Text files of any tool and system: their encoding, their lines, their columns."""
+
+import codecs
+import csv
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from ...errors import TimelineError
+
+_SEPARATORS = ",;\t"
+_SEPARATOR_LINE = re.compile(r"sep=(.)")
+_LONGEST_CELL = 100_000
+
+
+@dataclass(frozen=True)
+class Row:
+    """The cells of one row and the line that it begins on, counted from 1."""
+
+    line: int
+    cells: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A file of separated values; `comma` says that its numbers may have a decimal comma."""
+
+    rows: tuple[Row, ...]
+    comma: bool
+
+
+def read_bytes(path: Path) -> bytes:
+    """Return what is in a file, or say in one line why it cannot be read."""
+    try:
+        return path.read_bytes()
+    except FileNotFoundError as error:
+        raise TimelineError(f"{path}: no such file; expected an edited timeline") from error
+    except OSError as error:
+        raise TimelineError(f"{path}: cannot be read: {error.strerror}; expected an edited timeline") from error
+
+
+def decoded(content: bytes, path: Path) -> str:
+    """Return the text of a file: UTF-8 or UTF-16 with or without a mark, otherwise Windows' Western alphabet.
+
+    Raises TimelineError where it holds what no text does.
+    """
+    encoding = "utf-8-sig"
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        encoding = "utf-16"
+    elif b"\0" in content[:2]:
+        encoding = "utf-16-be" if content[:1] == b"\0" else "utf-16-le"
+    try:
+        text = content.decode(encoding)
+    except UnicodeDecodeError:
+        text = content.decode("cp1252", errors="replace")
+    if "\0" in text:
+        raise TimelineError(f"{path}: not text; expected a table, labels or JSON")
+    return text
+
+
+def separated(text: str, path: Path) -> Grid:
+    """Return the rows of a table, without empty ones; its separator is the one that the header has most of.
+
+    Where that is not a comma, numbers may have a decimal comma. Excel's first line `sep=;` is understood.
+    """
+    lines = text.splitlines(keepends=True)
+    skipped = 0
+    separator = None
+    if lines and (said := _SEPARATOR_LINE.fullmatch(lines[0].strip().strip('"'))):
+        separator, skipped = said[1], 1
+    header = next((line for line in lines[skipped:] if line.strip()), "")
+    separator = separator or max(_SEPARATORS, key=header.count)
+    reader = csv.reader(lines[skipped:], delimiter=separator, strict=True)
+    rows: list[Row] = []
+    line = skipped + 1
+    try:
+        for cells in reader:
+            if any(len(cell) > _LONGEST_CELL for cell in cells):
+                raise TimelineError(f"{path}: line {line}: a cell is longer than any that a tool writes")
+            if any(cell.strip() for cell in cells):
+                rows.append(Row(line, tuple(cell.strip() for cell in cells)))
+            line = skipped + reader.line_num + 1
+    except csv.Error as error:
+        raise TimelineError(f"{path}: line {line}: not a row of a table: {error}") from error
+    return Grid(tuple(rows), comma=separator != ",")

@@ -1,0 +1,207 @@
+"""A film with the shots that somebody has edited: detection is skipped, what was not touched is kept.
+
+edited file, original timeline ──► what is wanted ──► measured in the film where it is new ──► windows
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import msgspec
+
+from ..detect import Detection, audio_around, group_bursts, part_from_echoes, shot_at
+from ..errors import TimelineError
+from ..export import read_timeline
+from ..export.edits import EditedFile, Wanted, Wish, match, read_edits
+from ..model import Edits, Event, Rejection, Shot, Source, Window
+from ..render import plan_windows, window_between, with_gains
+from ..report import OverviewMeter
+from ..ruleset import Rules
+from ..soundtrack import Soundtrack
+from ..units import ms_from_samples, samples_from_ms
+from .listening import BLOCK, Listened, Mark
+from .progress import Progress, told
+
+ORIGINAL_NAME = "timeline.json"
+_MEND = "re-time the timeline with `blastline conform`, or give the film that it is of"
+_SURE = 1.0  # who sets an event by hand has no doubt
+_REGAINED_MS = 25.0  # a rejection so near to an added event is that event
+
+
+@dataclass(frozen=True)
+class Editing:
+    """An edited file and what is known of the timeline that it was exported from.
+
+    `original` is None where that is not known; `named_by` is the file that names the film, None where none does.
+    """
+
+    edited: EditedFile
+    original: Mapping[str, Event] | None
+    rejections: tuple[Rejection, ...]
+    source: Source | None
+    named_by: Path | None
+
+
+def read_editing(path: Path, *, original: Path | None) -> Editing:
+    """Return an edited file with its original timeline: the one that is given, else `timeline.json` beside the file.
+
+    An edited JSON without an original tells by itself where its events were. Raises TimelineError for a file that
+    cannot be used.
+    """
+    edited = read_edits(path)
+    beside = path.parent / ORIGINAL_NAME
+    if original is None and beside.is_file() and not beside.samefile(path):
+        original = beside
+    if original is None:
+        return Editing(edited, None, edited.rejections, edited.source, path if edited.source else None)
+    timeline = read_timeline(original)
+    if edited.source is not None and edited.source.sha256 != timeline.source.sha256:
+        raise TimelineError(
+            f"{path}: is of {_named(edited.source)}, but its original {original} of {_named(timeline.source)}; "
+            "give its own with --original"
+        )
+    return Editing(edited, {e.id: e for e in timeline.events}, timeline.rejections, timeline.source, original)
+
+
+def hear_edited(
+    track: Soundtrack, rules: Rules, editing: Editing, *, progress: Progress, meter: OverviewMeter | None
+) -> tuple[Listened, Edits]:
+    """Decode the film once and return the shots that an edited file wants of it, and how many were edited in which way.
+
+    Raises TimelineError where the film is not the one that the timeline is of, or ends before an event.
+    """
+    edited, path = editing.edited, editing.edited.path
+    if editing.source and editing.source.sample_rate_hz != track.rate_hz:
+        raise TimelineError(
+            f"{editing.named_by}: is of {_named(editing.source)}, but the film has {track.rate_hz} Hz; {_MEND}"
+        )
+    wanted = match(edited, editing.original, rate_hz=track.rate_hz)
+    blocks = told(track.blocks(BLOCK), progress, track.expected_frames)
+    for _ in meter.watch(blocks) if meter else blocks:
+        pass
+    source = track.source()
+    _require_same_film(editing, source)
+    wishes = [_inside(wish, source, path) for wish in wanted.wishes]
+    shots = _shots(wishes, track, source, rules)
+    windows = plan_windows(
+        shots,
+        frames=source.frames,
+        rate_hz=source.sample_rate_hz,
+        rules=rules.tier.windows,
+        given=_given(wishes, shots, source, rules),
+    )
+    found = Detection(shots, _rejections(editing, wanted, source.sample_rate_hz))
+    marks = tuple(Mark(wish.id, wish.origin, wish.gain_db) for wish in wishes)
+    windows = with_gains(windows, shots, [wish.gain_db for wish in wishes])
+    return Listened(track, source, found, windows, marks), _counted(editing, wanted)
+
+
+def _named(source: Source) -> str:
+    return f"{source.name} (sha256 {source.sha256[:12]}, {source.frames} frames at {source.sample_rate_hz} Hz)"
+
+
+def _require_same_film(editing: Editing, found: Source) -> None:
+    expected = editing.source
+    if expected is None:
+        return
+    if found.sha256 == expected.sha256 and found.stream != expected.stream:
+        raise TimelineError(
+            f"{editing.named_by}: is of sound stream {expected.stream} of {expected.name}, not {found.stream}; "
+            f"give --stream {expected.stream}"
+        )
+    if (found.sha256, found.frames) != (expected.sha256, expected.frames):
+        raise TimelineError(f"{editing.named_by}: is of {_named(expected)}, but the film is {_named(found)}; {_MEND}")
+
+
+def _inside(wish: Wish, source: Source, path: Path) -> Wish:
+    """Return a wish inside the film; an end that a tool has rounded to just past the film's is the film's."""
+    frames, rate_hz = source.frames, source.sample_rate_hz
+    length = f"{frames} frames, {frames / rate_hz:.6g} s"
+    if wish.onset >= frames:
+        raise TimelineError(
+            f"{path}: {wish.place}: onset at sample {wish.onset}, {wish.onset / rate_hz:.6g} s: expected a time in the "
+            f"film, which has {length}"
+        )
+    if wish.stop is not None and wish.stop > frames:
+        if ms_from_samples(wish.stop - frames, rate_hz) >= 1.0:
+            raise TimelineError(
+                f"{path}: {wish.place}: window ends at sample {wish.stop}, {wish.stop / rate_hz:.6g} s: expected a "
+                f"time in the film, which has {length}"
+            )
+        return replace(wish, stop=frames)
+    return wish
+
+
+def _shots(wishes: Sequence[Wish], track: Soundtrack, source: Source, rules: Rules) -> tuple[Shot, ...]:
+    """Return each wish as a shot: as it is heard in the film, or as it was where it was not moved."""
+    tier, rate_hz = rules.tier, source.sample_rate_hz
+    heard = []
+    for wish in wishes:
+        span = audio_around(wish.onset, frames=source.frames, rate_hz=rate_hz, tier=tier)
+        confidence = _SURE if wish.confidence is None else wish.confidence
+        heard.append(shot_at(wish.onset, track.cut(span), confidence=confidence, tier=tier))
+    parted = part_from_echoes(heard, rate_hz=rate_hz, rules=tier.bursts)
+    kept = [
+        _as_it_was(shot, wish.was) if wish.unmoved and wish.was is not None else shot
+        for wish, shot in zip(wishes, parted, strict=True)
+    ]
+    return group_bursts(kept, rate_hz=rate_hz, rules=tier.bursts)
+
+
+def _as_it_was(shot: Shot, was: Event) -> Shot:
+    return msgspec.structs.replace(
+        shot, peak_dbfs=was.peak_dbfs, snr_db=was.snr_db, blast=was.blast, reflections=was.reflections
+    )
+
+
+def _given(wishes: Sequence[Wish], shots: Sequence[Shot], source: Source, rules: Rules) -> dict[int, Window]:
+    """Return the windows that are settled, by the shot's index: kept ones and those with an end set by hand."""
+    given = {index: wish.window for index, wish in enumerate(wishes) if wish.window is not None}
+    for index, (wish, shot) in enumerate(zip(wishes, shots, strict=True)):
+        if wish.window is None and (wish.start is not None or wish.stop is not None):
+            given[index] = window_between(
+                shot,
+                start=wish.start,
+                stop=wish.stop,
+                frames=source.frames,
+                rate_hz=source.sample_rate_hz,
+                rules=rules.tier.windows,
+            )
+    return given
+
+
+def _rejections(editing: Editing, wanted: Wanted, rate_hz: int) -> tuple[Rejection, ...]:
+    """Return the original's rejections without those that were added back, and with the events that were deleted."""
+    near = samples_from_ms(_REGAINED_MS, rate_hz)
+    added = [wish.onset for wish in wanted.wishes if wish.was is None]
+    still = [r for r in editing.rejections if all(abs(r.at_sample - onset) > near for onset in added)]
+    deleted = [Rejection(e.onset_sample, "deleted by hand", {"probability": e.confidence}) for e in wanted.deleted]
+    return tuple(sorted([*still, *deleted], key=lambda r: r.at_sample))
+
+
+def _counted(editing: Editing, wanted: Wanted) -> Edits:
+    notes = list(editing.edited.notes)
+    if editing.named_by is None:
+        notes.append(
+            f"no {ORIGINAL_NAME} beside the file and none given with --original: nothing tells what was edited, so "
+            "that every event is measured anew"
+        )
+    if not wanted.wishes:
+        notes.append("no events: the drive is silent")
+    ways = [_way(wish, known=editing.original is not None or bool(editing.edited.own)) for wish in wanted.wishes]
+    return Edits(
+        file=editing.edited.path.name,
+        kept=ways.count("kept"),
+        moved=ways.count("moved"),
+        changed=ways.count("changed"),
+        added=ways.count("added"),
+        deleted=len(wanted.deleted),
+        notes=tuple(notes),
+    )
+
+
+def _way(wish: Wish, *, known: bool) -> str:
+    """Return in which way an event was edited, as far as the file tells where there is no original."""
+    if wish.was is None:
+        return "added" if known or wish.origin == "added" else "moved" if wish.origin == "moved" else "kept"
+    return "changed" if wish.changed else "kept" if wish.unmoved else "moved"

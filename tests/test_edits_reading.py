@@ -1,0 +1,268 @@
+"""What editing tools write is read as it is meant, and what cannot be used is refused in one line with its place."""
+
+import codecs
+import json
+import re
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from blastline.errors import TimelineError
+from blastline.export import export_timeline
+from blastline.export.edits import EditedFile, Point, match, read_edits
+from blastline.model import encode
+from timelines import BURST_SHOT, RATE_HZ, SHOT, timeline
+
+TABLE = "id,onset_sample,onset_s,confidence\nshot-0001,48001,,0.5\nshot-0002,96000,,\n"
+LABELS = "1.000021\t1.500000\tshot-0001 0.97\n2.000000\t2.083333\tshot-0002 0.50\n"
+REAPER = "#,Name,Start,End,Length\nR1,shot-0001 0.97,0:01.000,0:01.500,0:00.500\nM1,bang,0:02.250,,\n"
+
+
+def read(tmp_path: Path, content: str | bytes, name: str = "edited.csv") -> EditedFile:
+    """Return what is read from a file of this content."""
+    file = tmp_path / name
+    file.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return read_edits(file)
+
+
+def samples(edited: EditedFile) -> list[int]:
+    """Return the onsets at 48 kHz as the file has them."""
+    return [edit.onset.nearest(RATE_HZ) for edit in edited.edits]
+
+
+def refusal(tmp_path: Path, content: str | bytes, name: str = "edited.csv") -> str:
+    """Return the line with which a file is refused, after its name."""
+    with pytest.raises(TimelineError) as raised:
+        match(read(tmp_path, content, name), None, rate_hz=RATE_HZ)
+    line = str(raised.value)
+    assert "\n" not in line
+    assert line.startswith(f"{tmp_path / name}: ")
+    return line.removeprefix(f"{tmp_path / name}: ")
+
+
+@pytest.mark.parametrize(
+    "spoilt",
+    [
+        TABLE.encode(),
+        codecs.BOM_UTF8 + TABLE.encode(),
+        TABLE.encode("utf-16"),
+        codecs.BOM_UTF16_BE + TABLE.encode("utf-16-be"),
+        TABLE.encode("utf-16-le"),
+        TABLE.replace("\n", "\r\n").encode(),
+        TABLE.replace(",", ";").encode(),
+        TABLE.replace(",", ";").replace(".", ",").encode(),
+        b"sep=;\r\n" + TABLE.replace(",", ";").replace(".", ",").encode(),
+        TABLE.replace(",", "\t").encode(),
+        TABLE.replace("48001,", "48001.0,").encode(),
+        (TABLE + "\n,,,\n\n").encode(),
+        TABLE.replace("id,", "ID, ").replace("shot-0001,", "shot-0001 , ").lower().encode(),
+        TABLE.replace("shot-0001", '"shot-0001"').encode(),
+    ],
+)
+def test_a_table_is_the_same_whatever_program_saved_it(tmp_path: Path, spoilt: bytes) -> None:
+    edited = read(tmp_path, spoilt)
+    assert samples(edited) == [48_001, 96_000]
+    assert [edit.id for edit in edited.edits] == ["shot-0001", "shot-0002"]
+    assert [edit.confidence for edit in edited.edits] == [pytest.approx(0.5), None]
+
+
+def test_a_letter_of_the_western_alphabet_is_no_obstacle(tmp_path: Path) -> None:
+    edited = read(tmp_path, "id,onset_s\nStra\u00dfe,1.5\n".encode("cp1252"))
+    assert [edit.id for edit in edited.edits] == ["Stra\u00dfe"]
+
+
+@pytest.mark.parametrize(("name", "text"), [("c.csv", TABLE), ("c.txt", TABLE), ("r.txt", REAPER), ("r.csv", REAPER)])
+def test_a_table_is_known_by_its_header(tmp_path: Path, name: str, text: str) -> None:
+    assert len(read(tmp_path, text, name).edits) == 2
+
+
+def test_columns_that_nobody_knows_are_left_aside_and_said(tmp_path: Path) -> None:
+    assert read(tmp_path, "onset_s,comment,who\n1.0,loud,me\n").notes == ("not used: column comment, who",)
+
+
+def test_labels_are_points_and_ranges_with_frequencies_left_aside(tmp_path: Path) -> None:
+    text = LABELS + "\\\t6928.456055\t6928.456055\n2.250000\t2.250000\tbang\n2,400000\t2,400000\n"
+    edited = read(tmp_path, text.replace("\n", "\r\n"), "labels.txt")
+    assert samples(edited) == [48_001, 96_000, 108_000, 115_200]
+    assert [edit.text for edit in edited.edits] == ["shot-0001 0.97", "shot-0002 0.50", "bang", ""]
+    assert [edit.window_stop for edit in edited.edits[1:]] == [
+        Point(seconds=Fraction("2.083333"), step_s=Fraction(1, 10**6)),
+        None,
+        None,
+    ]
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "onset"),
+    [
+        ("1.500", "2.500", 72_000),
+        ("0:01.500", "0:02.500", 72_000),
+        ("0:00:01.500", "0:00:02.500", 72_000),
+        ("1:00:01.500", "1:00:02.500", 172_872_000),
+        ("72000", "120000", 72_000),
+    ],
+)
+def test_reapers_ruler_may_show_seconds_clock_or_samples(tmp_path: Path, start: str, stop: str, onset: int) -> None:
+    text = f"#,Name,Start,End,Length,Color\nM1,one,{start},,,\nR2,two,{start},{stop},1,FF0000\n"
+    edited = read(tmp_path, text)
+    assert samples(edited) == [onset, onset]
+    assert [edit.window_stop and edit.window_stop.nearest(RATE_HZ) for edit in edited.edits] == [None, onset + 48_000]
+
+
+def test_a_marker_and_a_region_of_one_name_are_one_event(tmp_path: Path) -> None:
+    text = "#,Name,Start,End,Length\nM1,shot-0001 0.9,1.006,,\nR1,shot-0001 0.9,1.000,1.500,0.500\nR2,x,2.0,3.0,1.0\n"
+    first, second = read(tmp_path, text).edits
+    assert first.window_start is not None
+    assert first.window_stop is not None
+    ends = (first.onset, first.window_start, first.window_stop)
+    assert [point.nearest(1000) for point in ends] == [1006, 1000, 1500]
+    assert second.window_start is None
+
+
+def test_an_event_of_a_document_needs_no_more_than_its_onset(tmp_path: Path) -> None:
+    plain = json.loads(encode(timeline()))
+    plain["events"] += [{"onset_sample": 100_000}, {"onset_s": 2.25, "id": "mine"}]
+    edited = read(tmp_path, json.dumps(plain), "edited.json")
+    assert samples(edited) == [48_001, 96_000, 100_000, 108_000]
+    assert [edit.id for edit in edited.edits] == ["shot-0001", "shot-0002", None, "mine"]
+    wanted = match(edited, None, rate_hz=RATE_HZ)
+    assert [wish.unmoved for wish in wanted.wishes] == [True, True, False, False]
+    assert [wish.id for wish in wanted.wishes] == ["shot-0001", "shot-0002", "shot-0003", "mine"]
+
+
+def test_a_document_tells_by_its_blasts_what_was_moved(tmp_path: Path) -> None:
+    plain = json.loads(encode(timeline()))
+    plain["events"][0]["onset_s"] = 1.25
+    plain["events"][1]["onset_sample"] = 100_000
+    wanted = match(read(tmp_path, json.dumps(plain), "edited.json"), None, rate_hz=RATE_HZ)
+    assert [(wish.onset, wish.origin) for wish in wanted.wishes] == [(60_000, "moved"), (100_000, "moved")]
+
+
+def test_nothing_is_an_empty_label_track_or_a_table_without_rows(tmp_path: Path) -> None:
+    assert read(tmp_path, "", "labels.txt").edits == ()
+    assert read(tmp_path, "id,onset_s\n").edits == ()
+    assert read(tmp_path, "#,Name,Start,End,Length\n").edits == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("", "line 1: no header; expected onset_sample or onset_s, as timeline.csv has, or #,Name,Start,End,Length"),
+        ("a,b\n1,2\n", "line 1: not a header of a timeline; expected onset_sample or onset_s"),
+        (
+            "id,onset\nx,1\n",
+            "line 1: no column onset_sample or onset_s; expected one of them or both, found: id, onset",
+        ),
+        ("onset_s,id,id\n1,a,b\n", "line 1: two columns are called 'id'; expected each once"),
+        ("id,onset_s\na,1\nb,-0.5\n", "line 3: onset_s = '-0.5': expected a time from 0, the first frame of the track"),
+        ("onset_sample\n-1\n", "line 2: onset_sample = '-1': expected a sample from 0"),
+        (
+            "onset_sample\n1.5\n",
+            "line 2: onset_sample = '1.5': expected a whole number of samples, with all its digits",
+        ),
+        ("onset_sample\n1.2E+08\n", "line 2: onset_sample = '1.2E+08': expected a whole number of samples"),
+        ("id,onset_s\na,soon\n", "line 2: onset_s = 'soon': expected a number"),
+        ('id,onset_s\na,"1,5"\n', "line 2: onset_s = '1,5': expected a number"),
+        ("id;onset_s\na;1.234,5\n", "line 2: onset_s = '1.234,5': expected a number"),
+        ("onset_s\nnan\n", "line 2: onset_s = 'nan': expected a number"),
+        ("onset_s\n1e999999999\n", "line 2: onset_s = '1e999999999': expected a number"),
+        ("onset_s\n1_0\n", "line 2: onset_s = '1_0': expected a number"),
+        ("id,onset_s\na,\n", "line 2: no onset; expected a time in onset_sample or onset_s"),
+        ("id,onset_s\na,1,5\n", "line 2: 3 cells; expected 2, as many as the header has columns"),
+        ('id,onset_s\n"a,1\n', "line 2: not a row of a table"),
+        ("id,onset_s\na,1\nb,2\na,3\n", "line 4: id = 'a': line 2 has it too; expected each once"),
+        ("id,onset_s\na,1\nb,1\n", "line 3: onset_sample = 48000: line 2 has it too; expected each once"),
+        ("onset_s,confidence\n1,1.5\n", "line 2: confidence = 1.5: expected 0 to 1"),
+        ("onset_s,confidence\n1,high\n", "line 2: confidence = 'high': expected a number"),
+        ("onset_s,gain_db\n1,99\n", "line 2: gain_db = 99: expected -60 to 24 dB"),
+        ("onset_s,origin\n1,me\n", "line 2: origin = 'me': expected one of: found, moved, added"),
+        (
+            "id,onset_sample,onset_s\na,48000,1.5\n",
+            "line 2: onset_sample = 48000 and onset_s = 1.5 contradict each other: that is sample 72000 at 48000 Hz; ",
+        ),
+        ("onset_s,window_stop_s\n1,0.5\n", "line 2: window_stop = 24000: expected more than 48000, the onset"),
+        ("onset_s,window_start_s\n1,1.5\n", "line 2: window_start = 72000: expected at most 48000, the onset"),
+        ("#,Name,Start\nM1,a,1.0\n", "line 1: no column End; expected #,Name,Start,End,Length"),
+        ("#,Name,Start,End\nX1,a,1.0,\n", "line 2: # = 'X1': expected M and a number for a marker, R and a number"),
+        ("#,Name,Start,End\nR1,a,1.0,\n", "line 2: End = '': expected a time, where the region ends"),
+        ("#,Name,Start,End\nR1,a,2.0,1.0\n", "line 2: End = '1.0': expected a time from 2.0, where the region starts"),
+        ("#,Name,Start,End\nM1,a,,\n", "line 2: Start = '': expected a time"),
+        ("#,Name,Start,End\nM1,a,-0:01.000,\n", "line 2: Start = '-0:01.000': expected a time from 0"),
+        ("#,Name,Start,End\nM1,a,01:00:01:12,\n", "line 2: Start = '01:00:01:12': expected a time to the millisecond"),
+        ("#,Name,Start,End\nM1,a,01:00:01;12,\n", "line 2: Start = '01:00:01;12': expected a time to the millisecond"),
+        (
+            "#,Name,Start,End\nM1,a,5.1.00,\n",
+            "line 2: Start = '5.1.00': expected a time to the millisecond or the sample",
+        ),
+        ("#,Name,Start,End\nM1,shot-1 a,1.0,\nM2,shot-1 b,2.0,\n", "line 3: id = 'shot-1': line 2 has it too"),
+        (b"onset_s\n1\0\n", "not text; expected a table, labels or JSON"),
+        ("{}", "not a timeline; expected an object with schema = 'blastline.timeline/1'"),
+    ],
+)
+def test_a_table_that_cannot_be_used_is_refused(tmp_path: Path, text: str | bytes, complaint: str) -> None:
+    assert refusal(tmp_path, text).startswith(complaint)
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("hello\n", "line 1: 'hello': expected start, end and text, separated by tabs"),
+        ("1.0 2.0 a\n", "line 1: '1.0 2.0 a': expected start, end and text, separated by tabs"),
+        ("1.0\t2.0\ta\nx\t2.0\tb\n", "line 2: start = 'x': expected a number"),
+        ("-1.0\t2.0\ta\n", "line 1: start = '-1.0': expected a time from 0, the first frame of the track"),
+        ("2.0\t1.0\ta\n", "line 1: end = '1.0': expected a time from 2.0, where the label starts"),
+        (
+            "1.0\t1.0\tshot-0001 0.9\n2.0\t2.0\tshot-0001 0.9\n",
+            "line 2: id = 'shot-0001': line 1 has it too; expected each once",
+        ),
+    ],
+)
+def test_labels_that_cannot_be_used_are_refused(tmp_path: Path, text: str, complaint: str) -> None:
+    assert refusal(tmp_path, text, "labels.txt").startswith(complaint)
+
+
+@pytest.mark.parametrize(
+    ("edit", "complaint"),
+    [
+        (
+            lambda t: t.update(schema="blastline.timeline/2", version="9.0"),
+            "schema = 'blastline.timeline/2', written by",
+        ),
+        (
+            lambda t: t["events"][1].pop("onset_s") and t["events"][1].pop("onset_sample"),
+            "events[1]: no onset; expected",
+        ),
+        (lambda t: t["events"][1].update(onset_s=-1.0), "events[1].onset_s = -1.0: expected `float` >= 0.0"),
+        (lambda t: t["events"][1].update(onset_sample="2"), "events[1].onset_sample = '2': expected `int"),
+        (lambda t: t["events"][1].update(id="shot-0001"), "events[1]: id = 'shot-0001': events[0] has it too"),
+        (
+            lambda t: t["events"][1]["window"].update(stop_sample=5),
+            "events[1]: window_stop = 5: expected more than 96000",
+        ),
+        (
+            lambda t: t["events"][1].update(onset_sample=90_000, onset_s=1.0),
+            "events[1]: onset_sample = 90000 and onset_s = 1 contradict each other",
+        ),
+    ],
+)
+def test_a_document_that_cannot_be_used_is_refused(
+    tmp_path: Path, edit: Callable[[dict[str, Any]], object], complaint: str
+) -> None:
+    plain = json.loads(encode(timeline()))
+    edit(plain)
+    assert refusal(tmp_path, json.dumps(plain), "edited.json").startswith(complaint)
+
+
+def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(TimelineError, match=re.escape(f"{tmp_path / 'none.csv'}: no such file; expected an edited")):
+        read_edits(tmp_path / "none.csv")
+    with pytest.raises(TimelineError, match="cannot be read: Is a directory"):
+        read_edits(tmp_path)
+
+
+def test_every_export_is_read_by_its_file_name_as_it_is(tmp_path: Path) -> None:
+    for file in export_timeline(timeline(), tmp_path, formats=["json", "csv", "audacity"]):
+        assert samples(read_edits(file)) == [SHOT.onset_sample, BURST_SHOT.onset_sample]

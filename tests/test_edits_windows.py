@@ -1,0 +1,118 @@
+"""Windows and levels that somebody has set by hand: they are what was asked for, and joining loses nothing of them."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from blastline.model import DriveModel, Shot, Span, Window
+from blastline.render import needed_audio, plan_windows, render_window, window_between, with_gains
+from blastline.ruleset import WindowRules
+from render_signals import CAUSAL, RATE_HZ, RENDER, WINDOWS, clip, film_with_shot, shot_at
+
+RULES = WindowRules("test", fade_in_ms=5.0, guard_ms=1.0, fade_out_ms=40.0)
+FRAMES = 2000
+
+
+def shot(onset: int, stop: int) -> Shot:
+    return msgspec.structs.replace(shot_at(onset), blast=Span(onset, onset), span=Span(onset, stop))
+
+
+def between(start: int | None, stop: int | None) -> Window:
+    """Return the window of a shot at 500 to 700 with these ends, at a sample for each millisecond."""
+    return window_between(shot(500, 700), start=start, stop=stop, frames=FRAMES, rate_hz=1000, rules=RULES)
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "window"),
+    [
+        (None, None, Window(494, 740, 5, 40)),
+        (None, 600, Window(494, 600, 5, 40)),
+        (400, None, Window(400, 740, 5, 40)),
+        (497, None, Window(497, 740, 2, 40)),
+        (500, None, Window(500, 740, 0, 40)),
+        (None, 521, Window(494, 521, 5, 20)),
+        (None, 501, Window(494, 501, 5, 0)),
+        (400, 2000, Window(400, 2000, 5, 40)),
+    ],
+)
+def test_an_end_is_where_it_was_set_and_fades_shrink_to_the_room(
+    start: int | None, stop: int | None, window: Window
+) -> None:
+    assert between(start, stop) == window
+
+
+@pytest.mark.parametrize(("start", "stop"), [(501, None), (None, 500), (None, 2001)])
+def test_an_end_beside_its_onset_or_film_is_refused(start: int | None, stop: int | None) -> None:
+    with pytest.raises(ValueError, match="does not hold the onset at 500"):
+        between(start, stop)
+
+
+@given(st.data())
+def test_any_given_windows_are_joined_without_losing_a_sample_or_an_attack(data: st.DataObject) -> None:
+    onsets = data.draw(st.lists(st.integers(0, FRAMES - 1), min_size=1, max_size=6, unique=True))
+    shots = [shot(onset, min(FRAMES, onset + data.draw(st.integers(1, 300)))) for onset in sorted(onsets)]
+    given_windows = {}
+    for index, each in enumerate(shots):
+        if data.draw(st.booleans()):
+            start = data.draw(st.none() | st.integers(max(0, each.onset - 200), each.onset))
+            stop = data.draw(st.none() | st.integers(each.onset + 1, FRAMES))
+            given_windows[index] = window_between(
+                each, start=start, stop=stop, frames=FRAMES, rate_hz=1000, rules=RULES
+            )
+    planned = plan_windows(shots, frames=FRAMES, rate_hz=1000, rules=RULES, given=given_windows)
+    alone = plan_windows(shots, frames=FRAMES, rate_hz=1000, rules=RULES)
+    assert sorted(index for each in planned for index in each.shots) == list(range(len(shots)))
+    for first, second in pairwise(planned):
+        assert first.window.stop < second.window.start
+    for joined in planned:
+        own = [shots[index] for index in joined.shots]
+        assert [one.onset for one in own] == sorted(one.onset for one in own)
+        assert joined.core.start <= own[0].onset
+        assert own[-1].onset < joined.core.stop <= joined.window.stop <= FRAMES
+        for index in joined.shots:
+            window = given_windows.get(index)
+            assert window is None or window.span | joined.window.span == joined.window.span
+    if not given_windows:
+        assert planned == alone
+
+
+@pytest.mark.parametrize("model", ["direct", "filter", "constrained"])
+def test_a_gain_scales_what_its_shot_drives_and_nothing_before_it(model: DriveModel) -> None:
+    film, first = film_with_shot(peak=0.02)
+    film = np.concatenate([film, film])
+    shots = [first, msgspec.structs.replace(first, onset=first.onset + len(film) // 2)]
+    shots = [
+        msgspec.structs.replace(shots[0], span=Span(first.onset, shots[1].onset)),
+        msgspec.structs.replace(shots[1], span=Span(shots[1].onset, len(film))),
+    ]
+    [planned] = plan_windows(shots, frames=len(film), rate_hz=RATE_HZ, rules=WINDOWS)
+
+    def drive(*gains_db: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        [asked] = with_gains([planned], shots, gains_db)
+        audio = clip(film).cut(needed_audio(asked, frames=len(film), filters=CAUSAL, rules=RENDER))
+        done = render_window(
+            audio, asked, shots, model=model, reason="", filters=CAUSAL, rules=RENDER, background="mute"
+        )
+        return np.asarray(done.clip.samples[:, 0], np.float64)
+
+    usual, louder = drive(0.0, 0.0), drive(0.0, 6.0)
+    turn = shots[1].onset - planned.window.start
+    lead = RATE_HZ // 1000
+    np.testing.assert_array_equal(louder[: turn - 10 * lead], usual[: turn - 10 * lead])
+    after = slice(turn, turn + RATE_HZ // 20)
+    ratio = np.linalg.norm(louder[after]) / np.linalg.norm(usual[after])
+    assert ratio == pytest.approx(10.0**0.3, rel=0.02)
+    whole = np.linalg.norm(drive(-6.0, -6.0)) / np.linalg.norm(usual)
+    assert whole == pytest.approx(10.0**-0.3, rel=0.02)
+
+
+def test_windows_without_a_gain_stay_as_they_are() -> None:
+    shots = [shot(100, 300), shot(900, 1000)]
+    planned = plan_windows(shots, frames=FRAMES, rate_hz=1000, rules=RULES)
+    assert with_gains(planned, shots, [0.0, 0.0]) == planned
+    assert with_gains(planned, shots, [0.0, 3.0]) == (planned[0], replace(planned[1], gains=((900, 3.0),)))
