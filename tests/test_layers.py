@@ -11,8 +11,8 @@ import blastline
 
 PACKAGE = Path(blastline.__file__).parent
 
-GROUND = {"errors", "units", "model", "timecode", "timebase", "ruleset", "dsp", "staging", "__version__"}
-STAGES = {"actuator", "soundtrack", "detect", "render", "align", "scene", "export", "report", "synth"}
+GROUND = {"errors", "units", "model", "timecode", "timebase", "ruleset", "dsp", "correlate", "staging", "__version__"}
+STAGES = {"actuator", "soundtrack", "detect", "render", "align", "conform", "scene", "export", "report", "synth"}
 MAY_IMPORT = (
     dict.fromkeys(GROUND, GROUND)
     | {stage: GROUND | {stage} for stage in STAGES}

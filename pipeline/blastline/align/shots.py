@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..correlate import Match, find
 from ..model import Event, Span
 from ..units import db_from_gain
 from .attack import late_start, preecho
 from .comparison import Comparison, Samples
-from .correlate import Match, find
 from .due import Shown, readings, show
 from .hearing import Felt, Heard, Part, feel, hear, is_direct
 from .sounds import Place

@@ -18,7 +18,7 @@ import typer
 
 from .. import __version__
 from ..errors import BlastlineError
-from . import actuators, film, rulefiles, study, synthesis
+from . import actuators, conform, film, rulefiles, study, synthesis
 
 USAGE, BUG, INTERRUPTED, CLOSED_PIPE = 2, 70, 130, 141
 
@@ -34,6 +34,7 @@ app.command()(film.detect)
 app.command()(film.check)
 app.command()(film.export)
 app.command()(film.formats)
+app.command()(conform.conform)
 app.add_typer(actuators.group, name="actuator")
 app.add_typer(rulefiles.group, name="rules")
 app.command()(synthesis.synth)

@@ -1,4 +1,4 @@
-"""`study detection`, `study rendering` and `study stability`."""
+"""`study detection`, `rendering`, `stability` and `conform`."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -112,6 +112,34 @@ def stability(
     typer.echo(f"\n{len(rows)} rows, {missed} miss their bar")
     if missed:
         raise typer.Exit(1)
+
+
+@group.command()
+def conform(
+    minutes: Annotated[float, typer.Option(min=1.0, max=60.0, help="Length of the film that is cut anew.")] = 10.0,
+    seed: Annotated[int, typer.Option(min=0, help="Which film.")] = 11,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every figure as JSON.")
+    ] = None,
+) -> None:
+    """Cut a synthetic film anew in many ways, and say how many shots were found in each new cut, and how exactly.
+
+    Example: `blastline study conform --minutes 5`
+    """
+    import msgspec
+
+    from ..study.conforming import score_all
+
+    typer.echo(f"{'new cut':<64} {'shots':>6} {'1 ms':>6} {'lost':>6} {'gone':>6} {'false':>6} {'worst, ms':>10}")
+    scores = []
+    for each in score_all(seed, minutes):
+        scores.append(each)
+        typer.echo(
+            f"{each.name:<64} {each.surviving:6d} {each.within:6d} {each.lost:6d} {each.removed:6d} {each.false:6d} "
+            f"{each.worst_ms:10.4f}"
+        )
+    if output:
+        output.write_bytes(msgspec.json.format(msgspec.json.encode(scores), indent=1) + b"\n")
 
 
 def _table(score: "DetectionScore") -> str:

@@ -11,6 +11,7 @@ from .actuators import (
     identify_actuator,
 )
 from .checking import check
+from .conforming import Conformed, conform
 from .exports import exports
 from .files import export, synthesise
 from .listening import detect
@@ -19,6 +20,7 @@ from .progress import Progress, no_progress
 from .rendering import RenderOptions, render
 
 __all__ = [
+    "Conformed",
     "FitOptions",
     "MadeProfile",
     "Progress",
@@ -26,6 +28,7 @@ __all__ = [
     "actuator_picture",
     "actuator_table",
     "check",
+    "conform",
     "detect",
     "export",
     "exports",

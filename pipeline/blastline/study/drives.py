@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ..align.correlate import find
+from ..correlate import find
 from ..model import Clip, DriveModel, Phase, Shot, Span
 from ..render import DriveFilters, PlannedWindow, drive_filters, needed_audio, render_window
 from ..render.filters import compensated, felt, in_band

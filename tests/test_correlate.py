@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from align_films import Samples
-from blastline.align.correlate import find
+from blastline.correlate import find
 
 
 def rumble(seed: int, samples: int) -> Samples:

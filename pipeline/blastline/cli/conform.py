@@ -1,0 +1,114 @@
+"""`conform`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from .options import FINDING, WRITING, Overwrite, Quiet, RulesOption
+from .progress import shown_progress
+
+if TYPE_CHECKING:
+    from ..run import Conformed
+
+_MOST_LISTED = 20
+
+
+def conform(
+    timeline: Annotated[
+        Path, typer.Argument(metavar="TIMELINE", help="The timeline.json of the old cut.", show_default=False)
+    ],
+    old: Annotated[
+        Path,
+        typer.Option("--from", metavar="OLD", help="The film that the timeline was made from.", show_default=False),
+    ],
+    new: Annotated[Path, typer.Option("--to", metavar="NEW", help="The new cut of the film.", show_default=False)],
+    folder: Annotated[
+        Path,
+        typer.Option("-o", "--output", metavar="DIR", help="Folder for the results.", rich_help_panel=WRITING),
+    ],
+    mix: Annotated[
+        str | None,
+        typer.Option(
+            metavar="MIX",
+            help="Which channels of the new film to listen to: mains, lfe, center, all, or their numbers from 0: 0,1.",
+            show_default="as in the timeline",
+            rich_help_panel=FINDING,
+        ),
+    ] = None,
+    stream: Annotated[
+        int | None,
+        typer.Option(
+            min=0,
+            metavar="N",
+            help="Which sound track of the new film, from 0.",
+            show_default="its default track",
+            rich_help_panel=FINDING,
+        ),
+    ] = None,
+    rules: RulesOption = None,
+    overwrite: Overwrite = False,
+    quiet: Quiet = False,
+) -> None:
+    """Move a timeline to a new cut of its film by listening to both; what cannot be found is listed, never guessed.
+
+    Writes timeline.json for the new cut, conform.csv (where each shot went) and stretches.csv (which part of the old
+    film is where in the new one). Shots that were not placed do not change the exit code.
+
+    Example: `blastline conform result/timeline.json --from old.wav --to new.mkv -o conformed`
+    """
+    from .. import run
+
+    with shown_progress(quiet=quiet) as progress:
+        done = run.conform(
+            timeline,
+            folder,
+            old=old,
+            new=new,
+            mix=mix,
+            stream=stream,
+            rules=rules,
+            overwrite=overwrite,
+            progress=progress,
+        )
+    for warning in done.timeline.source.warnings:
+        typer.echo(f"warning: {warning}", err=True)
+    _say_lost(done)
+    if not quiet:
+        _say_stretches(done)
+
+
+def _say_lost(done: "Conformed") -> None:
+    """List on stderr what was not placed."""
+    lost = done.timeline.rejections
+    for each in lost[:_MOST_LISTED]:
+        old_s = each.evidence["old_onset_s"]
+        typer.echo(f"not placed: {each.reason} (old time {_clock(old_s)})", err=True)
+    if len(lost) > _MOST_LISTED:
+        typer.echo(f"not placed: {len(lost) - _MOST_LISTED} more, in conform.csv", err=True)
+
+
+def _say_stretches(done: "Conformed") -> None:
+    for number, course in enumerate(done.courses, start=1):
+        stretch = course.stretch
+        start_s, stop_s = stretch.new_span_s
+        ours, theirs = (stretch.start_s, stretch.stop_s), (start_s, stop_s)
+        spans = " -> ".join(f"{_clock(low)} to {_clock(high)}" for low, high in (ours, theirs))
+        kept = ", pitch kept" if course.keeps_pitch else ""
+        typer.echo(f"stretch {number}: {spans}, speed {1.0 / stretch.line.scale:.6f}{kept}")
+    residuals = [abs(each.residual_ms) for each in done.places if hasattr(each, "residual_ms")]
+    placed, count = len(residuals), len(done.places)
+    most = f"; largest residual {max(residuals):.3f} ms" if residuals else ""
+    typer.echo(f"{placed} of {count} shots placed, {count - placed} not{most}")
+
+
+def _clock(time_s: float) -> str:
+    """Return a time as H:MM:SS.mmm.
+
+    >>> _clock(3723.5)
+    '1:02:03.500'
+    """
+    milliseconds = max(0, round(time_s * 1000.0))
+    hours, rest = divmod(milliseconds, 3_600_000)
+    minutes, rest = divmod(rest, 60_000)
+    return f"{hours}:{minutes:02}:{rest // 1000:02}.{rest % 1000:03}"

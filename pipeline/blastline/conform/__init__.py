@@ -1,0 +1,30 @@
+"""A timeline for a new cut: what of the old film is where in the new one, and each event's place in it.
+
+old film ──► fingerprint ──┐
+                           ├─► lines ─► path ─► courses ─► ends ─► places ─► the new timeline
+new film ──► fingerprint ──┘
+"""
+
+from .courses import Course, measured
+from .ends import with_exact_ends
+from .film import Film, hear
+from .path import find_stretches
+from .place import Loss, Lost, Placed, place
+from .report import write_events, write_stretches
+from .retime import retimed
+
+__all__ = [
+    "Course",
+    "Film",
+    "Loss",
+    "Lost",
+    "Placed",
+    "find_stretches",
+    "hear",
+    "measured",
+    "place",
+    "retimed",
+    "with_exact_ends",
+    "write_events",
+    "write_stretches",
+]

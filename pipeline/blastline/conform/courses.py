@@ -1,0 +1,170 @@
+"""The exact course of each stretch by the waveforms themselves.
+
+Anchors, lively moments spread over the stretch, are looked for in the new film; the line that most of them lie on is
+the stretch's course. One that was sped up with its pitch kept has no such line to the sample, only one within the steps
+of the tool that did it.
+"""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .film import Film
+from .fingerprint import FRAME_HZ, Fingerprint
+from .path import Stretch
+from .waveform import look
+
+_ANCHOR_S = (0.0, 0.5)
+_SHORT_ANCHOR_S = (0.005, 0.06)
+_EVERY_S = 5.0
+_FEWEST, _MOST = 6, 60
+_SEARCH_S = 0.06
+_ALIKE = 0.4
+_AGREE_S = 0.5e-3
+_AGREE_STRETCHED_S = 0.03
+_STEEPEST = 0.003
+_ROUNDS = 3
+_SHARP_S = 20e-6
+"""Anchors are exact to some microseconds; those that are not are dropped, round by round."""
+
+
+@dataclass(frozen=True)
+class Course:
+    """A stretch whose line was measured.
+
+    `pitch_scale` is by how much longer a sound's own waveform is in the new film: the line's scale where the pitch
+    moved with the speed, 1 where it was kept. `agree_s` is how far anchors lie from the line, `anchors` how many do.
+    """
+
+    stretch: Stretch
+    pitch_scale: float
+    agree_s: float
+    anchors: int
+
+    @property
+    def keeps_pitch(self) -> bool:
+        """Return whether the speed changed without the pitch."""
+        return abs(self.pitch_scale / self.stretch.line.scale - 1.0) > 1e-3
+
+
+def measured(stretches: Sequence[Stretch], old: Film, new: Film) -> list[Course]:
+    """Return the courses of the stretches in order, joined where one goes on as the last did.
+
+    A stretch whose anchors do not agree on any line is left out: what the coarse look took for it is not there.
+    """
+    courses = [course for stretch in stretches if (course := _measured(stretch, old, new)) is not None]
+    return _joined(courses)
+
+
+def _measured(stretch: Stretch, old: Film, new: Film) -> Course | None:
+    times = _anchor_times(stretch, old.fingerprint)
+    best = _through_anchors(stretch, times, old, new, pitch_scale=stretch.line.scale)
+    if (best is None or best.anchors < len(times) // 3) and abs(stretch.line.scale - 1.0) > 1e-3:
+        kept = _through_anchors(stretch, times, old, new, pitch_scale=1.0)
+        if kept is not None and (best is None or kept.anchors > best.anchors):
+            return kept
+    return best
+
+
+def _anchor_times(stretch: Stretch, fingerprint: Fingerprint) -> list[float]:
+    """Return the liveliest moment of each of as many equal parts as a stretch deserves."""
+    length_s = stretch.stop_s - stretch.start_s
+    count = int(np.clip(length_s / _EVERY_S, _FEWEST, _MOST))
+    edges = np.linspace(stretch.start_s, stretch.stop_s, count + 1)
+    times = []
+    for start_s, stop_s in itertools.pairwise(edges):
+        frames = np.arange(int(start_s * FRAME_HZ), max(int(start_s * FRAME_HZ) + 1, int(stop_s * FRAME_HZ)))
+        frames = frames[frames < len(fingerprint)]
+        if frames.size:
+            rise = np.sum(np.maximum(fingerprint.frames[frames], 0.0), axis=1)
+            times.append(float(frames[int(np.argmax(rise))]) / FRAME_HZ)
+    return times
+
+
+def _through_anchors(
+    stretch: Stretch, times: Sequence[float], old: Film, new: Film, *, pitch_scale: float
+) -> Course | None:
+    """Return the course that most anchors lie on; None where fewer than three, or two in a very short one, agree."""
+    line = stretch.line
+    kept_pitch = abs(pitch_scale / line.scale - 1.0) > 1e-3
+    before_s, after_s = _SHORT_ANCHOR_S if kept_pitch else _ANCHOR_S
+    rows = []
+    for old_s in times:
+        found = look(
+            old,
+            new,
+            old_s=old_s,
+            new_s=line.at(old_s),
+            before_s=before_s,
+            after_s=after_s,
+            scale=pitch_scale,
+            search_s=_SEARCH_S,
+        )
+        if found.likeness >= _ALIKE:
+            rows.append((old_s, found.late_s, found.likeness))
+    if len(rows) < 2:
+        return None
+    old_s, late_s, likeness = np.array(rows).T
+    agree_s = _AGREE_STRETCHED_S if kept_pitch else _AGREE_S
+    slope, level, near = _consensus(old_s, late_s, likeness, agree_s)
+    count = int(near.sum())
+    if count < 2 or count < len(times) / 4:
+        return None
+    scale = line.scale + slope
+    rest = np.abs(late_s[near] - slope * old_s[near] - level)
+    fitted = replace(line, scale=scale, offset_s=line.offset_s + level)
+    return Course(
+        replace(stretch, line=fitted), scale if not kept_pitch else pitch_scale, float(np.median(rest)), count
+    )
+
+
+def _consensus(
+    old_s: NDArray[np.float64], late_s: NDArray[np.float64], weight: NDArray[np.float64], agree_s: float
+) -> tuple[float, float, NDArray[np.bool_]]:
+    """Return slope and level of the line near most anchors, of all lines through two of them, and who is near it."""
+    best_weight, best = -1.0, np.zeros(len(old_s), bool)
+    for one, other in [*itertools.combinations(range(len(old_s)), 2), *((n, n) for n in range(len(old_s)))]:
+        slope = (late_s[other] - late_s[one]) / (old_s[other] - old_s[one]) if old_s[one] != old_s[other] else 0.0
+        if abs(slope) > _STEEPEST:
+            continue
+        near = np.abs(late_s - late_s[one] - slope * (old_s - old_s[one])) <= agree_s
+        total = float(weight[near].sum())
+        if total > best_weight:
+            best_weight, best = total, near
+    for _ in range(_ROUNDS):
+        slope, level = _fitted(old_s[best], late_s[best], weight[best])
+        rest = np.abs(late_s - slope * old_s - level)
+        best &= rest <= max(_SHARP_S, 3.0 * float(np.median(rest[best])))
+    return slope, level, best
+
+
+def _fitted(x: NDArray[np.float64], y: NDArray[np.float64], weight: NDArray[np.float64]) -> tuple[float, float]:
+    """Return slope and level of the straight line through some anchors; level where they are too close together."""
+    if len(x) < 3 or np.ptp(x) <= 1.0:
+        return 0.0, float(np.average(y, weights=weight))
+    slope, level = np.polyfit(x - x.mean(), y, 1, w=weight)
+    return float(slope), float(level - slope * x.mean())
+
+
+def _joined(courses: Sequence[Course]) -> list[Course]:
+    """Return courses with those joined that run along one line with nothing taken out or put in between."""
+    joined: list[Course] = []
+    for course in courses:
+        last = joined[-1] if joined else None
+        if last is not None and last.keeps_pitch == course.keeps_pitch and _goes_on(last.stretch, course.stretch):
+            longer = max(last, course, key=lambda each: each.anchors)
+            alike = 0.5 * (last.stretch.alike + course.stretch.alike)
+            stretch = Stretch(longer.stretch.line, last.stretch.start_s, course.stretch.stop_s, alike)
+            joined[-1] = replace(longer, stretch=stretch, anchors=last.anchors + course.anchors)
+        else:
+            joined.append(course)
+    return joined
+
+
+def _goes_on(one: Stretch, other: Stretch) -> bool:
+    """Return whether one line leads through both: to a millisecond at either end of both."""
+    times = (one.start_s, one.stop_s, other.start_s, other.stop_s)
+    return all(abs(one.line.at(time_s) - other.line.at(time_s)) <= 1e-3 for time_s in times)

@@ -1,0 +1,115 @@
+"""The moments at which stretches begin and end, where the waveforms part.
+
+line 1   ▇▇▇▇▇▇▇▇▇▇▇▇▅▃▂                 alike, in blocks of 20 ms
+line 2             ▂▃▆▇▇▇▇▇▇▇▇▇▇▇
+                     ^ the cut: as much as possible is alike on either side
+"""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .courses import Course
+from .film import Film
+from .waveform import WORK_HZ, piece
+
+_EDGE_S = 2.0
+_BLOCK_S = 0.02
+_ALIKE = 0.5
+
+
+def with_exact_ends(courses: Sequence[Course], old: Film, new: Film) -> list[Course]:
+    """Return the courses, in the old film's order, with each end where the waveforms part.
+
+    Where two claim the same moment of one of the films, as in a burst of one sample, each keeps the side on which it is
+    more alike. What keeps its pitch has no waveform to compare, and keeps its coarse ends.
+    """
+    exact = [_between(course, *_edges(course, old, new)) for course in courses]
+    by_old = sorted(_real(exact), key=lambda each: each.stretch.start_s)
+    for one, other in itertools.pairwise(range(len(by_old))):
+        by_old[one], by_old[other] = _apart(by_old[one], by_old[other], old, new, in_old=True)
+    by_new = sorted(_real(by_old), key=lambda each: each.stretch.new_span_s)
+    for one, other in itertools.pairwise(range(len(by_new))):
+        by_new[one], by_new[other] = _apart(by_new[one], by_new[other], old, new, in_old=False)
+    return sorted(_real(by_new), key=lambda each: each.stretch.start_s)
+
+
+def _real(courses: Sequence[Course]) -> list[Course]:
+    return [course for course in courses if course.stretch.start_s < course.stretch.stop_s]
+
+
+def _between(course: Course, start_s: float, stop_s: float) -> Course:
+    return replace(course, stretch=replace(course.stretch, start_s=start_s, stop_s=stop_s))
+
+
+def _edges(course: Course, old: Film, new: Film) -> tuple[float, float]:
+    stretch = course.stretch
+    if course.keeps_pitch:
+        return stretch.start_s, stretch.stop_s
+    low_s, high_s = max(0.0, stretch.start_s - _EDGE_S), min(stretch.start_s + _EDGE_S, stretch.stop_s)
+    gain = _gain(course, low_s, high_s, old, new)[::-1]
+    start_s = high_s - _best_count(gain) * _BLOCK_S
+    low_s, high_s = max(stretch.stop_s - _EDGE_S, start_s), min(old.duration_s, stretch.stop_s + _EDGE_S)
+    return start_s, low_s + _best_count(_gain(course, low_s, high_s, old, new)) * _BLOCK_S
+
+
+def _best_count(gain: NDArray[np.float64]) -> int:
+    """Return how many blocks from the inside out belong to the stretch."""
+    return int(np.argmax(np.concatenate([[0.0], np.cumsum(gain)])))
+
+
+def _gain(course: Course, low_s: float, high_s: float, old: Film, new: Film) -> NDArray[np.float64]:
+    alike = _likeness(course, low_s, high_s, old, new)
+    return np.where(np.isnan(alike), 0.0, alike - _ALIKE)
+
+
+def _apart(one: Course, other: Course, old: Film, new: Film, *, in_old: bool) -> tuple[Course, Course]:
+    """Return two courses that follow each other in a film, parted where together they are most alike."""
+    first, second = one.stretch, other.stretch
+    low_s, high_s = (second.start_s, first.stop_s) if in_old else (second.new_span_s[0], first.new_span_s[1])
+    count = int((high_s - low_s) / _BLOCK_S)
+    if count < 1 or one.keeps_pitch or other.keeps_pitch:
+        return one, other
+    sides = []
+    for course in (one, other):
+        line = course.stretch.line
+        start_s, stop_s = (low_s, high_s) if in_old else (line.back(low_s), line.back(high_s))
+        sides.append(np.nan_to_num(_likeness(course, start_s, stop_s, old, new, count=count)))
+    left, right = (np.concatenate([[0.0], np.cumsum(side)]) for side in sides)
+    at_s = low_s + int(np.argmax(left - right)) / count * (high_s - low_s)
+    stop_s, start_s = (at_s, at_s) if in_old else (first.line.back(at_s), second.line.back(at_s))
+    stop_s, start_s = max(stop_s, first.start_s), min(start_s, second.stop_s)
+    return _between(one, first.start_s, stop_s), _between(other, start_s, second.stop_s)
+
+
+def _likeness(
+    course: Course, low_s: float, high_s: float, old: Film, new: Film, *, count: int | None = None
+) -> NDArray[np.float64]:
+    """Return the correlation of each block between two times of the old film; NaN where both films are silent."""
+    line = course.stretch.line
+    blocks = int((high_s - low_s) / _BLOCK_S) if count is None else count
+    if blocks < 1:
+        return np.zeros(0)
+    length_s = high_s - low_s if count is not None else blocks * _BLOCK_S
+    ours, ours_late_s = piece(old, low_s, length_s, scale=line.scale)
+    theirs, theirs_late_s = piece(new, line.at(low_s), length_s * line.scale)
+    length = min(len(ours), len(theirs))
+    theirs = _delayed(theirs[:length], (theirs_late_s - ours_late_s) * WORK_HZ)
+    edges = np.linspace(0, length, blocks + 1).astype(np.intp)
+    product, mine, yours = (
+        np.add.reduceat(values, edges[:-1]) for values in (ours[:length] * theirs, ours[:length] ** 2, theirs**2)
+    )
+    scale = np.sqrt(np.maximum(mine * yours, 1e-30))
+    return np.where(np.maximum(mine, yours) < 1e-12, np.nan, product / scale)
+
+
+def _delayed(samples: NDArray[np.float64], by: float) -> NDArray[np.float64]:
+    """Return samples later by some, as few as a fraction of one, so that two pieces lie on one grid."""
+    from scipy import fft
+
+    size = fft.next_fast_len(len(samples) + 64, real=True)
+    spectrum = fft.rfft(samples, size) * np.exp(-2j * np.pi * fft.rfftfreq(size) * by)
+    return np.asarray(fft.irfft(spectrum, size)[: len(samples)], dtype=np.float64)

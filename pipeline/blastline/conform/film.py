@@ -1,0 +1,56 @@
+"""A film that was listened to once and can be cut from then on."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+from ..model import Clip, Span
+from .fingerprint import Fingerprint, fingerprint
+
+
+class Cutter(Protocol):
+    """A sound file of which any stretch can be read again exactly, once it has been decoded."""
+
+    @property
+    def rate_hz(self) -> int:
+        """Return the sample rate."""
+
+    def cut(self, span: Span, /) -> Clip:
+        """Return the stretch inside `span`, which lies inside the file."""
+
+
+@dataclass(frozen=True, eq=False)
+class Film:
+    """A film's sound: its file, its length in frames, and its fingerprint."""
+
+    file: Cutter
+    frames: int
+    fingerprint: Fingerprint
+
+    @property
+    def rate_hz(self) -> int:
+        """Return the sample rate."""
+        return self.file.rate_hz
+
+    @property
+    def duration_s(self) -> float:
+        """Return the length in seconds."""
+        return self.frames / self.file.rate_hz
+
+    def cut(self, span: Span) -> Clip:
+        """Return the exact samples of a span inside the film."""
+        return self.file.cut(span)
+
+
+def hear(file: Cutter, blocks: Iterable[Clip]) -> Film:
+    """Return a film from its file and its one decoding pass, clips that follow each other from the first frame."""
+    frames = 0
+
+    def counted() -> Iterator[Clip]:
+        nonlocal frames
+        for block in blocks:
+            frames = block.span.stop
+            yield block
+
+    printed = fingerprint(counted(), file.rate_hz)
+    return Film(file, frames, printed)

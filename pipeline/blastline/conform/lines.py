@@ -1,0 +1,217 @@
+"""Straight lines new = scale * old + offset along which the two films may run side by side.
+
+A stretch of the old film that goes on where the last one was found costs next to nothing; only where that fails is the
+whole new film searched, at every speed that films are copied at.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .fingerprint import FRAME_HZ, Fingerprint
+from .search import Haystack, Hit
+
+SPEEDS = (1.0, 25.0 / 24.0, 24.0 / 25.0)
+"""How much faster a copy may run. The pull of 1001/1000 is so little that it is found with these."""
+
+_OTHER_SPEEDS = tuple(float(speed) for speed in np.round(np.arange(0.9, 1.1001, 0.004), 3))
+"""Tried where less than `_SETTLED` of the film is found: a fingerprint of 8 s stands 0.4 % either way."""
+
+_SETTLED = 0.3
+_IN_A_ROW = 4
+_PROBES = 24
+
+_STRETCHES_S = ((8.0, 4.0), (3.0, 1.5))
+"""Length and spacing of the stretches: long ones first, shorter ones where those found nothing."""
+
+_FOLLOWS = 0.6
+_LEAST = 0.35
+_SURE = 0.6
+_KEPT = 3
+_RECENT = 4
+_NEAR = 8
+_LEAST_ENERGY = 0.2
+_TOLERANCE_S, _DRIFT = 0.04, 0.002
+_LONGEST_GAP_S = 120.0
+_FITTED_S = 30.0
+
+
+@dataclass(frozen=True)
+class Line:
+    """new_s = scale * old_s + offset_s, believed between two times of the old film."""
+
+    scale: float
+    offset_s: float
+    first_s: float
+    last_s: float
+
+    def at(self, old_s: float) -> float:
+        """Return the time in the new film."""
+        return self.scale * old_s + self.offset_s
+
+    def back(self, new_s: float) -> float:
+        """Return the time in the old film."""
+        return (new_s - self.offset_s) / self.scale
+
+
+def find_lines(old: Fingerprint, new: Fingerprint, tell: Callable[[int, int], None] | None = None) -> list[Line]:
+    """Return every line that stretches of the old film give reason for, in no order."""
+    longest_s = max(length for length, _ in _STRETCHES_S)
+    hay = Haystack(new, longest_s * 1.1 + 0.1)
+    speeds: tuple[float, ...] = SPEEDS
+    hits = _hits(old, new, hay, _stretches(old, *_STRETCHES_S[0]), _STRETCHES_S[0][0], speeds, tell)
+    if _share(hits, old) < _SETTLED:
+        length_s = _STRETCHES_S[0][0]
+        probes = [at for at in _stretches(old, length_s, length_s) if _lively(old, at, length_s)]
+        probes = probes[:: max(1, len(probes) // _PROBES)]
+        sure = [hit for hit in _hits(old, new, hay, probes, length_s, _OTHER_SPEEDS) if hit.score >= _SURE]
+        others = {1.0 / hit.scale for hit in sure}
+        if others:
+            speeds = tuple(sorted(others))
+            hits += _hits(old, new, hay, _stretches(old, *_STRETCHES_S[0]), length_s, speeds, tell)
+    found = [1.0 / hit.scale for hit in hits if hit.score >= _SURE]
+    used = tuple(speed for speed in speeds if found.count(speed) >= 2) or speeds
+    length_s, spacing_s = _STRETCHES_S[1]
+    left = [at for at in _stretches(old, length_s, spacing_s) if not _covered(at, hits)]
+    hits += _hits(old, new, hay, left, length_s, used)
+    return [_fitted(run) for run in _runs(hits) if _credible(run)]
+
+
+def _stretches(old: Fingerprint, length_s: float, spacing_s: float) -> list[float]:
+    """Return the centres of the stretches; a film shorter than one is one stretch."""
+    if old.duration_s <= length_s:
+        return [old.duration_s / 2.0]
+    count = int((old.duration_s - length_s) / spacing_s) + 1
+    last = old.duration_s - length_s / 2.0
+    return [*(length_s / 2.0 + n * spacing_s for n in range(count)), last]
+
+
+def _pattern(old: Fingerprint, centre_s: float, length_s: float, scale: float) -> tuple[NDArray[np.float32], float]:
+    """Return a stretch as it sounds in the new film's time, and how long before its centre it starts there."""
+    length_s = min(length_s, old.duration_s)
+    size = max(2, round(length_s * scale * FRAME_HZ))
+    before_s = (size - 1) / 2.0 / FRAME_HZ
+    times = centre_s + (np.arange(size) / FRAME_HZ - before_s) / scale
+    return old.at(times), before_s
+
+
+def _lively(old: Fingerprint, centre_s: float, length_s: float) -> bool:
+    pattern, _ = _pattern(old, centre_s, length_s, 1.0)
+    return float(np.mean(pattern.astype(np.float64) ** 2)) > 0.05
+
+
+def _hits(
+    old: Fingerprint,
+    new: Fingerprint,
+    hay: Haystack,
+    centres: Iterable[float],
+    length_s: float,
+    speeds: Sequence[float],
+    tell: Callable[[int, int], None] | None = None,
+) -> list[Hit]:
+    """Return where each stretch lies: where it is expected to go on, or else the best places of the whole film."""
+    hits: list[Hit] = []
+    recent: list[Hit] = []
+    for centre_s in centres:
+        if tell is not None:
+            tell(round(centre_s), round(old.duration_s))
+        if not _lively(old, centre_s, length_s):
+            continue
+        here = [hit for hit in (_follow(old, new, last, centre_s, length_s) for last in recent) if hit is not None]
+        if not here:
+            here = _everywhere(old, hay, centre_s, length_s, speeds)
+        hits += here
+        recent = [*here, *(hit for hit in recent if centre_s - hit.old_s < _LONGEST_GAP_S)]
+        recent = _distinct(recent)[:_RECENT]
+    return hits
+
+
+def _follow(old: Fingerprint, new: Fingerprint, last: Hit, centre_s: float, length_s: float) -> Hit | None:
+    """Return the hit near where the last one goes on; None where the films are not alike there."""
+    pattern, before_s = _pattern(old, centre_s, length_s, last.scale)
+    expected = round((last.new_s + last.scale * (centre_s - last.old_s) - before_s) * FRAME_HZ)
+    first, stop = max(0, expected - _NEAR), min(expected + _NEAR, len(new) - len(pattern)) + 1
+    if first >= stop:
+        return None
+    there = new.frames[first : stop - 1 + len(pattern)]
+    own, powers = float(np.sum(pattern**2)), np.sum(there**2, axis=1, dtype=np.float64)
+    sums = np.concatenate([[0.0], np.cumsum(powers)])
+    energy = sums[len(pattern) :] - sums[: -len(pattern)]
+    product = np.array([np.vdot(pattern, there[n : n + len(pattern)]) for n in range(stop - first)])
+    score = np.where(energy > _LEAST_ENERGY * own, product / np.sqrt(np.maximum(own * energy, 1e-12)), 0.0)
+    at, best = first + int(np.argmax(score)), float(np.max(score))
+    return Hit(centre_s, at / FRAME_HZ + before_s, last.scale, best) if best >= _FOLLOWS else None
+
+
+def _everywhere(
+    old: Fingerprint, hay: Haystack, centre_s: float, length_s: float, speeds: Sequence[float]
+) -> list[Hit]:
+    found = []
+    for speed in speeds:
+        pattern, before_s = _pattern(old, centre_s, length_s, 1.0 / speed)
+        for start, score in hay.best(pattern, _KEPT):
+            found.append(Hit(centre_s, start / FRAME_HZ + before_s, 1.0 / speed, score))
+    found.sort(key=lambda hit: -hit.score)
+    return [hit for hit in _distinct(found)[:_KEPT] if hit.score >= max(_LEAST, 0.7 * found[0].score)]
+
+
+def _distinct(hits: Iterable[Hit]) -> list[Hit]:
+    """Return hits without those that lie on the line of an earlier one."""
+    kept: list[Hit] = []
+    for hit in hits:
+        if not any(_follows(other, hit) or _follows(hit, other) for other in kept):
+            kept.append(hit)
+    return kept
+
+
+def _follows(one: Hit, other: Hit) -> bool:
+    gap_s = other.old_s - one.old_s
+    expected = one.new_s + one.scale * gap_s
+    near = abs(expected - other.new_s) <= _TOLERANCE_S + _DRIFT * abs(gap_s)
+    return near and abs(one.scale / other.scale - 1.0) < _DRIFT
+
+
+def _runs(hits: Sequence[Hit]) -> list[list[Hit]]:
+    """Return the hits in rows that lie on one line each, with no gap of more than two minutes."""
+    runs: list[list[Hit]] = []
+    active: list[list[Hit]] = []
+    for hit in sorted(hits, key=lambda hit: hit.old_s):
+        active = [run for run in active if hit.old_s - run[-1].old_s <= _LONGEST_GAP_S]
+        mine = [run for run in active if _follows(run[-1], hit)]
+        if mine:
+            min(mine, key=lambda run: abs(run[-1].new_s + hit.scale * (hit.old_s - run[-1].old_s) - hit.new_s)).append(
+                hit
+            )
+        else:
+            active.append([hit])
+            runs.append(active[-1])
+    return runs
+
+
+def _credible(run: Sequence[Hit]) -> bool:
+    return max(hit.score for hit in run) >= _SURE or sum(hit.score - 0.2 for hit in run) >= 0.5
+
+
+def _fitted(run: Sequence[Hit]) -> Line:
+    """Return the line through a run: its own slope where it is long enough, else the speed that it was found at."""
+    old_s, new_s = np.array([hit.old_s for hit in run]), np.array([hit.new_s for hit in run])
+    scale = run[0].scale
+    if old_s[-1] - old_s[0] >= _FITTED_S:
+        scale = float(np.polyfit(old_s - old_s.mean(), new_s, 1)[0])
+    return Line(scale, float(np.median(new_s - scale * old_s)), float(old_s[0]), float(old_s[-1]))
+
+
+def _share(hits: Sequence[Hit], old: Fingerprint) -> float:
+    """Return the share of the old film whose stretches follow each other in the new one, at least four in a row."""
+    rows = [run for run in _runs(hits) if len(run) >= _IN_A_ROW]
+    found = {hit.old_s for run in rows for hit in run if hit.score >= _SURE}
+    lively = [at for at in _stretches(old, *_STRETCHES_S[0]) if _lively(old, at, _STRETCHES_S[0][0])]
+    return len(found) / max(1, len(lively))
+
+
+def _covered(centre_s: float, hits: Sequence[Hit]) -> bool:
+    """Return whether a long stretch around here was found as a whole."""
+    half_s = _STRETCHES_S[0][0] / 2.0
+    return any(abs(hit.old_s - centre_s) <= half_s and hit.score >= 0.8 for hit in hits)

@@ -1,0 +1,193 @@
+"""Which line the film runs along at each moment: the path that agrees best, with as few cuts as it can.
+
+    V(t, line) = e(t, line) + max( V(t - 1, line), max over others of V(t - 1, other) - cost of a cut )
+
+e is how much more alike the films are along the line, over a second around t, than two films are by chance; along no
+line at all it is 0. Where two stretches of the old film want the same place in the new one, one of them loses it.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .fingerprint import FRAME_HZ, Fingerprint
+from .lines import Line, find_lines
+
+STEP = 10
+"""Frames between two steps of the path: a tenth of a second. Cuts are put to the millisecond afterwards."""
+
+_AROUND_S = 1.0
+_CHANCE = 0.35
+_CUT_COST_S = 0.8
+_REACH_S = 60.0
+_SHARED_S = 0.5
+_ROUNDS = 20
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A piece of the old film, in seconds, that runs along a line of the new one; `alike` is how well, 0 to 1."""
+
+    line: Line
+    start_s: float
+    stop_s: float
+    alike: float
+
+    @property
+    def new_span_s(self) -> tuple[float, float]:
+        """Return where it lies in the new film."""
+        return self.line.at(self.start_s), self.line.at(self.stop_s)
+
+
+def find_stretches(old: Fingerprint, new: Fingerprint, tell: Callable[[int, int], None] | None = None) -> list[Stretch]:
+    """Return the stretches of the old film that the new one has, in the old film's order.
+
+    `tell` hears how many seconds of how many have been looked for.
+    """
+    return find_path(old, new, find_lines(old, new, tell))
+
+
+def find_path(old: Fingerprint, new: Fingerprint, lines: Sequence[Line]) -> list[Stretch]:
+    """Return the stretches that the best path along some lines has."""
+    lines, likeness = _worthwhile(old, new, lines)
+    if not lines:
+        return []
+    banned = np.zeros(likeness.shape, bool)
+    for _ in range(_ROUNDS):
+        gain = np.where(np.isnan(likeness) | banned, -10.0, likeness - _CHANCE)
+        stretches = _stretches(_best_states(gain), lines, likeness)
+        losers = _losers(stretches)
+        if not losers:
+            return stretches
+        for index, start_s, stop_s in losers:
+            column = lines.index(stretches[index].line)
+            first, last = round(start_s * FRAME_HZ / STEP), round(stop_s * FRAME_HZ / STEP)
+            banned[max(0, first) : last + 1, column] = True
+    kept = {index for index, _, _ in _losers(stretches)}
+    return [stretch for index, stretch in enumerate(stretches) if index not in kept]
+
+
+def _worthwhile(old: Fingerprint, new: Fingerprint, lines: Sequence[Line]) -> tuple[list[Line], NDArray[np.float32]]:
+    """Return the lines that gain more somewhere than a cut costs, and their likeness, shape (steps, lines).
+
+    No path could run along any other line, so leaving those out changes nothing but the cost.
+    """
+    kept, columns = [], []
+    for line in lines:
+        likeness = _likeness(old, new, line)
+        gain = np.cumsum(np.where(np.isnan(likeness), -10.0, likeness - _CHANCE))
+        most = float(np.max(gain - np.minimum.accumulate(np.concatenate([[0.0], gain[:-1]]))))
+        if most > _CUT_COST_S * FRAME_HZ / STEP:
+            kept.append(line)
+            columns.append(likeness)
+    return kept, np.stack(columns, axis=1) if columns else np.zeros((0, 0), np.float32)
+
+
+def _likeness(old: Fingerprint, new: Fingerprint, line: Line) -> NDArray[np.float32]:
+    """Return how alike the films are along a line at every step; NaN far from where the line was found."""
+    count = -(-len(old) // STEP)
+    whole = np.full(count, np.nan, np.float32)
+    first = max(0, int((line.first_s - _REACH_S) * FRAME_HZ) // STEP)
+    stop = min(count, int((line.last_s + _REACH_S) * FRAME_HZ) // STEP + 1)
+    frames = np.arange(first * STEP, min(stop * STEP, len(old)))
+    ours = old.frames[frames]
+    theirs = new.at(line.scale * frames / FRAME_HZ + line.offset_s)
+    size = round(_AROUND_S * FRAME_HZ)
+    product = _summed(np.sum(ours * theirs, axis=1), size)
+    energy = _summed(np.sum(ours**2, axis=1), size), _summed(np.sum(theirs**2, axis=1), size)
+    product, mine, yours = product[::STEP], energy[0][::STEP], energy[1][::STEP]
+    scale = np.sqrt(mine * yours)
+    least = 0.02 * size * ours.shape[1]
+    # silence in both is no reason against a line, and none for it
+    both_silent = (mine < least) & (yours < least)
+    alike = np.where(scale > 0.0, product / np.where(scale > 0.0, scale, 1.0), 0.0)
+    uneven = np.minimum(mine, yours) < 0.1 * np.maximum(mine, yours)
+    whole[first : first + len(alike)] = np.where(both_silent, _CHANCE, np.where(uneven, 0.0, alike))
+    return whole
+
+
+def _summed(values: NDArray[np.floating], size: int) -> NDArray[np.float64]:
+    """Return the sum over `size` values around each, what lies outside counting as nothing."""
+    sums = np.concatenate([[0.0], np.cumsum(values, dtype=np.float64)])
+    index = np.arange(len(values))
+    low, high = np.maximum(index - size // 2, 0), np.minimum(index + size // 2 + 1, len(values))
+    return np.asarray(sums[high] - sums[low], np.float64)
+
+
+def _best_states(gain: NDArray[np.float32]) -> NDArray[np.intp]:
+    """Return for each step the line of the best path; the last state is no line."""
+    steps, count = gain.shape
+    cost = _CUT_COST_S * FRAME_HZ / STEP
+    value = np.append(np.full(count, -cost), 0.0)
+    came = np.zeros((steps, count + 1), np.int16)
+    states = np.arange(count + 1, dtype=np.int16)
+    padded = np.concatenate([gain, np.zeros((steps, 1), np.float32)], axis=1)
+    price = np.append(np.full(count, cost), 0.0)
+    for step in range(steps):
+        best = int(value.argmax())
+        jump = value[best] - price
+        came[step] = np.where(value >= jump, states, best)
+        np.maximum(value, jump, out=value)
+        value += padded[step]
+    path = np.empty(steps, np.intp)
+    state = int(np.argmax(value))
+    for step in range(steps - 1, -1, -1):
+        path[step] = state
+        state = int(came[step, state])
+    return path
+
+
+def _stretches(states: NDArray[np.intp], lines: Sequence[Line], likeness: NDArray[np.float32]) -> list[Stretch]:
+    edges = np.flatnonzero(np.diff(states)) + 1
+    found = []
+    for start, stop in zip([0, *edges], [*edges, len(states)], strict=True):
+        state = int(states[start])
+        if state < len(lines):
+            alike = float(np.nanmean(likeness[start:stop, state]))
+            step_s = STEP / FRAME_HZ
+            found.append(
+                Stretch(lines[state], max(0.0, (float(start) - 0.5) * step_s), (float(stop) - 0.5) * step_s, alike)
+            )
+    return found
+
+
+def _losers(stretches: Sequence[Stretch]) -> list[tuple[int, float, float]]:
+    """Return what has to give way, as (index, from, to) of the old film, where two stretches claim one place.
+
+    Those on the heaviest chain that keeps the film's order win over others; among equals the longer one.
+    """
+    weight = [(stretch.stop_s - stretch.start_s) * stretch.alike for stretch in stretches]
+    chain = _ordered_chain(stretches, weight)
+    order = sorted(range(len(stretches)), key=lambda index: (index not in chain, -weight[index]))
+    losers = []
+    for place, index in enumerate(order):
+        start, stop = stretches[index].new_span_s
+        for other in order[:place]:
+            low, high = stretches[other].new_span_s
+            shared = min(stop, high) - max(start, low)
+            if shared > _SHARED_S:
+                line = stretches[index].line
+                first, last = max(start, low), min(stop, high)
+                losers.append((index, (first - line.offset_s) / line.scale, (last - line.offset_s) / line.scale))
+    return losers
+
+
+def _ordered_chain(stretches: Sequence[Stretch], weight: Sequence[float]) -> set[int]:
+    """Return the heaviest set of stretches that follow each other in both films."""
+    best: list[float] = []
+    before: list[int | None] = []
+    for index, stretch in enumerate(stretches):
+        earlier = [
+            other for other in range(index) if stretches[other].new_span_s[1] <= stretch.new_span_s[0] + _SHARED_S
+        ]
+        last = max(earlier, key=lambda other: best[other], default=None)
+        best.append(weight[index] + (best[last] if last is not None else 0.0))
+        before.append(last)
+    chain: set[int] = set()
+    at: int | None = max(range(len(best)), key=best.__getitem__, default=None)
+    while at is not None:
+        chain.add(at)
+        at = before[at]
+    return chain

@@ -1,0 +1,61 @@
+"""The old film's events as shots of the new one: every span moved, scaled, and ended where its scene ends."""
+
+import numpy as np
+
+from ..model import Event, Reflection, Shot, Span
+from ..units import SILENCE_DB, db_from_gain, samples_from_ms, samples_from_s
+from .courses import Course
+from .film import Film
+from .place import Placed
+
+_PEAK_MS = 50.0
+
+
+def retimed(event: Event, placed: Placed, course: Course, old: Film, new: Film) -> Shot:
+    """Return an event as a shot of the new film.
+
+    It sounds until its old window begins to fade out, or until its scene ends. Its level is the old one and what the
+    new film is louder; confidence and signal-to-noise ratio are those of the old film.
+    """
+    onset = min(samples_from_s(placed.new_s, new.rate_hz), new.frames - 1)
+    rate = course.stretch.line.scale * new.rate_hz / old.rate_hz
+    room = max(0.0, course.stretch.stop_s * old.rate_hz - event.onset_sample) * rate
+    stop = min(new.frames, onset + max(1, round(room)))
+
+    def moved(sample: int) -> int:
+        return min(max(onset, onset + round((sample - event.onset_sample) * rate)), new.frames)
+
+    blast = Span(moved(event.blast.start), max(moved(event.blast.start) + 1, moved(event.blast.stop)))
+    sounding = min(stop, moved(event.window.stop - event.window.fade_out_samples))
+    return Shot(
+        onset=onset,
+        confidence=event.confidence,
+        peak_dbfs=_level_dbfs(event, onset, old, new),
+        snr_db=event.snr_db,
+        blast=Span(min(blast.start, new.frames), min(blast.stop, new.frames)),
+        reflections=tuple(
+            Reflection(
+                moved(each.start),
+                max(moved(each.start), min(stop, moved(each.stop))),
+                each.delay_ms * course.stretch.line.scale,
+                each.level_db,
+            )
+            for each in event.reflections
+            if moved(each.start) < stop
+        ),
+        span=Span(onset, max(onset + 1, blast.stop, sounding)),
+        burst=event.burst,
+        shot_in_burst=event.shot_in_burst,
+    )
+
+
+def _level_dbfs(event: Event, onset: int, old: Film, new: Film) -> float:
+    before, after = _peak(old, event.onset_sample), _peak(new, onset)
+    if before <= 0.0 or after <= 0.0:
+        return event.peak_dbfs
+    return max(SILENCE_DB, event.peak_dbfs + db_from_gain(after / before))
+
+
+def _peak(film: Film, onset: int) -> float:
+    near = Span(onset, onset + samples_from_ms(_PEAK_MS, film.rate_hz)) & Span(0, film.frames)
+    return float(np.abs(film.cut(near).heard).max(initial=0.0)) if near else 0.0

@@ -1,0 +1,176 @@
+"""A timeline for a new cut of its film: listen to both, find what of the old is where in the new, move the events.
+
+old film ─► fingerprint ┐
+new film ─► fingerprint ┴► stretches ─► each event's place ─► windows planned anew ─► timeline, tables
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+
+from .. import __version__
+from ..conform import (
+    Course,
+    Film,
+    Lost,
+    Placed,
+    find_stretches,
+    hear,
+    measured,
+    place,
+    retimed,
+    with_exact_ends,
+    write_events,
+    write_stretches,
+)
+from ..errors import OutputError, SoundtrackError, TimelineError
+from ..export import read_timeline
+from ..model import Clip, Event, Rejection, Shot, Source, Timeline, encode
+from ..render import plan_windows
+from ..ruleset import Rules, load_rules
+from ..soundtrack import Soundtrack, open_soundtrack, timecode_at
+from ..staging import staged
+from ..units import samples_from_s
+from .checking import TIMELINE_NAME
+from .listening import BLOCK
+from .progress import Progress, no_progress
+
+EVENTS_NAME, STRETCHES_NAME = "conform.csv", "stretches.csv"
+
+_SHORTEST_S = 1.0
+
+
+@dataclass(frozen=True)
+class Conformed:
+    """The new timeline, and how it came to be: the old events with where each went, and the stretches."""
+
+    timeline: Timeline
+    events: tuple[Event, ...]
+    places: tuple[Placed | Lost, ...]
+    courses: tuple[Course, ...]
+
+
+def conform(
+    timeline: Path,
+    folder: Path,
+    *,
+    old: Path,
+    new: Path,
+    mix: str | None = None,
+    stream: int | None = None,
+    rules: Path | None = None,
+    overwrite: bool = False,
+    progress: Progress = no_progress,
+) -> Conformed:
+    """Re-time a timeline from the film that it was made from to a new cut and write the result to `folder`.
+
+    `mix` and `stream` are the new film's; without them the mix is the timeline's. Raises BlastlineError for a timeline,
+    film or folder that cannot be used; nothing is written then.
+    """
+    read = read_timeline(timeline)
+    known = load_rules(read.quality, rules)
+    names = [TIMELINE_NAME, EVENTS_NAME, STRETCHES_NAME]
+    if (folder / TIMELINE_NAME).exists() and (folder / TIMELINE_NAME).samefile(timeline):
+        raise OutputError(f"{folder / TIMELINE_NAME}: is the old timeline; choose another folder for the new one")
+    with (
+        staged(folder, names=names, overwrite=overwrite) as hidden,
+        open_soundtrack(old, stream=read.source.stream, mix=read.source.mix, spool_folder=hidden) as old_track,
+        open_soundtrack(new, stream=stream, mix=mix or read.source.mix, spool_folder=hidden) as new_track,
+    ):
+        before = _heard(old_track, old, "old film", progress)
+        _require_same_film(old, old_track.source(), timeline, read.source)
+        after = _heard(new_track, new, "new film", progress)
+        done = _conformed(read, before, after, new_track.source(), known, progress)
+        if not done.courses:
+            raise SoundtrackError(f"{new}: nothing of {old} was found in it; expected a cut of the same film")
+        (hidden / TIMELINE_NAME).write_bytes(encode(done.timeline))
+        write_events(hidden / EVENTS_NAME, done.events, done.places)
+        write_stretches(hidden / STRETCHES_NAME, done.courses)
+    return done
+
+
+def _heard(track: Soundtrack, path: Path, stage: str, progress: Progress) -> Film:
+    """Decode a film once. Raises SoundtrackError where there is too little to recognise it by."""
+
+    def told() -> Iterator[Clip]:
+        for block in track.blocks(BLOCK):
+            yield block
+            progress(stage, block.span.stop, track.expected_frames)
+
+    film = hear(track, told())
+    if film.duration_s < _SHORTEST_S:
+        raise SoundtrackError(f"{path}: lasts {film.duration_s:.3f} s; expected at least {_SHORTEST_S:g} s of film")
+    if not film.fingerprint.frames.any():
+        raise SoundtrackError(f"{path}: is silent from beginning to end; there is nothing to find it by")
+    return film
+
+
+def _require_same_film(path: Path, found: Source, timeline: Path, expected: Source) -> None:
+    for what, here, there in (
+        ("sample rate", f"{found.sample_rate_hz} Hz", f"{expected.sample_rate_hz} Hz"),
+        ("length", f"{found.frames} frames", f"{expected.frames} frames"),
+        ("sha256", found.sha256[:12], expected.sha256[:12]),
+    ):
+        if here != there:
+            made = f"is not the film that {timeline} was made from"
+            raise TimelineError(f"{path}: {made}: its {what} is {here}, expected {there} ({expected.name})")
+
+
+def _conformed(timeline: Timeline, old: Film, new: Film, source: Source, rules: Rules, progress: Progress) -> Conformed:
+    def tell(done: int, total: int) -> None:
+        progress("matching", done, total)
+
+    stretches = find_stretches(old.fingerprint, new.fingerprint, tell)
+    progress("placing", 0, None)
+    courses = with_exact_ends(measured(stretches, old, new), old, new)
+    events = tuple(sorted(timeline.events, key=lambda event: event.onset_sample))
+    places = place([event.onset_sample / old.rate_hz for event in events], courses, old, new)
+    shots = [
+        (event, retimed(event, each, courses[each.course], old, new))
+        for event, each in zip(events, places, strict=True)
+        if isinstance(each, Placed)
+    ]
+    shots.sort(key=lambda pair: pair[1].onset)
+    made = msgspec.structs.replace(
+        timeline,
+        version=__version__,
+        source=source,
+        actuator=None,
+        events=_events(shots, source, rules),
+        rejections=tuple(_rejections(events, places, new)),
+        checks=(),
+    )
+    return Conformed(made, events, tuple(places), tuple(courses))
+
+
+def _events(shots: Sequence[tuple[Event, Shot]], source: Source, rules: Rules) -> tuple[Event, ...]:
+    """Return the shots as events of the new film, each under its old id, in windows that are planned anew."""
+    planned = plan_windows(
+        [shot for _, shot in shots], frames=source.frames, rate_hz=source.sample_rate_hz, rules=rules.tier.windows
+    )
+    window_of = {index: each.window for each in planned for index in each.shots}
+    return tuple(
+        msgspec.structs.replace(
+            event,
+            onset_sample=shot.onset,
+            onset_s=shot.onset / source.sample_rate_hz,
+            timecode=timecode_at(source, shot.onset),
+            peak_dbfs=shot.peak_dbfs,
+            blast=shot.blast,
+            reflections=shot.reflections,
+            window=window_of[index],
+            drive=None,
+        )
+        for index, (event, shot) in enumerate(shots)
+    )
+
+
+def _rejections(events: Sequence[Event], places: Sequence[Placed | Lost], new: Film) -> Iterator[Rejection]:
+    """Yield each event that was not placed, at the moment of the new film at which it is missing."""
+    for event, each in zip(events, places, strict=True):
+        if isinstance(each, Lost):
+            at = min(max(0, samples_from_s(each.near_s, new.rate_hz)), new.frames - 1)
+            evidence = {"old_onset_s": event.onset_s, "likeness": each.likeness}
+            yield Rejection(at, f"{event.id}: {each.reason.value}", evidence)

@@ -1,0 +1,178 @@
+"""`blastline conform` and `blastline study conform` as a user runs them."""
+
+import csv
+import hashlib
+import wave
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+
+from blastline.export import read_timeline
+from blastline.model import SCHEMA, DriveInfo, Event, Reflection, Source, Span, Timeline, Window, encode
+from blastline.study.conforming import CASES, made_film, score_one
+from commands import blastline
+from conform_films import RATE_HZ, Samples, film, seconds
+
+ONSETS_S = (2.0, 7.25, 12.0, 16.0, 18.5, 23.0)
+OLD = 0.2 * film(26.0, ONSETS_S, seed=40)
+NEW = np.concatenate([seconds(OLD, 3.0, 10.0), seconds(OLD, 14.0, 26.0)])
+EXPECTED = {"shot-2": 4.25, "shot-4": 9.0, "shot-5": 11.5, "shot-6": 16.0}
+
+
+def write(path: Path, samples: Samples, rate_hz: int = RATE_HZ) -> Path:
+    with wave.open(str(path), "wb") as file:
+        file.setnchannels(1)
+        file.setsampwidth(2)
+        file.setframerate(rate_hz)
+        file.writeframes(np.round(np.clip(samples, -1, 1) * 32_767).astype("<i2").tobytes())
+    return path
+
+
+def event(number: int, onset_s: float) -> Event:
+    at = round(onset_s * RATE_HZ)
+    return Event(
+        id=f"shot-{number}",
+        onset_sample=at,
+        onset_s=at / RATE_HZ,
+        timecode="",
+        confidence=0.9,
+        burst=None,
+        shot_in_burst=None,
+        peak_dbfs=-6.0,
+        snr_db=30.0,
+        blast=Span(at, at + 160),
+        reflections=(Reflection(at + 800, at + 960, 50.0, -9.0),),
+        window=Window(at - 96, at + 4_800, 80, 640),
+        drive=DriveInfo("direct", "asked for", 0.5, 0.0, 1.0),
+    )
+
+
+def timeline_of(film_path: Path, frames: int) -> Path:
+    source = Source(film_path.name, hashlib.sha256(film_path.read_bytes()).hexdigest(), RATE_HZ, frames, 1)
+    events = tuple(event(number, onset_s) for number, onset_s in enumerate(ONSETS_S, start=1))
+    made = Timeline(SCHEMA, "0.1.0", "standard", "ab" * 32, source, None, events, (), ())
+    path = film_path.with_name("timeline.json")
+    path.write_bytes(encode(made))
+    return path
+
+
+@pytest.fixture
+def films(tmp_path: Path) -> tuple[Path, Path, Path]:
+    old = write(tmp_path / "old.wav", OLD)
+    return timeline_of(old, len(OLD)), old, write(tmp_path / "new.wav", 0.5 * NEW)
+
+
+def test_a_new_cut_gets_its_timeline_and_its_tables(films: tuple[Path, Path, Path], tmp_path: Path) -> None:
+    timeline, old, new = films
+    ended = blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
+    assert ended.code == 0
+    made = read_timeline(tmp_path / "out" / "timeline.json")
+    assert {each.id: each.onset_s for each in made.events} == pytest.approx(EXPECTED, abs=1e-4)
+    assert made.source.name == "new.wav"
+    assert made.source.frames == len(NEW)
+    assert [each.reason.split(":")[0] for each in made.rejections] == ["shot-1", "shot-3"]
+    assert all(each.drive is None for each in made.events)
+    with (tmp_path / "out" / "conform.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["placed"] for row in rows] == ["no", "yes", "no", "yes", "yes", "yes"]
+    assert all(abs(float(row["residual_ms"])) < 0.1 for row in rows if row["placed"] == "yes")
+    with (tmp_path / "out" / "stretches.csv").open() as file:
+        assert [round(float(row["old_start_s"])) for row in csv.DictReader(file)] == [3, 14]
+    assert "4 of 6 shots placed, 2 not" in ended.out
+    assert ended.err.count("not placed: shot-") == 2
+
+
+def test_every_span_of_an_event_moves_with_it(films: tuple[Path, Path, Path], tmp_path: Path) -> None:
+    timeline, old, new = films
+    blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
+    before = {each.id: each for each in read_timeline(timeline).events}
+    for after in read_timeline(tmp_path / "out" / "timeline.json").events:
+        by = after.onset_sample - before[after.id].onset_sample
+        assert after.blast == Span(before[after.id].blast.start + by, before[after.id].blast.stop + by)
+        [echo] = after.reflections
+        assert (echo.start - after.onset_sample, echo.stop - after.onset_sample) == (800, 960)
+        assert (echo.delay_ms, echo.level_db) == pytest.approx((50.0, -9.0))
+        assert after.window.start < after.onset_sample < after.window.stop <= len(NEW)
+        assert after.peak_dbfs == pytest.approx(-12.02, abs=0.01)
+
+
+def test_a_faster_copy_has_shorter_spans(films: tuple[Path, Path, Path], tmp_path: Path) -> None:
+    import soxr
+
+    timeline, old, _ = films
+    new = write(tmp_path / "pal.wav", soxr.resample(OLD, RATE_HZ * 25 / 24, 48_000), 48_000)
+    ended = blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
+    assert "speed 1.041667" in ended.out
+    made = read_timeline(tmp_path / "out" / "timeline.json")
+    assert [each.onset_s for each in made.events] == pytest.approx([at * 0.96 for at in ONSETS_S], abs=5e-5)
+    first = made.events[0]
+    assert len(first.blast) == pytest.approx(160 * 3 * 0.96, abs=1)
+    assert first.reflections[0].delay_ms == pytest.approx(48.0)
+
+
+def test_results_are_replaced_only_when_asked_and_never_the_old_timeline(
+    films: tuple[Path, Path, Path], tmp_path: Path
+) -> None:
+    timeline, old, new = films
+    arguments = ("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
+    assert blastline(*arguments, "-q").out == ""
+    again = blastline(*arguments)
+    assert "exists already; give --overwrite" in again.complaint
+    assert blastline(*arguments, "--overwrite").code == 0
+    beside = blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path, "--overwrite")
+    assert "is the old timeline" in beside.complaint
+
+
+@pytest.mark.parametrize(
+    ("samples", "complaint"),
+    [
+        (film(20.0, (5.0,), seed=41), "nothing of"),
+        (np.zeros(20 * RATE_HZ), "is silent from beginning to end"),
+        (OLD[: RATE_HZ // 2], "lasts 0.500 s; expected at least 1 s"),
+    ],
+    ids=["another film", "silence", "too short"],
+)
+def test_a_new_film_that_cannot_be_used(
+    films: tuple[Path, Path, Path], tmp_path: Path, samples: Samples, complaint: str
+) -> None:
+    timeline, old, _ = films
+    new = write(tmp_path / "other.wav", samples)
+    ended = blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out", "-q")
+    assert complaint in ended.complaint
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("samples", "what"), [(OLD[1:], "length"), (0.5 * OLD, "sha256")], ids=["shorter", "another mix"]
+)
+def test_an_old_film_that_is_not_the_timelines(
+    films: tuple[Path, Path, Path], tmp_path: Path, samples: Samples, what: str
+) -> None:
+    timeline, _, new = films
+    other = write(tmp_path / "other.wav", samples)
+    ended = blastline("conform", timeline, "--from", other, "--to", new, "-o", tmp_path / "out", "-q")
+    assert f"its {what} is" in ended.complaint
+    assert "is not the film that" in ended.complaint
+
+
+def test_files_that_are_not_there(films: tuple[Path, Path, Path], tmp_path: Path) -> None:
+    timeline, old, new = films
+    none = tmp_path / "none.wav"
+    for arguments in ((none, old, new), (timeline, none, new), (timeline, old, none)):
+        ended = blastline(
+            "conform", arguments[0], "--from", arguments[1], "--to", arguments[2], "-o", tmp_path / "out", "-q"
+        )
+        assert "none.wav: no such file" in ended.complaint
+
+
+def test_a_film_that_is_cut_anew_keeps_its_shots(tmp_path: Path) -> None:
+    old = made_film(tmp_path, 11, 1.5)
+    name = next(iter(CASES))
+    score = score_one(name, old, tmp_path)
+    assert score.surviving >= 15
+    assert score.removed >= 1
+    assert score.within >= 0.99 * score.surviving
+    assert (score.astray, score.false) == (0, 0)
+    assert msgspec.json.decode(msgspec.json.encode(score))["name"] == name

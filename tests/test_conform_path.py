@@ -1,0 +1,134 @@
+"""What of the old film is where in the new one: laws of cutting."""
+
+import numpy as np
+import pytest
+
+from blastline.conform import Film, Loss, Lost, Placed, find_stretches, measured, place, with_exact_ends
+from blastline.conform.courses import Course
+from blastline.conform.lines import Line
+from blastline.conform.path import Stretch, _best_states, _losers
+from conform_films import RATE_HZ, Samples, bang, film, heard, murmur, put, seconds
+
+ONSETS_S = (3.0, 8.5, 14.0, 21.0, 29.0, 33.3, 41.0, 47.0, 52.0, 57.0)
+OLD = film(60.0, ONSETS_S, seed=20)
+
+
+def courses(old: Film, new: Film) -> list[Course]:
+    return with_exact_ends(measured(find_stretches(old.fingerprint, new.fingerprint), old, new), old, new)
+
+
+def conformed(old: Samples, new: Samples, onsets_s: tuple[float, ...] = ONSETS_S) -> list[float | None]:
+    """Return each onset's time in the new film, None where it was not placed."""
+    one, other = heard(old), heard(new)
+    found = place(onsets_s, courses(one, other), one, other)
+    return [each.new_s if isinstance(each, Placed) else None for each in found]
+
+
+def near(times: list[float | None]) -> object:
+    return [None if time is None else pytest.approx(time, abs=1e-4) for time in times]
+
+
+def test_the_same_film_is_one_stretch() -> None:
+    [course] = courses(heard(OLD), heard(OLD))
+    assert course.stretch.line.scale == pytest.approx(1.0, abs=1e-7)
+    assert course.stretch.line.offset_s == pytest.approx(0.0, abs=1e-6)
+    assert (course.stretch.start_s, course.stretch.stop_s) == pytest.approx((0.0, 60.0), abs=0.05)
+    assert conformed(OLD, OLD) == near(list(ONSETS_S))
+
+
+@pytest.mark.parametrize("offset", [-70_001, 3, 123_457])
+def test_a_reel_offset_moves_every_shot_by_itself(offset: int) -> None:
+    new = np.concatenate([murmur(20.0, seed=21)[:offset], OLD]) if offset > 0 else OLD[-offset:]
+    shifted = [onset_s + offset / RATE_HZ for onset_s in ONSETS_S]
+    assert conformed(OLD, new) == near([time if time >= 0.0 else None for time in shifted])
+
+
+def test_removed_and_inserted_scenes_and_what_becomes_of_their_shots() -> None:
+    new = np.concatenate([seconds(OLD, 0, 12), murmur(9.0, seed=22), seconds(OLD, 12, 26), seconds(OLD, 40, 60)])
+    expected = [o if o < 12 else o + 9 if o < 26 else None if o < 40 else o - 5 for o in ONSETS_S]
+    assert conformed(OLD, new) == near(expected)
+
+
+def test_scenes_in_another_order_are_followed() -> None:
+    new = np.concatenate([seconds(OLD, 0, 18), seconds(OLD, 38, 60), seconds(OLD, 18, 38)])
+    expected = [o if o < 18 else o + 22 if o < 38 else o - 20 for o in ONSETS_S]
+    assert conformed(OLD, new) == near(list(expected))
+
+
+@pytest.mark.parametrize("speed", [25 / 24, 24 / 25, 1.001, 25.025 / 24, 1.022, 1.07, 0.93])
+def test_any_speed_is_found(speed: float) -> None:
+    import soxr
+
+    new = soxr.resample(OLD, RATE_HZ * speed, RATE_HZ)
+    [course] = courses(heard(OLD), heard(new))
+    assert 1.0 / course.stretch.line.scale == pytest.approx(speed, abs=2e-6)
+    assert not course.keeps_pitch
+    assert conformed(OLD, new) == near([onset_s / speed for onset_s in ONSETS_S])
+
+
+def test_an_end_is_where_the_waveforms_part() -> None:
+    new = np.concatenate([seconds(OLD, 0, 20.13), seconds(OLD, 35.71, 60)])
+    first, second = courses(heard(OLD), heard(new))
+    assert first.stretch.stop_s == pytest.approx(20.13, abs=0.03)
+    assert second.stretch.start_s == pytest.approx(35.71, abs=0.03)
+
+
+def test_of_two_equal_scenes_the_one_in_order_stays() -> None:
+    scene = film(10.0, (2.0, 6.0), seed=23)
+    old = np.concatenate([seconds(OLD, 0, 20), scene, seconds(OLD, 20, 40), scene, seconds(OLD, 40, 60)])
+    onsets_s = (22.0, 26.0, 52.0, 56.0)
+    without_first = np.concatenate([seconds(OLD, 0, 40), scene, seconds(OLD, 40, 60)])
+    without_second = np.concatenate([seconds(OLD, 0, 20), scene, seconds(OLD, 20, 60)])
+    assert conformed(old, without_first, onsets_s) == near([None, None, 42.0, 46.0])
+    assert conformed(old, without_second, onsets_s) == near([22.0, 26.0, None, None])
+
+
+def test_a_burst_of_one_sample_loses_just_the_shots_that_were_cut() -> None:
+    shot, onsets_s = bang(seed=24), tuple(20.0 + 0.1 * n for n in range(10))
+    old = murmur(40.0, seed=25)
+    for onset_s in onsets_s:
+        put(old, shot, onset_s)
+    # three periods are taken out: what follows the cut sounds as what was taken out did
+    new = np.concatenate([seconds(old, 0, 20.35), seconds(old, 20.65, 40)])
+    expected = [o if o < 20.35 else None if o < 20.65 else o - 0.3 for o in onsets_s]
+    assert conformed(old, new, onsets_s) == near(expected)
+    before, after = courses(heard(old), heard(new))
+    assert (before.stretch.stop_s, after.stretch.start_s) == pytest.approx((20.35, 20.65), abs=0.05)
+
+
+def test_a_shot_whose_sound_was_replaced_is_listed_with_the_place_where_it_would_be() -> None:
+    new = OLD.copy()
+    first = round(28.9 * RATE_HZ)
+    new[first : first + RATE_HZ] = murmur(1.0, seed=26)
+    old, other = heard(OLD), heard(new)
+    lost = place(ONSETS_S, courses(old, other), old, other)[4]
+    assert isinstance(lost, Lost)
+    assert lost.reason in (Loss.CHANGED, Loss.REMOVED)
+    assert lost.near_s == pytest.approx(29.0, abs=1.2)
+    assert lost.likeness < 0.3
+
+
+def test_films_with_nothing_in_common_have_no_stretch() -> None:
+    assert courses(heard(OLD), heard(film(50.0, (10.0, 20.0), seed=27))) == []
+
+
+def test_of_two_claims_to_one_place_the_shorter_and_the_one_out_of_order_give_way() -> None:
+    first, last = Line(1.0, 0.0, 0.0, 20.0), Line(1.0, -10.0, 30.0, 60.0)
+    ordered = [Stretch(first, 0.0, 20.0, 0.9), Stretch(last, 30.0, 60.0, 0.9)]
+    assert _losers(ordered) == []
+    stray = Stretch(Line(1.0, 15.0, 20.0, 30.0), 22.0, 29.0, 1.0)  # where the last one is from 47 to 54
+    assert _losers([ordered[0], stray, ordered[1]]) == [(1, 22.0, 29.0)]
+
+
+def test_the_path_is_the_best_of_all_paths() -> None:
+    rng = np.random.default_rng(28)
+    for _ in range(20):
+        gain = rng.normal(0.0, 6.0, (6, 2)).astype(np.float32)
+        best = max(_worth(gain, path) for path in np.ndindex(*[3] * 6))
+        assert _worth(gain, tuple(int(state) for state in _best_states(gain))) == pytest.approx(best, abs=1e-4)
+
+
+def _worth(gain: np.ndarray, path: tuple[int, ...]) -> float:
+    """Return what a path gains, less 8 for each line it changes to; state 2 is no line."""
+    entered = [after for before, after in zip((2, *path), path, strict=False) if before != after and after != 2]
+    return float(sum(gain[n, state] for n, state in enumerate(path) if state != 2) - 8.0 * len(entered))
