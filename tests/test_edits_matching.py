@@ -123,7 +123,7 @@ def require_exactly(wanted: Wanted, edits: Edits, *, within: int = 0) -> None:
 
 
 @SHARED_FOLDER
-@given(films(), st.sampled_from(["json", "csv", "audacity"]))
+@given(films(), st.sampled_from(["json", "csv", "audacity", "reaper"]))
 def test_what_is_exported_and_not_edited_comes_back_to_the_sample(tmp_path: Path, before: Timeline, name: str) -> None:
     [file] = export_timeline(before, tmp_path, formats=[name])
     originals = {event.id: event for event in before.events}

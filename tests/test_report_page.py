@@ -139,8 +139,8 @@ def test_hostile_names_stay_text(tmp_path: Path) -> None:
 def test_files_for_other_tools_are_linked_where_they_were_written(tmp_path: Path) -> None:
     evil = '<b>&"'
     rows = (
-        ExportRow("avid", "timeline.avid.txt", "Avid", "Tools > Markers", "nearest frame", False),
-        ExportRow("csv", f"timeline {evil}.csv", f"any {evil}", f"open {evil}", f"exact {evil}", True),
+        ExportRow("avid", ("timeline.avid.txt",), "Avid", "Tools > Markers", "nearest frame", False),
+        ExportRow("csv", (f"timeline {evil}.csv",), f"any {evil}", f"open {evil}", f"exact {evil}", True),
     )
     page = Page(written(tmp_path, film(), exports=rows))
     assert "files" in page.ids

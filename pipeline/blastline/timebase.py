@@ -75,6 +75,23 @@ def with_timebase(source: Source, timebase: Timebase) -> Source:
     return _counted(moved, known, timebase)
 
 
+def recalled(said: Timebase, earlier: Source, filmed: Source) -> Timebase:
+    """Return what the user says about a film, and where they say nothing what they said when `earlier` was made of it.
+
+    `filmed` is the film's own word, from which `earlier` differs where a user said something.
+    """
+    start = earlier.start_timecode if earlier.start_timecode != filmed.start_timecode else None
+    rate = earlier.frame_rate if earlier.frame_rate != filmed.frame_rate else None
+    drops = None
+    if earlier.start_offset_s != filmed.start_offset_s:  # a clock was made a drop-frame timecode and a rest
+        start, drops = None, True
+    return Timebase(
+        said.start_timecode or start,
+        said.frame_rate or (Fraction(rate) if rate else None),
+        drops if said == AS_FILMED else said.drop_frame,
+    )
+
+
 def retimed(timeline: Timeline, timebase: Timebase) -> Timeline:
     """Return the timeline with what the user says about its timecode; no event moves against the sound.
 

@@ -264,14 +264,14 @@ def export(
 
 
 def formats() -> None:
-    """List the formats of `--format`: the file, how exact its times are, and the tool that opens it.
+    """List the formats of `--format`: the files, how exact their times are, and the tool that opens them.
 
     Example: `blastline formats`
     """
     from .. import run
 
     for row in run.exports():
-        typer.echo(f"{row.name:<9} {row.file:<24} {row.exactness}\n{'':<9} {row.tool}: {row.how}")
+        typer.echo(f"{row.name:<9} {', '.join(row.files):<24} {row.exactness}\n{'':<9} {row.tool}: {row.how}")
 
 
 def _code(timeline: Timeline) -> int:

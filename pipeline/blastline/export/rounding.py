@@ -19,10 +19,10 @@ def resolution(name: str) -> str:
         return "nearest frame, with the sub-frame offset as text"
     return {
         "schema": "no times",
-        "webvtt": "1 ms",
-        "hjif": "1 ms",
-        "haptic": "0.05 ms",
-        "ahap": "0.001 ms",
+        "webvtt": "0.5 ms: whole milliseconds",
+        "hjif": "0.5 ms: whole milliseconds",
+        "haptic": "0.031 ms: 32-bit seconds, in reels",
+        "ahap": "0.0005 ms: six decimals of a second",
         "midi": "sample, at every usual rate",
         "audacity": "1 ns: the sample",
         "reaper": "1 ns: the sample",

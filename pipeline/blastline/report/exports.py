@@ -8,13 +8,13 @@ from .words import safe
 
 @dataclass(frozen=True)
 class ExportRow:
-    """A format of the timeline: its name and file, the tool that opens it and how, how exact its times are.
+    """A format of the timeline: its name and files, the tool that opens them and how, how exact its times are.
 
-    `written` says whether the file lies beside the report.
+    `written` says whether they lie beside the report; where not, `*` in a file's name stands for a number.
     """
 
     name: str
-    file: str
+    files: tuple[str, ...]
     tool: str
     how: str
     exactness: str
@@ -33,8 +33,8 @@ def exports_table(rows: Sequence[ExportRow]) -> str:
 
 
 def _row(row: ExportRow) -> str:
-    file = f'<a href="{safe(row.file)}">{safe(row.file)}</a>' if row.written else safe(row.file)
+    files = "<br>".join(f'<a href="{safe(f)}">{safe(f)}</a>' if row.written else safe(f) for f in row.files)
     return (
-        f'<tr><td>{file}</td><td><code>{safe(row.name)}</code></td><td class="wide">{safe(row.tool)}</td>'
+        f'<tr><td>{files}</td><td><code>{safe(row.name)}</code></td><td class="wide">{safe(row.tool)}</td>'
         f'<td class="wide">{safe(row.how)}</td><td class="wide">{safe(row.exactness)}</td></tr>'
     )

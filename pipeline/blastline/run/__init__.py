@@ -15,9 +15,10 @@ from .conforming import Conformed, conform
 from .exports import exports
 from .files import export, synthesise
 from .listening import detect
+from .options import RenderOptions
 from .pictures import actuator_picture
 from .progress import Progress, no_progress
-from .rendering import RenderOptions, render
+from .rendering import render
 
 __all__ = [
     "Conformed",

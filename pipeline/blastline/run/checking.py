@@ -4,17 +4,15 @@ from pathlib import Path
 
 import msgspec
 
-from ..align import check_timeline
+from ..align import check_files, check_timeline
 from ..errors import TimelineError
 from ..export import read_timeline
-from ..model import ActuatorRef, Source, Timeline
-from ..ruleset import load_actuator, load_rules
-from ..soundtrack import open_soundtrack
+from ..model import Source, Timeline
+from ..ruleset import ActuatorProfile, AlignRules, load_actuator, load_rules
+from ..soundtrack import Soundtrack, open_soundtrack
+from . import names
 from .listening import BLOCK
 from .progress import Progress, no_progress, told
-from .rendering import DRIVE_NAME, RenderOptions, Setup, checked
-
-TIMELINE_NAME = "timeline.json"
 
 
 def check(
@@ -31,7 +29,7 @@ def check(
     Without `audio` the film is looked for beside the results, without `drive` the drive. A timeline without a drive is
     checked against the sound alone. Raises BlastlineError where a file that is needed is missing or unusable.
     """
-    path = target / TIMELINE_NAME if target.is_dir() else target
+    path = target / names.TIMELINE if target.is_dir() else target
     timeline = read_timeline(path)
     read = load_rules(timeline.quality, rules)
     with open_soundtrack(
@@ -43,16 +41,32 @@ def check(
             _require_same_film(track.source(), timeline.source)
         if timeline.actuator is None and drive is None:
             return msgspec.structs.replace(timeline, checks=check_timeline(timeline, audio=track, rules=read.align))
-        profile, digest = load_actuator(actuator or _actuator_of(timeline, path), rules)
-        setup = Setup(
-            RenderOptions(phase=timeline.phase, background=timeline.background),
-            read,
-            profile,
-            ActuatorRef(profile.name, digest),
-            progress,
-        )
-        with open_soundtrack(drive or path.parent / DRIVE_NAME) as made:
-            return checked(timeline, track, made, setup)
+        profile, _ = load_actuator(actuator or _actuator_of(timeline, path), rules)
+        with open_soundtrack(drive or path.parent / names.DRIVE) as made:
+            return checked(timeline, track, made, profile=profile, rules=read.align, progress=progress)
+
+
+def checked(
+    timeline: Timeline,
+    track: Soundtrack,
+    drive: Soundtrack,
+    *,
+    profile: ActuatorProfile,
+    rules: AlignRules,
+    progress: Progress,
+) -> Timeline:
+    """Return the timeline with the checks of the files: `track` has been decoded, `drive` has just been opened."""
+    progress("checking", 0, None)
+    checks = check_files(
+        timeline,
+        audio=track,
+        drive=drive,
+        profile=profile,
+        rules=rules,
+        phase=timeline.phase,
+        background=timeline.background,
+    )
+    return msgspec.structs.replace(timeline, checks=checks)
 
 
 def _find_film(source: Source, timeline: Path) -> Path:

@@ -33,11 +33,9 @@ from ..ruleset import Rules, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack, timecode_at
 from ..staging import staged
 from ..units import samples_from_s
-from .checking import TIMELINE_NAME
+from . import names
 from .listening import BLOCK
 from .progress import Progress, no_progress
-
-EVENTS_NAME, STRETCHES_NAME = "conform.csv", "stretches.csv"
 
 _SHORTEST_S = 1.0
 
@@ -71,11 +69,11 @@ def conform(
     """
     read = read_timeline(timeline)
     known = load_rules(read.quality, rules)
-    names = [TIMELINE_NAME, EVENTS_NAME, STRETCHES_NAME]
-    if (folder / TIMELINE_NAME).exists() and (folder / TIMELINE_NAME).samefile(timeline):
-        raise OutputError(f"{folder / TIMELINE_NAME}: is the old timeline; choose another folder for the new one")
+    files = [names.TIMELINE, names.EVENTS, names.STRETCHES]
+    if (folder / names.TIMELINE).exists() and (folder / names.TIMELINE).samefile(timeline):
+        raise OutputError(f"{folder / names.TIMELINE}: is the old timeline; choose another folder for the new one")
     with (
-        staged(folder, names=names, overwrite=overwrite) as hidden,
+        staged(folder, names=files, overwrite=overwrite) as hidden,
         open_soundtrack(old, stream=read.source.stream, mix=read.source.mix, spool_folder=hidden) as old_track,
         open_soundtrack(new, stream=stream, mix=mix or read.source.mix, spool_folder=hidden) as new_track,
     ):
@@ -85,9 +83,9 @@ def conform(
         done = _conformed(read, before, after, new_track.source(), known, progress)
         if not done.courses:
             raise SoundtrackError(f"{new}: nothing of {old} was found in it; expected a cut of the same film")
-        (hidden / TIMELINE_NAME).write_bytes(encode(done.timeline))
-        write_events(hidden / EVENTS_NAME, done.events, done.places)
-        write_stretches(hidden / STRETCHES_NAME, done.courses)
+        (hidden / names.TIMELINE).write_bytes(encode(done.timeline))
+        write_events(hidden / names.EVENTS, done.events, done.places)
+        write_stretches(hidden / names.STRETCHES, done.courses)
     return done
 
 
@@ -141,6 +139,7 @@ def _conformed(timeline: Timeline, old: Film, new: Film, source: Source, rules: 
         events=_events(shots, source, rules),
         rejections=tuple(_rejections(events, places, new)),
         checks=(),
+        edits=None,
     )
     return Conformed(made, events, tuple(places), tuple(courses))
 

@@ -17,12 +17,13 @@ from ..model import Edits, Event, Rejection, Shot, Source, Window
 from ..render import plan_windows, window_between, with_gains
 from ..report import OverviewMeter
 from ..ruleset import Rules
-from ..soundtrack import Soundtrack
+from ..soundtrack import Soundtrack, open_soundtrack
+from ..timebase import Timebase, recalled
 from ..units import ms_from_samples, samples_from_ms
+from . import names
 from .listening import BLOCK, Listened, Mark
 from .progress import Progress, told
 
-ORIGINAL_NAME = "timeline.json"
 _MEND = "re-time the timeline with `blastline conform`, or give the film that it is of"
 _SURE = 1.0  # who sets an event by hand has no doubt
 _REGAINED_MS = 25.0  # a rejection so near to an added event is that event
@@ -49,7 +50,7 @@ def read_editing(path: Path, *, original: Path | None) -> Editing:
     cannot be used.
     """
     edited = read_edits(path)
-    beside = path.parent / ORIGINAL_NAME
+    beside = path.parent / names.TIMELINE
     if original is None and beside.is_file() and not beside.samefile(path):
         original = beside
     if original is None:
@@ -61,6 +62,15 @@ def read_editing(path: Path, *, original: Path | None) -> Editing:
             "give its own with --original"
         )
     return Editing(edited, {e.id: e for e in timeline.events}, timeline.rejections, timeline.source, original)
+
+
+def timebase_of(film: Path, editing: Editing, *, said: Timebase, stream: int | None, mix: str) -> Timebase:
+    """Return the time base of a film that is rendered again: what was said of it first holds until said anew."""
+    earlier = editing.source
+    if earlier is None:
+        return said
+    with open_soundtrack(film, stream=stream, mix=mix) as track:
+        return recalled(said, earlier, track.described())
 
 
 def hear_edited(
@@ -183,7 +193,7 @@ def _counted(editing: Editing, wanted: Wanted) -> Edits:
     notes = list(editing.edited.notes)
     if editing.named_by is None:
         notes.append(
-            f"no {ORIGINAL_NAME} beside the file and none given with --original: nothing tells what was edited, so "
+            f"no {names.TIMELINE} beside the file and none given with --original: nothing tells what was edited, so "
             "that every event is measured anew"
         )
     if not wanted.wishes:

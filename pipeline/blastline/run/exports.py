@@ -1,15 +1,21 @@
 """What a timeline can be written as, for tables: on the command line and in the report."""
 
 from collections.abc import Collection
+from fnmatch import fnmatchcase
 
 from ..export import FORMATS, HAPTIC_FORMATS, known_formats, resolution
 from ..report import ExportRow
 
 
 def exports(*, written: Collection[str] = ()) -> tuple[ExportRow, ...]:
-    """Return every format: its file, the tool that opens it and how, how exact its times are, whether it is written."""
+    """Return every format: its files, the tool that opens them and how, and how exact its times are.
+
+    `written` are the names of files that were written; a format of which none was has the names that they would have.
+    """
     rows = []
     for known in known_formats((*FORMATS, *HAPTIC_FORMATS)):
         tool, _, how = known.tool.partition(": ")
-        rows.append(ExportRow(known.name, known.files[0], tool, how, resolution(known.name), known.name in written))
+        patterns = (*known.files, *known.sets)
+        mine = tuple(name for name in written if any(fnmatchcase(name, pattern) for pattern in patterns))
+        rows.append(ExportRow(known.name, mine or patterns, tool, how, resolution(known.name), bool(mine)))
     return tuple(rows)

@@ -19,10 +19,10 @@ from ..ruleset import load_actuator, load_haptics
 from ..soundtrack import open_soundtrack
 from ..staging import staged
 from ..timebase import AS_FILMED, Timebase, retimed
+from . import names
 from .haptics import require_length, rounding_notes, tell_silent, track_of
 from .listening import BLOCK
 from .progress import Note, Progress, no_note, no_progress
-from .rendering import DRIVE_NAME
 
 
 def export(
@@ -64,12 +64,14 @@ def _haptic_track(
     """Return what the haptic formats are written from; `path` is the timeline's file, beside which its drive lies."""
     name = actuator or (timeline.actuator.name if timeline.actuator else None)
     if name is None:
+        if drive is not None:
+            raise TimelineError(f"{path}: names no actuator; give the one of {drive} with --actuator")
         raise TimelineError(
             f"{path}: has no drive and names no actuator; haptic formats are made from a drive: `blastline render` "
             "makes one, or give --drive and --actuator"
         )
     profile, _ = load_actuator(name, rules)
-    file = drive or path.parent / DRIVE_NAME
+    file = drive or path.parent / names.DRIVE
     if drive is None and not file.is_file():
         raise TimelineError(f"{file}: no such file; haptic formats are made from the drive: give it with --drive")
     with open_soundtrack(file) as made:

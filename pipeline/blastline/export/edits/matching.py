@@ -13,7 +13,8 @@ from pathlib import Path
 from ...errors import TimelineError
 from ...model import Event, Origin, Window
 from .meaning import WITH_CONFIDENCE, confidence, ends, gain_db, settled
-from .row import Edit, EditedFile
+from .nexts import without_ends_at_the_next
+from .row import EditedFile, Pair
 
 _OWN_ID = re.compile(r"shot-\d+\b")
 
@@ -60,15 +61,6 @@ class Wanted:
     deleted: tuple[Event, ...]
 
 
-@dataclass(frozen=True)
-class _Pair:
-    """A row, the original event that it is of, if any, and its id, if it has one."""
-
-    edit: Edit
-    was: Event | None
-    id: str | None
-
-
 def match(edited: EditedFile, originals: Mapping[str, Event] | None, *, rate_hz: int) -> Wanted:
     """Return what an edited file wants of a film at `rate_hz`; `originals` by id, None where they are not known.
 
@@ -77,6 +69,8 @@ def match(edited: EditedFile, originals: Mapping[str, Event] | None, *, rate_hz:
     """
     known = edited.own if originals is None else originals
     pairs = list(_paired(edited, known, rate_hz))
+    if edited.shows_ends:
+        pairs = without_ends_at_the_next(pairs, known.values(), rate_hz=rate_hz)
     _refuse_repeats(edited.path, ((pair.edit.place, pair.id) for pair in pairs if pair.id is not None), "id")
     fresh = _free_ids({*known, *(pair.id for pair in pairs if pair.id is not None)})
     wishes = [_wish(edited, pair, next(fresh) if pair.id is None else pair.id, rate_hz) for pair in pairs]
@@ -87,7 +81,7 @@ def match(edited: EditedFile, originals: Mapping[str, Event] | None, *, rate_hz:
     return Wanted(tuple(sorted(kept, key=lambda wish: wish.onset)), deleted)
 
 
-def _paired(edited: EditedFile, known: Mapping[str, Event], rate_hz: int) -> Iterator[_Pair]:
+def _paired(edited: EditedFile, known: Mapping[str, Event], rate_hz: int) -> Iterator[Pair]:
     """Yield each row with its original: by id, and of those without one by time."""
     ids = [edit.id or _id_in(edit.text, known) for edit in edited.edits]
     named = set(ids)
@@ -95,13 +89,13 @@ def _paired(edited: EditedFile, known: Mapping[str, Event], rate_hz: int) -> Ite
     onsets = sorted(free)
     for edit, identity in zip(edited.edits, ids, strict=True):
         if identity is not None:
-            yield _Pair(edit, known.get(identity), identity)
+            yield Pair(edit, known.get(identity), identity)
             continue
         place = edit.onset.nearest(rate_hz)
         after = bisect_left(onsets, place)
         near = [onset for onset in onsets[max(0, after - 1) : after + 1] if edit.onset.may_be(onset, rate_hz)]
         was = free.pop(min(near, key=lambda onset: abs(onset - place)), None) if near else None
-        yield _Pair(edit, was, was.id if was else None)
+        yield Pair(edit, was, was.id if was else None)
 
 
 def _id_in(text: str, known: Mapping[str, Event]) -> str | None:
@@ -133,7 +127,7 @@ def _refuse_repeats(path: Path, values: Iterable[tuple[str, object]], name: str)
         first[value] = place
 
 
-def _wish(edited: EditedFile, pair: _Pair, identity: str, rate_hz: int) -> Wish:
+def _wish(edited: EditedFile, pair: Pair, identity: str, rate_hz: int) -> Wish:
     edit, was = pair.edit, pair.was
     before = was.onset_sample if was else edit.blast_start
     onset = settled(edited, edit, "onset", edit.onset, before, rate_hz)

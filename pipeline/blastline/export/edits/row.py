@@ -29,6 +29,18 @@ class Point:
     seconds: Fraction | None = None
     step_s: Fraction = Fraction(0)
 
+    @property
+    def tool_step_s(self) -> Fraction:
+        """Return the step, as far as a tool may be the reason for it: what is off by more was moved."""
+        return min(self.step_s, _COARSEST_S)
+
+    def exact_s(self, rate_hz: int) -> Fraction:
+        """Return the seconds as written, or those of the sample."""
+        if self.seconds is not None:
+            return self.seconds
+        assert self.sample is not None
+        return Fraction(self.sample, rate_hz)
+
     def nearest(self, rate_hz: int) -> int:
         """Return the sample, or the one nearest to the seconds, halves upwards."""
         if self.sample is not None:
@@ -40,7 +52,7 @@ class Point:
         """Return whether this is the given sample, as far as the digits tell; seconds alone have to be fine enough."""
         if self.sample is not None:
             return self.sample == sample and (self.seconds is None or self.seconds_may_be(sample, rate_hz))
-        return replace(self, step_s=min(self.step_s, _COARSEST_S)).seconds_may_be(sample, rate_hz)
+        return replace(self, step_s=self.tool_step_s).seconds_may_be(sample, rate_hz)
 
     def seconds_may_be(self, sample: int, rate_hz: int) -> bool:
         """Return whether the seconds are those of the given sample, rounded or cut off at their last digit."""
@@ -68,6 +80,15 @@ class Edit:
     gain_db: Decimal | None = None
     blast_start: int | None = None
     origin: Origin | None = None
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A row, the original event that it is of, if any, and its id, if it has one."""
+
+    edit: Edit
+    was: Event | None
+    id: str | None
 
 
 @dataclass(frozen=True)

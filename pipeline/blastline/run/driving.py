@@ -1,0 +1,61 @@
+"""The drive's file: every window rendered from the film and written as it comes."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from .. import scene
+from ..model import Clip, DriveInfo, Span
+from ..render import RenderedWindow, compose, drive_filters, measure, needed_audio, render_window
+from ..soundtrack import Cue, Soundtrack, write_drive
+from .listening import BLOCK, Listened
+from .options import Setup
+
+
+def write_drive_of(heard: Listened, path: Path, setup: Setup) -> dict[int, DriveInfo]:
+    """Render every window into the drive's file and return what was done for each shot, by its index."""
+    drives: dict[int, DriveInfo] = {}
+
+    def noted() -> Iterator[RenderedWindow]:
+        for number, done in enumerate(_rendered(heard, setup), start=1):
+            drives.update(zip(done.planned.shots, done.drives, strict=True))
+            yield done
+            setup.progress("rendering", number, len(heard.windows))
+
+    source = heard.source
+    film = _cuts(heard.track, source.frames) if setup.options.background == "direct" else ()
+    cues = [Cue(shot.onset, mark.id, len(shot.span)) for shot, mark in zip(heard.found.shots, heard.marks, strict=True)]
+    write_drive(
+        path,
+        compose(film, noted(), setup.options.background),
+        rate_hz=source.sample_rate_hz,
+        frames=source.frames,
+        time_reference=heard.track.time_reference,
+        cues=cues,
+        description=f"vibration drive for {setup.profile.name}",
+    )
+    return drives
+
+
+def _rendered(heard: Listened, setup: Setup) -> Iterator[RenderedWindow]:
+    options, render_rules = setup.options, setup.rules.tier.render
+    filters = drive_filters(setup.profile, heard.source.sample_rate_hz, options.phase)
+    for planned in heard.windows:
+        audio = heard.track.cut(needed_audio(planned, frames=heard.source.frames, filters=filters, rules=render_rules))
+        evidence = measure(audio, planned, filters=filters, rules=render_rules)
+        model, reason = scene.choose(evidence, setup.rules.scenes, options.drive)
+        yield render_window(
+            audio,
+            planned,
+            heard.found.shots,
+            model=model,
+            reason=reason,
+            filters=filters,
+            rules=render_rules,
+            background=options.background,
+        )
+
+
+def _cuts(track: Soundtrack, frames: int) -> Iterator[Clip]:
+    """Read the film once more, exactly."""
+    for start in range(0, frames, BLOCK):
+        yield track.cut(Span(start, min(start + BLOCK, frames)))

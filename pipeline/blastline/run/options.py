@@ -1,0 +1,68 @@
+"""What a user may ask of `render`, and the same once it is read and checked."""
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import msgspec
+
+from ..errors import RuleError
+from ..model import ActuatorRef, Background, DriveChoice, Phase, Quality
+from ..ruleset import ActuatorProfile, HapticRules, Rules, load_actuator, load_haptics, load_rules
+from ..timebase import AS_FILMED, Timebase
+from .progress import Progress
+
+LARGEST_LEVEL_DB = 40.0
+
+
+@dataclass(frozen=True)
+class RenderOptions:
+    """What a user may ask of `render`, with what they get when they do not ask."""
+
+    quality: Quality = "standard"
+    actuator: str = "crowson-t108sm"
+    rules: Path | None = None
+    drive: DriveChoice = "auto"
+    phase: Phase = "causal"
+    background: Background = "mute"
+    level_db: float | None = None
+    mix: str = "mains"
+    stream: int | None = None
+    formats: tuple[str, ...] = ("json", "csv")
+    timebase: Timebase = AS_FILMED
+    report: bool = True
+    overwrite: bool = False
+    timeline: Path | None = None
+    original: Path | None = None
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What a run was asked for, read and checked."""
+
+    options: RenderOptions
+    rules: Rules
+    haptics: HapticRules
+    profile: ActuatorProfile
+    actuator: ActuatorRef
+    progress: Progress = field(repr=False)
+
+
+def set_up(options: RenderOptions, progress: Progress) -> Setup:
+    """Return what was asked for with its rules and its actuator; RuleError where one of them cannot be used."""
+    if options.original is not None and options.timeline is None:
+        raise RuleError(f"--original {options.original}: there is no edited timeline; give one with --timeline")
+    profile, digest = load_actuator(options.actuator, options.rules)
+    rules = _levelled(load_rules(options.quality, options.rules), options.level_db)
+    actuator = ActuatorRef(profile.name, digest)
+    return Setup(options, rules, load_haptics(options.rules), profile, actuator, progress)
+
+
+def _levelled(rules: Rules, level_db: float | None) -> Rules:
+    """Return the rules with the level that was asked for, if one was; RuleError where it is out of range."""
+    if level_db is None:
+        return rules
+    if not abs(level_db) <= LARGEST_LEVEL_DB:
+        raise RuleError(f"--level: {level_db:g} dB: expected -{LARGEST_LEVEL_DB:g} to {LARGEST_LEVEL_DB:g}")
+    tier = rules.tier
+    louder = msgspec.structs.replace(tier, render=msgspec.structs.replace(tier.render, level_db=level_db))
+    return replace(rules, tier=louder)
