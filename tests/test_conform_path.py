@@ -6,7 +6,8 @@ import pytest
 from blastline.conform import Film, Loss, Lost, Placed, find_stretches, measured, place, with_exact_ends
 from blastline.conform.courses import Course
 from blastline.conform.lines import Line
-from blastline.conform.path import Stretch, _best_states, _losers
+from blastline.conform.path import Stretch, _losers
+from blastline.conform.states import NO_LINE, best_states
 from conform_films import RATE_HZ, Samples, bang, film, heard, murmur, put, seconds
 
 ONSETS_S = (3.0, 8.5, 14.0, 21.0, 29.0, 33.3, 41.0, 47.0, 52.0, 57.0)
@@ -124,8 +125,13 @@ def test_the_path_is_the_best_of_all_paths() -> None:
     rng = np.random.default_rng(28)
     for _ in range(20):
         gain = rng.normal(0.0, 6.0, (6, 2)).astype(np.float32)
-        best = max(_worth(gain, path) for path in np.ndindex(*[3] * 6))
-        assert _worth(gain, tuple(int(state) for state in _best_states(gain))) == pytest.approx(best, abs=1e-4)
+        first, last = sorted(rng.choice(7, 2, replace=False))  # the second lane is there for some steps only
+        there = gain.copy()
+        there[:first, 1] = there[last:, 1] = -100.0
+        best = max(_worth(there, path) for path in np.ndindex(*[3] * 6))
+        states = best_states([0, int(first)], [gain[:, 0], gain[first:last, 1]], 6, cost=8.0)
+        path = tuple(2 if state == NO_LINE else int(state) for state in states)
+        assert _worth(there, path) == pytest.approx(best, abs=1e-4)
 
 
 def _worth(gain: np.ndarray, path: tuple[int, ...]) -> float:

@@ -117,15 +117,18 @@ def _normalised(power: Frames) -> Frames:
     """Return what of the powers does not depend on level."""
     if not power.any():
         return np.zeros_like(power)
-    level = np.log(power + _FLOOR * power.mean(axis=0) + 1e-20).astype(np.float32)
-    level -= _running_mean(level, round(_MEAN_S * FRAME_HZ))
-    spread = np.sqrt(np.mean(level**2, axis=0)) + np.float32(1e-6)
-    return np.asarray(np.clip(level / spread, -_CLIP, _CLIP), np.float32)
+    frames = np.empty_like(power)
+    for band, values in enumerate(power.T):  # one at a time: a long film's sums are large
+        level = np.log(values + _FLOOR * values.mean() + 1e-20).astype(np.float32)
+        level -= _running_mean(level, round(_MEAN_S * FRAME_HZ))
+        spread = np.sqrt(np.mean(level**2)) + np.float32(1e-6)
+        frames[:, band] = np.clip(level / spread, -_CLIP, _CLIP)
+    return frames
 
 
-def _running_mean(values: Frames, size: int) -> Frames:
+def _running_mean(values: NDArray[np.float32], size: int) -> NDArray[np.float32]:
     """Return the mean over `size` frames around each, fewer at the ends."""
-    sums = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values, axis=0, dtype=np.float64)])
+    sums = np.concatenate([[0.0], np.cumsum(values, dtype=np.float64)])
     index = np.arange(values.shape[0])
     low, high = np.maximum(index - size // 2, 0), np.minimum(index + size // 2 + 1, values.shape[0])
-    return np.asarray((sums[high] - sums[low]) / (high - low)[:, None], np.float32)
+    return np.asarray((sums[high] - sums[low]) / (high - low), np.float32)

@@ -1,12 +1,11 @@
 """Which line the film runs along at each moment: the path that agrees best, with as few cuts as it can.
 
-    V(t, line) = e(t, line) + max( V(t - 1, line), max over others of V(t - 1, other) - cost of a cut )
-
-e is how much more alike the films are along the line, over a second around t, than two films are by chance; along no
-line at all it is 0. Where two stretches of the old film want the same place in the new one, one of them loses it.
+e(t, line) is how much more alike the films are along the line, over a second around t, than two films are by chance;
+along no line at all it is 0. `states` finds the path. Where two stretches of the old film want the same place in the
+new one, one of them loses it.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 
 from .fingerprint import FRAME_HZ, Fingerprint
 from .lines import Line, find_lines
+from .states import NO_LINE, best_states
 
 STEP = 10
 """Frames between two steps of the path: a tenth of a second. Cuts are put to the millisecond afterwards."""
@@ -24,6 +24,8 @@ _CUT_COST_S = 0.8
 _REACH_S = 60.0
 _SHARED_S = 0.5
 _ROUNDS = 20
+_FORBIDDEN = -10.0
+"""A gain that no path bears: to leave a line and to come back costs less."""
 
 
 @dataclass(frozen=True)
@@ -49,50 +51,62 @@ def find_stretches(old: Fingerprint, new: Fingerprint, tell: Callable[[int, int]
     return find_path(old, new, find_lines(old, new, tell))
 
 
+@dataclass(frozen=True, eq=False)
+class Lane:
+    """A line with how alike the films are along it at every step from `first` on, not far from where it was found."""
+
+    line: Line
+    first: int
+    likeness: NDArray[np.float32]
+
+    @property
+    def gain(self) -> NDArray[np.float32]:
+        """Return how much more alike than by chance the films are."""
+        return self.likeness - np.float32(_CHANCE)
+
+
 def find_path(old: Fingerprint, new: Fingerprint, lines: Sequence[Line]) -> list[Stretch]:
     """Return the stretches that the best path along some lines has."""
-    lines, likeness = _worthwhile(old, new, lines)
-    if not lines:
+    lanes = list(_worthwhile(old, new, lines))
+    if not lanes:
         return []
-    banned = np.zeros(likeness.shape, bool)
+    steps = -(-len(old) // STEP)
+    gains = [lane.gain for lane in lanes]
     for _ in range(_ROUNDS):
-        gain = np.where(np.isnan(likeness) | banned, -10.0, likeness - _CHANCE)
-        stretches = _stretches(_best_states(gain), lines, likeness)
+        stretches = _stretches(
+            best_states([lane.first for lane in lanes], gains, steps, cost=_CUT_COST_S * FRAME_HZ / STEP), lanes
+        )
         losers = _losers(stretches)
         if not losers:
             return stretches
         for index, start_s, stop_s in losers:
-            column = lines.index(stretches[index].line)
-            first, last = round(start_s * FRAME_HZ / STEP), round(stop_s * FRAME_HZ / STEP)
-            banned[max(0, first) : last + 1, column] = True
+            number = next(n for n, lane in enumerate(lanes) if lane.line is stretches[index].line)
+            first, last = (round(time_s * FRAME_HZ / STEP) - lanes[number].first for time_s in (start_s, stop_s))
+            gains[number][max(0, first) : max(0, last + 1)] = _FORBIDDEN
     kept = {index for index, _, _ in _losers(stretches)}
     return [stretch for index, stretch in enumerate(stretches) if index not in kept]
 
 
-def _worthwhile(old: Fingerprint, new: Fingerprint, lines: Sequence[Line]) -> tuple[list[Line], NDArray[np.float32]]:
-    """Return the lines that gain more somewhere than a cut costs, and their likeness, shape (steps, lines).
+def _worthwhile(old: Fingerprint, new: Fingerprint, lines: Sequence[Line]) -> Iterator[Lane]:
+    """Yield the lines that gain more somewhere than a cut costs.
 
     No path could run along any other line, so leaving those out changes nothing but the cost.
     """
-    kept, columns = [], []
     for line in lines:
-        likeness = _likeness(old, new, line)
-        gain = np.cumsum(np.where(np.isnan(likeness), -10.0, likeness - _CHANCE))
-        most = float(np.max(gain - np.minimum.accumulate(np.concatenate([[0.0], gain[:-1]]))))
-        if most > _CUT_COST_S * FRAME_HZ / STEP:
-            kept.append(line)
-            columns.append(likeness)
-    return kept, np.stack(columns, axis=1) if columns else np.zeros((0, 0), np.float32)
+        lane = _lane(old, new, line)
+        gain = np.cumsum(lane.gain, dtype=np.float64)
+        least = np.minimum.accumulate(np.concatenate([[0.0], gain[:-1]])) if gain.size else gain
+        if gain.size and float(np.max(gain - least)) > _CUT_COST_S * FRAME_HZ / STEP:
+            yield lane
 
 
-def _likeness(old: Fingerprint, new: Fingerprint, line: Line) -> NDArray[np.float32]:
-    """Return how alike the films are along a line at every step; NaN far from where the line was found."""
+def _lane(old: Fingerprint, new: Fingerprint, line: Line) -> Lane:
+    """Return how alike the films are along a line at every step, not far from where the line was found."""
     count = -(-len(old) // STEP)
-    whole = np.full(count, np.nan, np.float32)
     first = max(0, int((line.first_s - _REACH_S) * FRAME_HZ) // STEP)
     stop = min(count, int((line.last_s + _REACH_S) * FRAME_HZ) // STEP + 1)
     frames = np.arange(first * STEP, min(stop * STEP, len(old)))
-    ours = old.frames[frames]
+    ours = old.frames[first * STEP : min(stop * STEP, len(old))]
     theirs = new.at(line.scale * frames / FRAME_HZ + line.offset_s)
     size = round(_AROUND_S * FRAME_HZ)
     product = _summed(np.sum(ours * theirs, axis=1), size)
@@ -104,8 +118,7 @@ def _likeness(old: Fingerprint, new: Fingerprint, line: Line) -> NDArray[np.floa
     both_silent = (mine < least) & (yours < least)
     alike = np.where(scale > 0.0, product / np.where(scale > 0.0, scale, 1.0), 0.0)
     uneven = np.minimum(mine, yours) < 0.1 * np.maximum(mine, yours)
-    whole[first : first + len(alike)] = np.where(both_silent, _CHANCE, np.where(uneven, 0.0, alike))
-    return whole
+    return Lane(line, first, np.where(both_silent, _CHANCE, np.where(uneven, 0.0, alike)).astype(np.float32))
 
 
 def _summed(values: NDArray[np.floating], size: int) -> NDArray[np.float64]:
@@ -116,39 +129,17 @@ def _summed(values: NDArray[np.floating], size: int) -> NDArray[np.float64]:
     return np.asarray(sums[high] - sums[low], np.float64)
 
 
-def _best_states(gain: NDArray[np.float32]) -> NDArray[np.intp]:
-    """Return for each step the line of the best path; the last state is no line."""
-    steps, count = gain.shape
-    cost = _CUT_COST_S * FRAME_HZ / STEP
-    value = np.append(np.full(count, -cost), 0.0)
-    came = np.zeros((steps, count + 1), np.int16)
-    states = np.arange(count + 1, dtype=np.int16)
-    padded = np.concatenate([gain, np.zeros((steps, 1), np.float32)], axis=1)
-    price = np.append(np.full(count, cost), 0.0)
-    for step in range(steps):
-        best = int(value.argmax())
-        jump = value[best] - price
-        came[step] = np.where(value >= jump, states, best)
-        np.maximum(value, jump, out=value)
-        value += padded[step]
-    path = np.empty(steps, np.intp)
-    state = int(np.argmax(value))
-    for step in range(steps - 1, -1, -1):
-        path[step] = state
-        state = int(came[step, state])
-    return path
-
-
-def _stretches(states: NDArray[np.intp], lines: Sequence[Line], likeness: NDArray[np.float32]) -> list[Stretch]:
+def _stretches(states: NDArray[np.int16], lanes: Sequence[Lane]) -> list[Stretch]:
     edges = np.flatnonzero(np.diff(states)) + 1
     found = []
     for start, stop in zip([0, *edges], [*edges, len(states)], strict=True):
         state = int(states[start])
-        if state < len(lines):
-            alike = float(np.nanmean(likeness[start:stop, state]))
+        if state != NO_LINE:
+            lane = lanes[state]
+            alike = float(np.mean(lane.likeness[start - lane.first : stop - lane.first]))
             step_s = STEP / FRAME_HZ
             found.append(
-                Stretch(lines[state], max(0.0, (float(start) - 0.5) * step_s), (float(stop) - 0.5) * step_s, alike)
+                Stretch(lane.line, max(0.0, (float(start) - 0.5) * step_s), (float(stop) - 0.5) * step_s, alike)
             )
     return found
 

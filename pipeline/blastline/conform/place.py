@@ -25,8 +25,11 @@ _NEAR_S, _FAR_S, _KEPT_PITCH_S = 0.0005, 0.004, 0.04
 _LEAST, _LEAST_PARTED, _LEAST_SHORT, _LEAST_FAR = 0.35, 0.45, 0.5, 0.6
 """By chance, in 5,000 tries, 200 ms close to a course reach 0.18, 60 ms 0.3, 15 ms 0.44; further off it is 0.5."""
 
-_LEAST_KEPT_PITCH = 0.85
-"""Where the search is wide and another shot may be as near as the right one."""
+_LEAST_KEPT_PITCH = 0.9
+"""A tool that keeps the pitch copies the sound in pieces: an attack that is less alike lies across two of them."""
+
+_RIVAL_S, _RIVAL_LESS = 0.001, 0.1
+"""There the search is wide: in a hum, a place a period off is as good, and none can be told."""
 
 _REACH_S = 1.5
 """An event so near to a stretch's end is tried on its course as if it was inside: ends may be faded or dubbed over."""
@@ -129,9 +132,8 @@ def _heard(onset_s: float, room_s: float, course: Course, old: Film, new: Film) 
         length_s = min(length_s, max(_SHORTEST_S, (stretch.stop_s - onset_s) * scale))
     least = _LEAST if _distance(onset_s, course) <= _REACH_S else _LEAST_PARTED
     if course.keeps_pitch:
-        lengths = (min(length_s, _SHORTEST_S), _LEFT_S)  # a step of the tool may lie within the first
-        ways = [(each, _KEPT_PITCH_S, _LEAST_KEPT_PITCH) for each in lengths]
-    elif length_s < _SHORTEST_S:
+        return _attack_heard(onset_s, course, old, new), _LEAST_KEPT_PITCH
+    if length_s < _SHORTEST_S:
         ways = [(length_s, _NEAR_S, _LEAST_SHORT)]
     else:
         ways = [(length_s, _NEAR_S, least), (length_s, _FAR_S, _LEAST_FAR)]
@@ -152,6 +154,35 @@ def _heard(onset_s: float, room_s: float, course: Course, old: Film, new: Film) 
         if found.likeness >= least:
             break
     return found, least
+
+
+def _attack_heard(onset_s: float, course: Course, old: Film, new: Film) -> Found:
+    """Return where an event's attack is heard in a film whose tool moved each piece of sound by as much as suited it.
+
+    The attack alone is compared, since a step of the tool may follow it. Where another place is nearly as good,
+    nothing was heard.
+    """
+
+    def around(new_s: float, search_s: float) -> Found:
+        return look(
+            old,
+            new,
+            old_s=onset_s,
+            new_s=new_s,
+            before_s=_BEFORE_S,
+            after_s=_LEFT_S,
+            scale=course.pitch_scale,
+            search_s=search_s,
+        )
+
+    expected_s = course.stretch.line.at(onset_s)
+    found = around(expected_s, _KEPT_PITCH_S)
+    if found.likeness < _LEAST_KEPT_PITCH:
+        return found
+    half_s = (_KEPT_PITCH_S - _RIVAL_S) / 2.0
+    sides = (expected_s + found.late_s + side * (_RIVAL_S + half_s) for side in (-1.0, 1.0))
+    rival = max(around(side_s, half_s).likeness for side_s in sides)
+    return found if rival <= found.likeness - _RIVAL_LESS else Found(found.late_s, 0.0)
 
 
 def _nearest(onset_s: float, courses: Sequence[Course]) -> float:

@@ -41,7 +41,7 @@ class Haystack:
         padded[: len(new)] = new.frames
         blocks = np.stack([padded[n * self._hop : n * self._hop + _BLOCK] for n in range(count)])
         self._spectra = fft.rfft(blocks, axis=1).transpose(1, 2, 0).copy()  # (frequencies, bands, blocks)
-        self._energy = np.concatenate([[0.0], np.cumsum(np.sum(padded.astype(np.float64) ** 2, axis=1))])
+        self._energy = np.concatenate([[0.0], np.cumsum(np.einsum("ij,ij->i", padded, padded), dtype=np.float64)])
 
     def best(self, pattern: NDArray[np.float32], count: int) -> Iterator[tuple[int, float]]:
         """Yield the places (first frame, correlation) where a pattern fits best, each a second from the others."""
