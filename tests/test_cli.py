@@ -172,6 +172,7 @@ def test_rules_show_is_what_a_folder_of_ones_own_may_hold(tmp_path: Path) -> Non
     assert load_rules("draft", tmp_path).digest == load_rules("draft").digest
     assert blastline("rules", "check", tmp_path).out.splitlines() == [
         "align.toml",
+        "conform.toml",
         "haptics.toml",
         "measuring.toml",
         "quality/draft.toml",

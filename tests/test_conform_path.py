@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from blastline.conform import Film, Loss, Lost, Placed, find_stretches, measured, place, with_exact_ends
-from blastline.conform.courses import Course
+from blastline.conform import Course, Film, Loss, Lost, Placed, find_stretches, measured, place, with_exact_ends
 from blastline.conform.lines import Line
 from blastline.conform.path import Stretch, _losers
 from blastline.conform.states import NO_LINE, best_states
+from blastline.ruleset import load_conform
 from conform_films import RATE_HZ, Samples, bang, film, heard, murmur, put, seconds
 
 ONSETS_S = (3.0, 8.5, 14.0, 21.0, 29.0, 33.3, 41.0, 47.0, 52.0, 57.0)
@@ -21,7 +21,7 @@ def courses(old: Film, new: Film) -> list[Course]:
 def conformed(old: Samples, new: Samples, onsets_s: tuple[float, ...] = ONSETS_S) -> list[float | None]:
     """Return each onset's time in the new film, None where it was not placed."""
     one, other = heard(old), heard(new)
-    found = place(onsets_s, courses(one, other), one, other)
+    found = place(onsets_s, courses(one, other), one, other, load_conform())
     return [each.new_s if isinstance(each, Placed) else None for each in found]
 
 
@@ -102,7 +102,7 @@ def test_a_shot_whose_sound_was_replaced_is_listed_with_the_place_where_it_would
     first = round(28.9 * RATE_HZ)
     new[first : first + RATE_HZ] = murmur(1.0, seed=26)
     old, other = heard(OLD), heard(new)
-    lost = place(ONSETS_S, courses(old, other), old, other)[4]
+    lost = place(ONSETS_S, courses(old, other), old, other, load_conform())[4]
     assert isinstance(lost, Lost)
     assert lost.reason in (Loss.CHANGED, Loss.REMOVED)
     assert lost.near_s == pytest.approx(29.0, abs=1.2)
@@ -119,6 +119,32 @@ def test_of_two_claims_to_one_place_the_shorter_and_the_one_out_of_order_give_wa
     assert _losers(ordered) == []
     stray = Stretch(Line(1.0, 15.0, 20.0, 30.0), 22.0, 29.0, 1.0)  # where the last one is from 47 to 54
     assert _losers([ordered[0], stray, ordered[1]]) == [(1, 22.0, 29.0)]
+
+
+def kept_pitch(length_s: float) -> Course:
+    """Return the course of a film that was made 4 % shorter with its pitch kept."""
+    return Course(Stretch(Line(0.96, 0.0, 0.0, length_s), 0.0, length_s, 0.9), 1.0, 0.01, 9)
+
+
+def test_with_kept_pitch_an_attack_is_found_where_its_piece_was_moved_to() -> None:
+    old, new = murmur(20.0, seed=60), murmur(19.2, seed=61)
+    put(old, bang(seed=62), 10.0)
+    put(new, bang(seed=62)[: RATE_HZ // 25], 9.612)
+    put(new, bang(seed=62)[RATE_HZ // 25 :], 9.640)  # the rest of it was moved elsewhere
+    [found] = place([10.0], [kept_pitch(20.0)], heard(old), heard(new), load_conform())
+    assert isinstance(found, Placed)
+    assert found.new_s == pytest.approx(9.612, abs=1e-4)
+
+
+def test_with_kept_pitch_a_shot_in_a_hum_is_listed_for_it_may_be_anywhere() -> None:
+    def hum(length_s: float) -> np.ndarray:
+        return 0.3 * np.sin(2.0 * np.pi * 300.0 * np.arange(round(length_s * RATE_HZ)) / RATE_HZ)
+
+    old, new = hum(20.0) + 0.01 * murmur(20.0, seed=63), hum(19.2) + 0.01 * murmur(19.2, seed=64)
+    [lost] = place([10.0], [kept_pitch(20.0)], heard(old), heard(new), load_conform())
+    assert isinstance(lost, Lost)
+    assert lost.likeness > 0.9
+    assert lost.reason is Loss.CHANGED
 
 
 def test_the_path_is_the_best_of_all_paths() -> None:

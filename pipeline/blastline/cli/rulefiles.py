@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import msgspec
 import typer
 
-from ..ruleset import check_rules, load_haptics, load_measuring, load_rules, to_builtins
+from ..ruleset import check_rules, load_conform, load_haptics, load_measuring, load_rules, to_builtins
 from .options import QualityOption, RulesOption
 
 group = typer.Typer(help="The numbers that blastline works with, and yours in their place.")
@@ -25,6 +25,7 @@ def show(quality: QualityOption = "standard", rules: RulesOption = None) -> None
         f"quality/{quality}": merged.tier,
         "scenes": merged.scenes,
         "align": merged.align,
+        "conform": load_conform(rules),
         "haptics": load_haptics(rules),
         "measuring": load_measuring(rules),
     }

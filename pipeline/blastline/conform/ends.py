@@ -19,6 +19,8 @@ from .waveform import WORK_HZ, piece
 _EDGE_S = 2.0
 _BLOCK_S = 0.02
 _ALIKE = 0.5
+_AT_ONCE = 500
+"""Blocks that are compared at once: two stretches may claim the same minutes, where a scene comes twice."""
 
 
 def with_exact_ends(courses: Sequence[Course], old: Film, new: Film) -> list[Course]:
@@ -94,6 +96,11 @@ def _likeness(
     if blocks < 1:
         return np.zeros(0)
     length_s = high_s - low_s if count is not None else blocks * _BLOCK_S
+    if blocks > _AT_ONCE:
+        edges_s = low_s + length_s / blocks * np.array([*range(0, blocks, _AT_ONCE), blocks])
+        counts = [min(_AT_ONCE, blocks - first) for first in range(0, blocks, _AT_ONCE)]
+        parts = zip(edges_s, edges_s[1:], counts, strict=False)
+        return np.concatenate([_likeness(course, float(a), float(b), old, new, count=n) for a, b, n in parts])
     ours, ours_late_s = piece(old, low_s, length_s, scale=line.scale)
     theirs, theirs_late_s = piece(new, line.at(low_s), length_s * line.scale)
     length = min(len(ours), len(theirs))

@@ -5,34 +5,15 @@ old film   ──────|cut|────── event ──────|cu
 """
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
+from ..ruleset import ConformRules
 from .courses import Course
 from .film import Film
 from .waveform import Found, look
-
-_BEFORE_S, _AFTER_S, _SHORTEST_S = 0.005, 0.2, 0.06
-"""The shot's own sound, up to the next shot: what is before it would be alike without it, too."""
-
-_LEFT_S = 0.02
-"""Of a shot that a cut parts from its course, at least so much is compared."""
-
-_NEAR_S, _FAR_S, _KEPT_PITCH_S = 0.0005, 0.004, 0.04
-"""First close to the course, then further off: a hum is as much alike a period away."""
-
-_LEAST, _LEAST_PARTED, _LEAST_SHORT, _LEAST_FAR = 0.35, 0.45, 0.5, 0.6
-"""By chance, in 5,000 tries, 200 ms close to a course reach 0.18, 60 ms 0.3, 15 ms 0.44; further off it is 0.5."""
-
-_LEAST_KEPT_PITCH = 0.9
-"""A tool that keeps the pitch copies the sound in pieces: an attack that is less alike lies across two of them."""
-
-_RIVAL_S, _RIVAL_LESS = 0.001, 0.1
-"""There the search is wide: in a hum, a place a period off is as good, and none can be told."""
-
-_REACH_S = 1.5
-"""An event so near to a stretch's end is tried on its course as if it was inside: ends may be faded or dubbed over."""
 
 
 class Loss(StrEnum):
@@ -62,30 +43,35 @@ class Lost:
     likeness: float
 
 
-def place(onsets_s: Sequence[float], courses: Sequence[Course], old: Film, new: Film) -> list[Placed | Lost]:
+def place(
+    onsets_s: Sequence[float], courses: Sequence[Course], old: Film, new: Film, rules: ConformRules
+) -> list[Placed | Lost]:
     """Return for each onset of the old film, ascending, its place in the new one, or why it has none."""
     nexts_s = [*onsets_s[1:], old.duration_s]
     found = [
-        _place(onset_s, next_s - onset_s, courses, old, new) for onset_s, next_s in zip(onsets_s, nexts_s, strict=True)
+        _place(onset_s, next_s - onset_s, courses, old, new, rules)
+        for onset_s, next_s in zip(onsets_s, nexts_s, strict=True)
     ]
     return _without_doubles(onsets_s, found, courses)
 
 
-def _place(onset_s: float, room_s: float, courses: Sequence[Course], old: Film, new: Film) -> Placed | Lost:
+def _place(
+    onset_s: float, room_s: float, courses: Sequence[Course], old: Film, new: Film, rules: ConformRules
+) -> Placed | Lost:
     """Return the place of an event that has `room_s` to the next one."""
     best: Placed | None = None
     seen = 0.0
     inside = False
-    for index in _candidates(onset_s, courses):
+    for index in _candidates(onset_s, courses, rules.reach_s):
         course = courses[index]
         holds = _distance(onset_s, course) == 0.0
         inside |= holds
-        found, least = _heard(onset_s, room_s, course, old, new)
+        found, least = _heard(onset_s, room_s, course, old, new, rules)
         seen = max(seen, found.likeness)
         new_s = course.stretch.line.at(onset_s) + found.late_s
         if found.likeness < least or not 0.0 <= new_s < new.duration_s:
             continue
-        if not holds and _claimed(new_s, index, courses):
+        if not holds and _claimed(new_s, index, courses, rules.shortest_ms / 1000.0):
             continue
         if best is None or holds or found.likeness > best.likeness + 0.1:
             best = Placed(new_s, found.late_s * 1000.0, found.likeness, index)
@@ -96,9 +82,9 @@ def _place(onset_s: float, room_s: float, courses: Sequence[Course], old: Film, 
     return Lost(Loss.CHANGED if inside else Loss.REMOVED, _nearest(onset_s, courses), seen)
 
 
-def _candidates(onset_s: float, courses: Sequence[Course]) -> list[int]:
+def _candidates(onset_s: float, courses: Sequence[Course], reach_s: float) -> list[int]:
     """Return the courses that an event may be on, the likeliest first: those around it, and those next to it."""
-    near = [index for index, course in enumerate(courses) if _distance(onset_s, course) <= _REACH_S]
+    near = [index for index, course in enumerate(courses) if _distance(onset_s, course) <= reach_s]
     before = [index for index, course in enumerate(courses) if course.stretch.stop_s <= onset_s][-1:]
     after = [index for index, course in enumerate(courses) if course.stretch.start_s > onset_s][:1]
     chosen = near if any(_distance(onset_s, courses[index]) == 0.0 for index in near) else [*near, *before, *after]
@@ -113,30 +99,33 @@ def _distance(onset_s: float, course: Course) -> float:
     return max(stretch.start_s - onset_s, onset_s - stretch.stop_s, 1e-9)
 
 
-def _claimed(new_s: float, index: int, courses: Sequence[Course]) -> bool:
+def _claimed(new_s: float, index: int, courses: Sequence[Course], shortest_s: float) -> bool:
     """Return whether a moment of the new film lies well inside another stretch."""
     for other, course in enumerate(courses):
         start_s, stop_s = course.stretch.new_span_s
-        if other != index and start_s + _SHORTEST_S < new_s < stop_s - _SHORTEST_S:
+        if other != index and start_s + shortest_s < new_s < stop_s - shortest_s:
             return True
     return False
 
 
-def _heard(onset_s: float, room_s: float, course: Course, old: Film, new: Film) -> tuple[Found, float]:
+def _heard(
+    onset_s: float, room_s: float, course: Course, old: Film, new: Film, rules: ConformRules
+) -> tuple[Found, float]:
     """Return where the event is heard on a course, from as much of it as both films have, and what it has to reach."""
-    stretch, scale = course.stretch, course.stretch.line.scale
-    length_s = min(_AFTER_S, max(_SHORTEST_S, room_s * scale))
-    if onset_s < stretch.start_s:  # what follows the cut would be alike without the shot, too
-        length_s = min(length_s, max(_LEFT_S, (stretch.start_s - onset_s) * scale))
-    elif onset_s < stretch.stop_s:
-        length_s = min(length_s, max(_SHORTEST_S, (stretch.stop_s - onset_s) * scale))
-    least = _LEAST if _distance(onset_s, course) <= _REACH_S else _LEAST_PARTED
     if course.keeps_pitch:
-        return _attack_heard(onset_s, course, old, new), _LEAST_KEPT_PITCH
-    if length_s < _SHORTEST_S:
-        ways = [(length_s, _NEAR_S, _LEAST_SHORT)]
+        return _attack_heard(onset_s, course, old, new, rules)
+    stretch, scale = course.stretch, course.stretch.line.scale
+    shortest_s = rules.shortest_ms / 1000.0
+    length_s = min(rules.after_ms / 1000.0, max(shortest_s, room_s * scale))
+    if onset_s < stretch.start_s:  # what follows the cut would be alike without the shot, too
+        length_s = min(length_s, max(rules.attack_ms / 1000.0, (stretch.start_s - onset_s) * scale))
+    elif onset_s < stretch.stop_s:
+        length_s = min(length_s, max(shortest_s, (stretch.stop_s - onset_s) * scale))
+    least = rules.least if _distance(onset_s, course) <= rules.reach_s else rules.least_parted
+    if length_s < shortest_s:
+        ways = [(length_s, rules.close_ms / 1000.0, rules.least_short)]
     else:
-        ways = [(length_s, _NEAR_S, least), (length_s, _FAR_S, _LEAST_FAR)]
+        ways = [(length_s, rules.close_ms / 1000.0, least), (length_s, rules.far_ms / 1000.0, rules.least_far)]
     for after_s, search_s, enough in ways:
         found, least = (
             look(
@@ -144,7 +133,7 @@ def _heard(onset_s: float, room_s: float, course: Course, old: Film, new: Film) 
                 new,
                 old_s=onset_s,
                 new_s=stretch.line.at(onset_s),
-                before_s=_BEFORE_S,
+                before_s=rules.before_ms / 1000.0,
                 after_s=after_s,
                 scale=course.pitch_scale,
                 search_s=search_s,
@@ -156,33 +145,34 @@ def _heard(onset_s: float, room_s: float, course: Course, old: Film, new: Film) 
     return found, least
 
 
-def _attack_heard(onset_s: float, course: Course, old: Film, new: Film) -> Found:
-    """Return where an event's attack is heard in a film whose tool moved each piece of sound by as much as suited it.
+def _attack_heard(onset_s: float, course: Course, old: Film, new: Film, rules: ConformRules) -> tuple[Found, float]:
+    """Return the same of a film whose tool moved each piece of sound by as much as suited it.
 
     The attack alone is compared, since a step of the tool may follow it. Where another place is nearly as good,
-    nothing was heard.
+    nothing is enough.
     """
 
-    def around(new_s: float, search_s: float) -> Found:
+    def around(new_s: float, within_s: float) -> Found:
         return look(
             old,
             new,
             old_s=onset_s,
             new_s=new_s,
-            before_s=_BEFORE_S,
-            after_s=_LEFT_S,
+            before_s=rules.before_ms / 1000.0,
+            after_s=rules.attack_ms / 1000.0,
             scale=course.pitch_scale,
-            search_s=search_s,
+            search_s=within_s,
         )
 
+    search_s, rival_s = rules.kept_pitch_ms / 1000.0, rules.rival_ms / 1000.0
     expected_s = course.stretch.line.at(onset_s)
-    found = around(expected_s, _KEPT_PITCH_S)
-    if found.likeness < _LEAST_KEPT_PITCH:
-        return found
-    half_s = (_KEPT_PITCH_S - _RIVAL_S) / 2.0
-    sides = (expected_s + found.late_s + side * (_RIVAL_S + half_s) for side in (-1.0, 1.0))
+    found = around(expected_s, search_s)
+    if found.likeness < rules.least_kept_pitch:
+        return found, rules.least_kept_pitch
+    half_s = (search_s - rival_s) / 2.0
+    sides = (expected_s + found.late_s + side * (rival_s + half_s) for side in (-1.0, 1.0))
     rival = max(around(side_s, half_s).likeness for side_s in sides)
-    return found if rival <= found.likeness - _RIVAL_LESS else Found(found.late_s, 0.0)
+    return found, rules.least_kept_pitch if rival <= found.likeness - rules.rival_less else math.inf
 
 
 def _nearest(onset_s: float, courses: Sequence[Course]) -> float:

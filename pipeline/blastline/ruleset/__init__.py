@@ -4,12 +4,14 @@
 """
 
 from .columns import FREQUENCY, Columns, read_columns
+from .conforming import ConformRules
 from .files import (
     Rules,
     actuator_names,
     check_rules,
     check_stable,
     load_actuator,
+    load_conform,
     load_haptics,
     load_measuring,
     load_rules,
@@ -42,6 +44,7 @@ __all__ = [
     "AlignRules",
     "BurstRules",
     "Columns",
+    "ConformRules",
     "FitRules",
     "HapticRules",
     "HighPass",
@@ -63,6 +66,7 @@ __all__ = [
     "check_rules",
     "check_stable",
     "load_actuator",
+    "load_conform",
     "load_haptics",
     "load_measuring",
     "load_perception",

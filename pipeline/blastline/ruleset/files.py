@@ -18,6 +18,7 @@ import msgspec
 
 from ..errors import RuleError, misfit
 from ..model import Quality
+from .conforming import ConformRules
 from .measuring import MeasuringRules, PerceptionCurve
 from .tables import ActuatorProfile, AlignRules, HapticRules, QualityRules, SceneRules, Table, to_builtins
 
@@ -73,6 +74,12 @@ def load_haptics(overlay: Path | None = None) -> HapticRules:
     """Read the rules of the haptic formats, which change no timeline; RuleError as for `load_rules`."""
     require_folder(overlay)
     return merged("haptics.toml", HapticRules, overlay)
+
+
+def load_conform(overlay: Path | None = None) -> ConformRules:
+    """Read the rules of conforming; RuleError as for `load_rules`."""
+    require_folder(overlay)
+    return merged("conform.toml", ConformRules, overlay)
 
 
 def load_measuring(overlay: Path | None = None) -> MeasuringRules:
@@ -146,11 +153,13 @@ def check_rules(overlay: Path) -> Iterator[str]:
     known = {
         "scenes.toml",
         "align.toml",
+        "conform.toml",
         "haptics.toml",
         "measuring.toml",
         *(f"quality/{q}.toml" for q in ("draft", "standard", "reference")),
     }
     load_rules("standard", overlay)
+    load_conform(overlay)
     load_haptics(overlay)
     load_measuring(overlay)
     for file in sorted(p for p in overlay.rglob("*.toml") if p.is_file()):

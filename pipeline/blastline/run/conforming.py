@@ -29,7 +29,7 @@ from ..errors import OutputError, SoundtrackError, TimelineError
 from ..export import read_timeline
 from ..model import Clip, Event, Rejection, Shot, Source, Timeline, encode
 from ..render import plan_windows
-from ..ruleset import Rules, load_rules
+from ..ruleset import ConformRules, Rules, load_conform, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack, timecode_at
 from ..staging import staged
 from ..units import samples_from_s
@@ -68,7 +68,7 @@ def conform(
     film or folder that cannot be used; nothing is written then.
     """
     read = read_timeline(timeline)
-    known = load_rules(read.quality, rules)
+    known, hearing = load_rules(read.quality, rules), load_conform(rules)
     files = [names.TIMELINE, names.EVENTS, names.STRETCHES]
     if (folder / names.TIMELINE).exists() and (folder / names.TIMELINE).samefile(timeline):
         raise OutputError(f"{folder / names.TIMELINE}: is the old timeline; choose another folder for the new one")
@@ -80,7 +80,7 @@ def conform(
         before = _heard(old_track, old, "old film", progress)
         _require_same_film(old, old_track.source(), timeline, read.source)
         after = _heard(new_track, new, "new film", progress)
-        done = _conformed(read, before, after, new_track.source(), known, progress)
+        done = _conformed(read, before, after, new_track.source(), known, hearing, progress)
         if not done.courses:
             raise SoundtrackError(f"{new}: nothing of {old} was found in it; expected a cut of the same film")
         (hidden / names.TIMELINE).write_bytes(encode(done.timeline))
@@ -116,7 +116,9 @@ def _require_same_film(path: Path, found: Source, timeline: Path, expected: Sour
             raise TimelineError(f"{path}: {made}: its {what} is {here}, expected {there} ({expected.name})")
 
 
-def _conformed(timeline: Timeline, old: Film, new: Film, source: Source, rules: Rules, progress: Progress) -> Conformed:
+def _conformed(
+    timeline: Timeline, old: Film, new: Film, source: Source, rules: Rules, hearing: ConformRules, progress: Progress
+) -> Conformed:
     def tell(done: int, total: int) -> None:
         progress("matching", done, total)
 
@@ -124,7 +126,7 @@ def _conformed(timeline: Timeline, old: Film, new: Film, source: Source, rules: 
     progress("placing", 0, None)
     courses = with_exact_ends(measured(stretches, old, new), old, new)
     events = tuple(sorted(timeline.events, key=lambda event: event.onset_sample))
-    places = place([event.onset_sample / old.rate_hz for event in events], courses, old, new)
+    places = place([event.onset_sample / old.rate_hz for event in events], courses, old, new, hearing)
     shots = [
         (event, retimed(event, each, courses[each.course], old, new))
         for event, each in zip(events, places, strict=True)
