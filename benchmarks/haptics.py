@@ -1,7 +1,7 @@
 """What the haptic formats of a long film cost: `python benchmarks/haptics.py [--shots 3000] [--minutes 120]`.
 
 Makes a timeline and a drive with noise that dies away in the 350 ms after each shot (kept in build/bench), exports them
-to each format in a process of its own, and prints CPU and wall time, the size of the files and the rounding that the
+to each haptic format, and to all formats there are, each in a process of its own, and prints CPU and wall time, the size of the files and the rounding that the
 export tells. Noise is the worst case: its amplitude and frequency need more points than those of a shot.
 """
 
@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from blastline.export import FORMATS, HAPTIC_FORMATS
 from blastline.model import (
     SCHEMA,
     ActuatorRef,
@@ -68,9 +69,11 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=120.0)
     options = parser.parse_args()
     timeline = make(options.shots, round(options.minutes * 60 * RATE_HZ))
-    for formats in ("ahap", "haptic", "hjif", "ahap,haptic,hjif"):
-        out = BENCH / formats.replace(",", "-")
+    every = ",".join((*FORMATS, *HAPTIC_FORMATS))
+    for formats in ("ahap", "haptic", "hjif", "ahap,haptic,hjif", every):
+        out = BENCH / ("all" if formats == every else formats.replace(",", "-"))
         command = [sys.executable, "-m", "blastline", "export", str(timeline), "--format", formats, "-o", str(out)]
+        command += ["--frame-rate", "23.976"]
         before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
         told = subprocess.run([*command, "--overwrite"], check=True, capture_output=True, text=True).stderr
         used, wall_s = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter() - start
