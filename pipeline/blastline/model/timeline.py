@@ -1,17 +1,11 @@
-"""The nouns: time spans, pieces of sound, shots, windows, events, checks and the timeline that holds them.
+"""What `timeline.json` holds, from the source to the whole; its JSON Schema is generated from these types."""
 
-Conventions
-    Time is an integer count of frames of the decoded track from its first frame; ranges are half-open.
-    Every value is frozen. What becomes part of `timeline.json` is a msgspec struct, and the JSON Schema that
-    the package ships is generated from these types (`schema`).
-"""
-
-from dataclasses import dataclass
 from typing import Annotated, Any, Final, Literal
 
 import msgspec
 from msgspec import Meta
-from numpy.typing import NDArray
+
+from .sound import SPAN_KEYS, Span
 
 SCHEMA: Final = "blastline.timeline/1"
 
@@ -24,81 +18,6 @@ Origin = Literal["found", "moved", "added"]
 
 Index = Annotated[int, Meta(ge=0)]
 Ratio = Annotated[float, Meta(ge=0.0, le=1.0)]
-
-_SPAN_KEYS = {"start": "start_sample", "stop": "stop_sample"}
-
-
-class Span(msgspec.Struct, frozen=True, order=True, rename=_SPAN_KEYS):
-    """A half-open range of samples, ordered by its start.
-
-    >>> Span(0, 10) & Span(4, 20)
-    Span(start=4, stop=10)
-    >>> Span(0, 10) | Span(14, 20)
-    Span(start=0, stop=20)
-    """
-
-    start: int
-    stop: int
-
-    def __post_init__(self) -> None:
-        """Refuse a range that runs backwards."""
-        if self.stop < self.start:
-            raise ValueError(f"a span must not run backwards: {self.start} to {self.stop}")
-
-    def __len__(self) -> int:
-        """Return the number of samples inside."""
-        return self.stop - self.start
-
-    def __bool__(self) -> bool:
-        """Return whether any sample lies inside."""
-        return self.stop > self.start
-
-    def __contains__(self, sample: int) -> bool:
-        """Return whether a sample lies inside."""
-        return self.start <= sample < self.stop
-
-    def __and__(self, other: "Span") -> "Span":
-        """Return what both cover; an empty span at the later start where they do not meet."""
-        start = max(self.start, other.start)
-        return Span(start, max(start, min(self.stop, other.stop)))
-
-    def __or__(self, other: "Span") -> "Span":
-        """Return the smallest span that covers both, with any gap between them."""
-        return Span(min(self.start, other.start), max(self.stop, other.stop))
-
-
-@dataclass(frozen=True, eq=False)
-class Clip:
-    """A piece of sound that knows its place in the film.
-
-    `samples` is (frames, columns), floating point; `start` is the film's sample index of its first frame. A mixed
-    soundtrack has one column, or two where the drive is made from other channels than detection listens to.
-    """
-
-    samples: NDArray[Any]
-    rate_hz: int
-    start: int = 0
-
-    @property
-    def span(self) -> Span:
-        """Return the range of the film that the clip covers."""
-        return Span(self.start, self.start + self.samples.shape[0])
-
-    @property
-    def heard(self) -> NDArray[Any]:
-        """Return the column in which detection listens, shape (frames,)."""
-        return self.samples[:, 0]
-
-    @property
-    def driving(self) -> NDArray[Any]:
-        """Return the column that becomes the drive, shape (frames,); the heard one where there is only one."""
-        return self.samples[:, -1]
-
-    def cut(self, span: Span) -> "Clip":
-        """Return the part inside `span`, which must lie within the clip."""
-        if span.start < self.start or span.stop > self.span.stop:
-            raise ValueError(f"{span} does not lie within {self.span}")
-        return Clip(self.samples[span.start - self.start : span.stop - self.start], self.rate_hz, span.start)
 
 
 class Source(msgspec.Struct, frozen=True):
@@ -121,7 +40,7 @@ class Source(msgspec.Struct, frozen=True):
     warnings: tuple[str, ...] = ()
 
 
-class Reflection(msgspec.Struct, frozen=True, rename=_SPAN_KEYS):
+class Reflection(msgspec.Struct, frozen=True, rename=SPAN_KEYS):
     """A discrete echo of a blast: its span, how much later it starts and how strong it is against the blast."""
 
     start: Index
@@ -135,7 +54,7 @@ class Reflection(msgspec.Struct, frozen=True, rename=_SPAN_KEYS):
         return Span(self.start, self.stop)
 
 
-class Window(msgspec.Struct, frozen=True, order=True, rename=_SPAN_KEYS):
+class Window(msgspec.Struct, frozen=True, order=True, rename=SPAN_KEYS):
     """The range in which the drive follows the film, with the lengths of its cross-fades inside it."""
 
     start: Index
@@ -232,19 +151,6 @@ class Check(msgspec.Struct, frozen=True):
     measured: float | None
     limit: float | None
     unit: str
-
-
-@dataclass(frozen=True)
-class SceneEvidence:
-    """What the cheap drive models would do in a window, measured before one is chosen.
-
-    `direct_level_db` is the level of the perceived vibration under direct conversion against the target, the sound in
-    the band; `direct_fidelity` their correlation; `filter_peak` the compensator's peak against the actuator's limit.
-    """
-
-    direct_level_db: float
-    direct_fidelity: float
-    filter_peak: float
 
 
 class Edits(msgspec.Struct, frozen=True):

@@ -1,0 +1,62 @@
+"""The nouns: time spans, pieces of sound, shots, windows, events, checks and the timeline that holds them.
+
+Conventions
+    Time is an integer count of frames of the decoded track from its first frame; ranges are half-open.
+    Every value is frozen. What becomes part of `timeline.json` is a msgspec struct, and the JSON Schema that
+    the package ships is generated from these types (`schema`).
+"""
+
+from .scene import SceneEvidence
+from .sound import Clip, Span
+from .timeline import (
+    SCHEMA,
+    ActuatorRef,
+    Background,
+    Check,
+    DriveChoice,
+    DriveInfo,
+    DriveModel,
+    Edits,
+    Event,
+    Index,
+    Origin,
+    Phase,
+    Quality,
+    Ratio,
+    Reflection,
+    Rejection,
+    Shot,
+    Source,
+    Timeline,
+    Window,
+    encode,
+    schema,
+)
+
+__all__ = [
+    "SCHEMA",
+    "ActuatorRef",
+    "Background",
+    "Check",
+    "Clip",
+    "DriveChoice",
+    "DriveInfo",
+    "DriveModel",
+    "Edits",
+    "Event",
+    "Index",
+    "Origin",
+    "Phase",
+    "Quality",
+    "Ratio",
+    "Reflection",
+    "Rejection",
+    "SceneEvidence",
+    "Shot",
+    "Source",
+    "Span",
+    "Timeline",
+    "Window",
+    "encode",
+    "schema",
+]

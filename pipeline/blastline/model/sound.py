@@ -1,0 +1,83 @@
+"""Spans of time and pieces of sound."""
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import msgspec
+from numpy.typing import NDArray
+
+SPAN_KEYS: Final = {"start": "start_sample", "stop": "stop_sample"}
+"""What the ends of a range are called in `timeline.json`."""
+
+
+class Span(msgspec.Struct, frozen=True, order=True, rename=SPAN_KEYS):
+    """A half-open range of samples, ordered by its start.
+
+    >>> Span(0, 10) & Span(4, 20)
+    Span(start=4, stop=10)
+    >>> Span(0, 10) | Span(14, 20)
+    Span(start=0, stop=20)
+    """
+
+    start: int
+    stop: int
+
+    def __post_init__(self) -> None:
+        """Refuse a range that runs backwards."""
+        if self.stop < self.start:
+            raise ValueError(f"a span must not run backwards: {self.start} to {self.stop}")
+
+    def __len__(self) -> int:
+        """Return the number of samples inside."""
+        return self.stop - self.start
+
+    def __bool__(self) -> bool:
+        """Return whether any sample lies inside."""
+        return self.stop > self.start
+
+    def __contains__(self, sample: int) -> bool:
+        """Return whether a sample lies inside."""
+        return self.start <= sample < self.stop
+
+    def __and__(self, other: "Span") -> "Span":
+        """Return what both cover; an empty span at the later start where they do not meet."""
+        start = max(self.start, other.start)
+        return Span(start, max(start, min(self.stop, other.stop)))
+
+    def __or__(self, other: "Span") -> "Span":
+        """Return the smallest span that covers both, with any gap between them."""
+        return Span(min(self.start, other.start), max(self.stop, other.stop))
+
+
+@dataclass(frozen=True, eq=False)
+class Clip:
+    """A piece of sound that knows its place in the film.
+
+    `samples` is (frames, columns), floating point; `start` is the film's sample index of its first frame. A mixed
+    soundtrack has one column, or two where the drive is made from other channels than detection listens to.
+    """
+
+    samples: NDArray[Any]
+    rate_hz: int
+    start: int = 0
+
+    @property
+    def span(self) -> Span:
+        """Return the range of the film that the clip covers."""
+        return Span(self.start, self.start + self.samples.shape[0])
+
+    @property
+    def heard(self) -> NDArray[Any]:
+        """Return the column in which detection listens, shape (frames,)."""
+        return self.samples[:, 0]
+
+    @property
+    def driving(self) -> NDArray[Any]:
+        """Return the column that becomes the drive, shape (frames,); the heard one where there is only one."""
+        return self.samples[:, -1]
+
+    def cut(self, span: Span) -> "Clip":
+        """Return the part inside `span`, which must lie within the clip."""
+        if span.start < self.start or span.stop > self.span.stop:
+            raise ValueError(f"{span} does not lie within {self.span}")
+        return Clip(self.samples[span.start - self.start : span.stop - self.start], self.rate_hz, span.start)
