@@ -1,8 +1,8 @@
 """What the haptic formats of a long film cost: `python benchmarks/haptics.py [--shots 3000] [--minutes 120]`.
 
 Makes a timeline and a drive with noise that dies away in the 350 ms after each shot (kept in build/bench), exports them
-to each haptic format, to those together, and to all formats that there are, each in a process of its own, and prints CPU
-and wall time, the size of the files and the rounding that the export tells. Noise is the worst case: its amplitude and
+to each haptic format, to those together, and to all formats that there are, each in a process of its own, and prints
+CPU and wall time, the size of the files and the rounding that the export tells. Noise is the worst case: its amplitude and
 frequency need more points than those of a shot.
 """
 
