@@ -2,8 +2,8 @@
 
 Makes a timeline and a drive with noise that dies away in the 350 ms after each shot (kept in build/bench), exports them
 to each haptic format, to those together, and to all formats that there are, each in a process of its own, and prints
-CPU and wall time, the size of the files and the rounding that the export tells. Noise is the worst case: its amplitude and
-frequency need more points than those of a shot.
+CPU and wall time, the size of the files and the rounding that the export tells. Noise is the worst case: its amplitude
+and frequency need more points than those of a shot.
 """
 
 import argparse
