@@ -25,7 +25,8 @@ SLOW = drive_filters(PROFILE, SLOW_HZ, "causal")
 
 def profile(gain: float, zeros: list[tuple[float, float]], poles: list[tuple[float, float]]) -> ActuatorProfile:
     response = msgspec.structs.replace(PROFILE.response, gain=gain, zeros_rad_s=tuple(zeros), poles_rad_s=tuple(poles))
-    return msgspec.structs.replace(PROFILE, response=response)
+    steeper = msgspec.structs.replace(PROFILE.lowpass, order=len(poles) - len(zeros) + 1)
+    return msgspec.structs.replace(PROFILE, response=response, lowpass=steeper)
 
 
 OTHERS = {

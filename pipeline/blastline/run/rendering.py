@@ -14,7 +14,7 @@ from ..align import check_files
 from ..errors import OutputError, RuleError
 from ..export import export_timeline, known_formats, needs_drive, require_frame_rate, rounding
 from ..model import ActuatorRef, Background, Clip, DriveChoice, DriveInfo, Edits, Phase, Quality, Span, Timeline
-from ..render import RenderedWindow, compose, drive_filters, measure, needed_audio, render_window
+from ..render import RenderedWindow, compose, drive_filters, hear_window, measure, needed_audio, render_window
 from ..report import OverviewMeter, write_report
 from ..ruleset import ActuatorProfile, Rules, load_actuator, load_haptics, load_rules
 from ..soundtrack import Cue, Soundtrack, open_soundtrack, write_drive
@@ -177,18 +177,9 @@ def _rendered(heard: Listened, setup: Setup) -> Iterator[RenderedWindow]:
     filters = drive_filters(setup.profile, heard.source.sample_rate_hz, options.phase)
     for planned in heard.windows:
         audio = heard.track.cut(needed_audio(planned, frames=heard.source.frames, filters=filters, rules=render_rules))
-        evidence = measure(audio, planned, filters=filters, rules=render_rules)
-        model, reason = scene.choose(evidence, setup.rules.scenes, options.drive)
-        yield render_window(
-            audio,
-            planned,
-            heard.found.shots,
-            model=model,
-            reason=reason,
-            filters=filters,
-            rules=render_rules,
-            background=options.background,
-        )
+        window = hear_window(audio, planned, filters=filters, rules=render_rules)
+        model, reason = scene.choose(measure(window), setup.rules.scenes, options.drive)
+        yield render_window(window, heard.found.shots, model=model, reason=reason, background=options.background)
 
 
 def _cuts(track: Soundtrack, frames: int) -> Iterator[Clip]:
