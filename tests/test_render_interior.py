@@ -11,9 +11,10 @@ from scipy.optimize import lsq_linear
 
 from blastline.model import Quality
 from blastline.render import DriveFilters, drive_filters
+from blastline.render.banded import Recursion, sound_stride
 from blastline.render.constrained import between_corners, constrained_drive, corner_rhs, full_problem
 from blastline.render.filters import compensated, felt, in_band
-from blastline.render.interior import SHORTEST, Recursion, solve_inside, sound_stride
+from blastline.render.interior import SHORTEST, solve_inside
 from blastline.ruleset import ActuatorProfile, load_rules
 from render_signals import CAUSAL, KINDS, PROFILE, film_with_shot
 

@@ -12,7 +12,7 @@ from ..errors import RuleError
 from ..model import Phase, Span
 from ..ruleset import ActuatorProfile, RenderRules, check_stable
 from ..units import samples_from_ms
-from .interior import Recursion
+from .banded import Recursion
 from .windows import PlannedWindow
 
 Samples = NDArray[np.float64]
