@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
 from blastline.render import DriveFilters, drive_filters, needed_audio
+from blastline.render.banded import hat
 from blastline.render.constrained import BoxProblem, between_corners, corner_rhs, full_problem, minimise
 from blastline.render.filters import compensated, in_band
-from blastline.render.interior import hat, solve_inside
+from blastline.render.interior import solve_inside
 from blastline.ruleset import load_actuator, load_rules
 from blastline.study.truth import true_scenes
 

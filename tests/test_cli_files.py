@@ -137,6 +137,8 @@ def test_what_is_no_film_is_refused(tmp_path: Path, name: str, content: bytes | 
         ("--mix sides", "mix 'sides'"),
         ("--mix 5", "mix '5'"),
         ("--stream 3", "stream"),
+        ("--level 41", "--level: 41 dB: expected -40 to 40"),
+        ("--level nan", "--level: nan dB: expected -40 to 40"),
     ],
 )
 def test_rules_and_options_that_cannot_be_used_are_refused(

@@ -21,11 +21,11 @@ def paper_h(frequencies_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
     return 2.44e6 * (s + 20.0) / (s + 1400.0) ** 3
 
 
-def error_db(analogue: dsp.Analogue, rate_hz: int, up_to_hz: float) -> float:
+def error_db(analogue: dsp.Analogue, rate_hz: int, up_to_hz: float, *, lean: bool = False) -> float:
     """Return the largest complex error of the digital response, relative to the analogue peak below 2 kHz."""
     frequencies = np.unique(np.concatenate([np.geomspace(1.0, up_to_hz, 400), np.linspace(1.0, up_to_hz, 400)]))
     wanted = analogue.at(frequencies)
-    _, found = freqz_sos(dsp.digital(analogue, rate_hz), frequencies, fs=rate_hz)
+    _, found = freqz_sos(dsp.digital(analogue, rate_hz, lean=lean), frequencies, fs=rate_hz)
     peak = np.max(np.abs(wanted[frequencies <= 2000.0]))
     return 20.0 * math.log10(float(np.max(np.abs(found - wanted)) / peak))
 
@@ -65,6 +65,14 @@ def test_digital_filters_follow_the_analogue_ones(rate_hz: int) -> None:
         (dsp.felt_response(PROFILE), dsp.band(PROFILE), dsp.compensator(PROFILE)), bars, strict=True
     ):
         assert error_db(analogue, rate_hz, top) <= bar
+
+
+@pytest.mark.parametrize("rate_hz", [rate_hz for rate_hz in RATES_HZ if rate_hz >= 44_100])
+def test_lean_filters_take_half_the_sections_and_are_near_enough(rate_hz: int) -> None:
+    for analogue in (dsp.compensator(PROFILE), dsp.inverse(PROFILE) * dsp.half_band(PROFILE)):
+        lean, full = (dsp.digital(analogue, rate_hz, lean=lean) for lean in (True, False))
+        assert len(lean) <= 0.65 * len(full)
+        assert error_db(analogue, rate_hz, 2000.0, lean=True) <= -65.0
 
 
 @pytest.mark.parametrize("rate_hz", RATES_HZ)

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from blastline.model import DriveModel, Shot, Span, Window
-from blastline.render import needed_audio, plan_windows, render_window, window_between, with_gains
+from blastline.render import hear_window, needed_audio, plan_windows, render_window, window_between, with_gains
 from blastline.ruleset import WindowRules
 from render_signals import CAUSAL, RATE_HZ, RENDER, WINDOWS, clip, film_with_shot, shot_at
 
@@ -95,9 +95,8 @@ def test_a_gain_scales_what_its_shot_drives_and_nothing_before_it(model: DriveMo
     def drive(*gains_db: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
         [asked] = with_gains([planned], shots, gains_db)
         audio = clip(film).cut(needed_audio(asked, frames=len(film), filters=CAUSAL, rules=RENDER))
-        done = render_window(
-            audio, asked, shots, model=model, reason="", filters=CAUSAL, rules=RENDER, background="mute"
-        )
+        heard = hear_window(audio, asked, filters=CAUSAL, rules=RENDER)
+        done = render_window(heard, shots, model=model, reason="", background="mute")
         return np.asarray(done.clip.samples[:, 0], np.float64)
 
     usual, louder = drive(0.0, 0.0), drive(0.0, 6.0)

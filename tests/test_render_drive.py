@@ -12,6 +12,7 @@ from blastline.render import (
     DriveFilters,
     RenderedWindow,
     drive_filters,
+    hear_window,
     measure,
     needed_audio,
     plan_windows,
@@ -53,13 +54,15 @@ def rendered(
     whole = clip(film, filters.rate_hz)
     return [
         render_window(
-            whole.cut(needed_audio(planned, frames=len(film), filters=filters, rules=rules)),
-            planned,
+            hear_window(
+                whole.cut(needed_audio(planned, frames=len(film), filters=filters, rules=rules)),
+                planned,
+                filters=filters,
+                rules=rules,
+            ),
             shots,
             model=model,
             reason="test",
-            filters=filters,
-            rules=rules,
             background=background,
         )
         for planned in windows
@@ -164,23 +167,13 @@ def test_more_audio_than_needed_changes_no_bit(model: DriveModel) -> None:
     film, shot = film_with_shot(before_s=1.5, after_s=1.5)
     for filters in (CAUSAL, ZERO):
         (narrow,) = rendered(film, [shot], model, filters=filters)
-        wide = render_window(
-            clip(film),
-            narrow.planned,
-            [shot],
-            model=model,
-            reason="test",
-            filters=filters,
-            rules=RENDER,
-            background="mute",
+        some = clip(film).cut(needed_audio(narrow.planned, frames=len(film), filters=filters, rules=RENDER))
+        least, most = (
+            hear_window(audio, narrow.planned, filters=filters, rules=RENDER) for audio in (some, clip(film))
         )
+        wide = render_window(most, [shot], model=model, reason="test", background="mute")
         assert np.array_equal(wide.clip.samples, narrow.clip.samples)
-        assert measure(clip(film), narrow.planned, filters=filters, rules=RENDER) == measure(
-            clip(film).cut(needed_audio(narrow.planned, frames=len(film), filters=filters, rules=RENDER)),
-            narrow.planned,
-            filters=filters,
-            rules=RENDER,
-        )
+        assert measure(least) == measure(most)
 
 
 @pytest.mark.parametrize("bed", [1e-3, 0.05])
@@ -252,7 +245,7 @@ def test_extreme_levels_give_finite_figures(model: DriveModel, phase_filters: Dr
         assert np.all(np.isfinite(done.clip.samples))
         assert np.max(np.abs(done.clip.samples)) <= 1.0
         assert all(np.isfinite(figure) for figure in plain(done.drives[0]))
-        evidence = measure(clip(film), done.planned, filters=phase_filters, rules=RENDER)
+        evidence = measure(hear_window(clip(film), done.planned, filters=phase_filters, rules=RENDER))
         assert np.all(np.isfinite([evidence.direct_level_db, evidence.direct_fidelity, evidence.filter_peak]))
     if scale == 0.0:
         assert not np.any(done.clip.samples)
@@ -318,13 +311,10 @@ def test_drive_reads_the_driving_column() -> None:
     two = Clip(np.stack([heard, film], axis=1), RATE_HZ)
     one, other = (
         render_window(
-            audio,
-            planned,
+            hear_window(audio, planned, filters=CAUSAL, rules=RENDER),
             [shot],
             model="constrained",
             reason="test",
-            filters=CAUSAL,
-            rules=RENDER,
             background="direct",
         )
         for audio in (clip(film), two)
@@ -351,11 +341,11 @@ def test_each_shot_of_a_burst_has_its_own_figures() -> None:
 def test_evidence_tells_a_strong_scene_from_a_weak_one() -> None:
     weak, shot = film_with_shot(peak=0.9)
     planned = only_window(weak, shot)
-    evidence = measure(clip(weak), planned, filters=CAUSAL, rules=RENDER)
+    evidence = measure(hear_window(clip(weak), planned, filters=CAUSAL, rules=RENDER))
     assert -12.0 < evidence.direct_level_db < -8.0
     assert 0.7 < evidence.direct_fidelity < 0.85
     assert 4.0 < evidence.filter_peak < 7.0
-    quieter = measure(clip(0.1 * weak), planned, filters=CAUSAL, rules=RENDER)
+    quieter = measure(hear_window(clip(0.1 * weak), planned, filters=CAUSAL, rules=RENDER))
     assert quieter.filter_peak == pytest.approx(0.1 * evidence.filter_peak, rel=1e-9)
     assert quieter.direct_level_db == pytest.approx(evidence.direct_level_db, abs=1e-6)
     (done,) = rendered(weak, [shot], "direct")
@@ -367,7 +357,11 @@ def test_evidence_tells_a_strong_scene_from_a_weak_one() -> None:
 def test_filters_of_another_rate_are_refused() -> None:
     film, shot = film_with_shot()
     with pytest.raises(ValueError, match="filters for 44100 Hz cannot render audio at 48000 Hz"):
-        measure(clip(film), only_window(film, shot), filters=drive_filters(PROFILE, 44_100, "causal"), rules=RENDER)
+        measure(
+            hear_window(
+                clip(film), only_window(film, shot), filters=drive_filters(PROFILE, 44_100, "causal"), rules=RENDER
+            )
+        )
 
 
 @given(

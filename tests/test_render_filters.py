@@ -1,11 +1,13 @@
 import msgspec
 import numpy as np
 import pytest
+from scipy.signal import sosfilt
 
+from blastline import dsp
 from blastline.errors import RuleError
 from blastline.model import Phase, Span
 from blastline.render import DriveFilters, drive_filters, needed_audio, preroll
-from blastline.render.filters import compensated, felt, in_band
+from blastline.render.filters import compensated, felt, in_band, settled_band, settled_compensated
 from render_signals import CAUSAL, KINDS, PROFILE, RATE_HZ, RENDER, ZERO, film_with_shot, only_window
 
 
@@ -29,6 +31,36 @@ def test_compensated_shot_is_felt_as_the_shot_in_the_band(
     wanted = in_band(film, filters)
     error = np.linalg.norm(felt(compensated(film, filters), filters) - wanted) / np.linalg.norm(wanted)
     assert error < 0.005
+
+
+@pytest.mark.parametrize("filters", [CAUSAL, ZERO], ids=["causal", "zero"])
+@pytest.mark.parametrize(("before", "after"), [(28_800, 28_800), (28_800, 100), (1000, 28_799), (1, 0), (0, 28_800)])
+def test_filters_that_begin_settled_are_filters_that_have_run(filters: DriveFilters, before: int, after: int) -> None:
+    """The state that a window begins with is worked out; run from the start of the sound, it comes to the same."""
+    sound = np.random.default_rng(before).standard_normal(before + 5000 + after)
+    inside = slice(before, before + 5000)
+    for run, settled in ((in_band, settled_band), (compensated, settled_compensated)):
+        wanted = run(sound, filters)[inside]
+        found = settled(sound, inside, filters, RENDER)
+        assert found.shape == wanted.shape
+        np.testing.assert_allclose(found, wanted, rtol=0.0, atol=1e-11 * np.max(np.abs(wanted)))
+
+
+@pytest.mark.parametrize("rate_hz", [8_000, 48_000, 192_000])
+@pytest.mark.parametrize("lead", [0, 1, 1023, 1024, 1025, 5000])
+def test_state_that_sections_arrive_in_is_that_of_running_them(rate_hz: int, lead: int) -> None:
+    sections = drive_filters(PROFILE, rate_hz, "causal").compensator
+    sound = np.random.default_rng(lead).standard_normal(lead)
+    ran = sosfilt(sections, sound, zi=np.zeros((len(sections), 2)))[1] if lead else np.zeros((len(sections), 2))
+    found = dsp.settled_state(dsp.settling(sections, lead), sound)
+    np.testing.assert_allclose(found, ran, rtol=0.0, atol=1e-10 * max(1.0, float(np.max(np.abs(ran)))))
+
+
+def test_sound_before_the_lead_is_not_heard() -> None:
+    settling = dsp.settling(CAUSAL.compensator, 1500)
+    sound = np.random.default_rng(0).standard_normal(1500)
+    loud = np.concatenate([np.full(300, 1e6), sound])
+    assert np.array_equal(dsp.settled_state(settling, loud), dsp.settled_state(settling, sound))
 
 
 def test_impulse_response_is_what_is_felt_of_an_impulse_until_it_has_faded() -> None:

@@ -11,9 +11,10 @@ from scipy.optimize import lsq_linear
 
 from blastline.model import Quality
 from blastline.render import DriveFilters, drive_filters
+from blastline.render.banded import Recursion, sound_stride
 from blastline.render.constrained import between_corners, constrained_drive, corner_rhs, full_problem
 from blastline.render.filters import compensated, felt, in_band
-from blastline.render.interior import SHORTEST, Recursion, solve_inside, sound_stride
+from blastline.render.interior import SHORTEST, solve_inside
 from blastline.ruleset import ActuatorProfile, load_rules
 from render_signals import CAUSAL, KINDS, PROFILE, film_with_shot
 
@@ -25,7 +26,8 @@ SLOW = drive_filters(PROFILE, SLOW_HZ, "causal")
 
 def profile(gain: float, zeros: list[tuple[float, float]], poles: list[tuple[float, float]]) -> ActuatorProfile:
     response = msgspec.structs.replace(PROFILE.response, gain=gain, zeros_rad_s=tuple(zeros), poles_rad_s=tuple(poles))
-    return msgspec.structs.replace(PROFILE, response=response)
+    steeper = msgspec.structs.replace(PROFILE.lowpass, order=len(poles) - len(zeros) + 1)
+    return msgspec.structs.replace(PROFILE, response=response, lowpass=steeper)
 
 
 OTHERS = {

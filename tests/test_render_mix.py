@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from blastline.model import Background, Clip, DriveModel
-from blastline.render import RenderedWindow, compose, plan_windows, render_window
+from blastline.render import RenderedWindow, compose, hear_window, plan_windows, render_window
 from render_signals import CAUSAL, RENDER, WINDOWS, film_with_shot, shot_at
 
 Samples = NDArray[np.float64]
@@ -26,7 +26,11 @@ def windows_of(
     audio = Clip(film[:, None], 48_000)
     return [
         render_window(
-            audio, each, shots, model=model, reason="test", filters=CAUSAL, rules=RENDER, background=background
+            hear_window(audio, each, filters=CAUSAL, rules=RENDER),
+            shots,
+            model=model,
+            reason="test",
+            background=background,
         )
         for each in planned
     ]

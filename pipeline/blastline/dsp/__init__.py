@@ -3,9 +3,11 @@
 from .analogue import Analogue, band, butterworth, compensator, felt_response, half_band, inverse
 from .digital import digital, run_filter
 from .fades import cross_fade, fade
+from .settled import Settling, settled_state, settling
 
 __all__ = [
     "Analogue",
+    "Settling",
     "band",
     "butterworth",
     "compensator",
@@ -16,4 +18,6 @@ __all__ = [
     "half_band",
     "inverse",
     "run_filter",
+    "settled_state",
+    "settling",
 ]

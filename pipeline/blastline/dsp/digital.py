@@ -11,48 +11,58 @@ from numpy.typing import NDArray
 
 from .analogue import Analogue
 
+Fits = tuple[tuple[NDArray[np.complex128], int, float], ...]
+
 # How `digital` fits, in cycles per sample: chosen by its error over 8 to 384 kHz and 60 random actuators against its
 # gain at half the rate. The extra poles stand where the response has to bend towards its real end.
 _UPPER_POLES = np.array([0.87, 0.975]) * np.exp(1j * math.pi * np.array([0.84, 0.83]))
-_EXTRA_POLES = np.concatenate([_UPPER_POLES, _UPPER_POLES.conj(), [-0.5]])
+_MORE_POLES = np.concatenate([_UPPER_POLES, _UPPER_POLES.conj(), [-0.5]])
+_FEW_POLES = np.array([0.87 * np.exp(0.9j * math.pi), 0.87 * np.exp(-0.9j * math.pi), -0.5])
 _LOW, _HIGH = 0.05, 0.402
 _LOW_WEIGHT, _LOW_WEIGHT_IN_FILMS, _FILM_RATE_HZ = 2.0, 15.0, 44_100
-_TAPS_AND_BEYOND = ((12, 0.01), (16, 0.002), (20, 0.0005))  # the next where one is not near enough
+# extra poles, taps and the weight close to half the rate; the next where one is not near enough
+_FITS: Fits = ((_MORE_POLES, 12, 0.01), (_MORE_POLES, 16, 0.002), (_MORE_POLES, 20, 0.0005))
+_LEAN_FITS: Fits = ((_FEW_POLES, 5, 0.01), *_FITS)
 _ENOUGH, _ROUNDS = 10.0 ** (-40.3 / 20.0), 4
 
 _NEAR_ONE = 1e-6  # of two real poles p, q in one section, (1 - p)(1 - q) is known to 1e-16: at least this, to 1e-10
 _RUN, _SILENT = 65_536, 1e-290
 
 
-def digital(analogue: Analogue, rate_hz: int) -> NDArray[np.float64]:
+def digital(analogue: Analogue, rate_hz: int, *, lean: bool = False) -> NDArray[np.float64]:
     """Return a filter as second-order sections, shape (sections, 6), whose response is near the analogue one.
 
     Poles and zeros go to exp(s T), T = 1 / rate; what that leaves of the response, its fall towards half the sample
-    rate, is fitted with free zeros over poles q_i that are the same for every filter:
+    rate, is fitted with free zeros over a few poles q_i that do not depend on the filter:
 
         F(z) = prod(1 - e^(z_i T) / z) / prod(1 - e^(p_i T) / z)  *  sum(c_k z^-k) / prod(1 - q_i / z)
 
     Up to 2 kHz at 44.1 kHz the compensator of the built-in actuator is off by -77 dB of its peak; by the bilinear
-    transform it would be -50 dB. Raises ValueError for an improper filter (a low-pass in series keeps zeros from
+    transform it would be -50 dB. `lean` is for what runs over much sound: in films it takes half the sections, and that
+    compensator is off by -69 dB. Raises ValueError for an improper filter (a low-pass in series keeps zeros from
     outnumbering poles), and for one that float64 sections cannot hold: a pole so slow that rounding moves it onto
     the unit circle, or a gain beyond floating point.
     """
     if len(analogue.zeros) > len(analogue.poles):
         raise ValueError(f"improper filter: {len(analogue.zeros)} zeros over {len(analogue.poles)} poles")
     zeros = np.exp(analogue.zeros / rate_hz)
-    poles = np.concatenate([np.exp(analogue.poles / rate_hz), _EXTRA_POLES])
-    taps = _fitted_taps(analogue, zeros, poles, rate_hz)
+    fits = _LEAN_FITS if lean and rate_hz >= _FILM_RATE_HZ else _FITS
+    taps, poles = _fitted(analogue, zeros, np.exp(analogue.poles / rate_hz), rate_hz, fits)
     return _sections(np.concatenate([zeros, np.roots(taps)]), poles, taps[0])
 
 
-def _fitted_taps(
-    analogue: Analogue, zeros: NDArray[np.complex128], poles: NDArray[np.complex128], rate_hz: int
-) -> NDArray[np.float64]:
-    """Return the taps c_k that bring digital zeros and poles nearest to the analogue response.
+def _fitted(
+    analogue: Analogue,
+    zeros: NDArray[np.complex128],
+    poles: NDArray[np.complex128],
+    rate_hz: int,
+    fits: Fits,
+) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
+    """Return the taps c_k that bring digital zeros and poles nearest to the analogue response, and all poles.
 
     In films, where it lies low, the band of vibration counts most. Close to half the rate, where a digital response
     has to become real, the wanted one falls to nothing and counts least: left out, the fit would gain there without
-    bound. Where the fit is not near enough, it takes more taps and more gain there.
+    bound. Where the fit is not near enough, it takes more poles, more taps and then more gain there.
     """
     cycles = np.concatenate([np.geomspace(1e-5, _LOW, 250), np.linspace(_LOW, 0.5, 400)[1:]])
     beyond = np.maximum(cycles - _HIGH, 0.0) / (0.5 - _HIGH)
@@ -63,14 +73,15 @@ def _fitted_taps(
     wanted = wanted * np.cos(math.pi / 2.0 * beyond) / peak
     delay = np.exp(-2j * math.pi * cycles)
     matched = _response(zeros, poles, delay)
-    taps = np.zeros(0)
-    for count, beyond_weight in _TAPS_AND_BEYOND:
-        low_weight = _LOW_WEIGHT_IN_FILMS if rate_hz >= _FILM_RATE_HZ else _LOW_WEIGHT
+    taps, extra = np.zeros(0), _FEW_POLES
+    low_weight = _LOW_WEIGHT_IN_FILMS if rate_hz >= _FILM_RATE_HZ else _LOW_WEIGHT
+    for extra, count, beyond_weight in fits:
         weights = np.select([cycles <= _LOW, beyond > 0.0], [low_weight, beyond_weight], 1.0)
-        taps, error = _minimax(matched[:, None] * delay[:, None] ** np.arange(count), wanted, weights)
+        shaped = matched * _response(np.zeros(0, np.complex128), extra, delay)
+        taps, error = _minimax(shaped[:, None] * delay[:, None] ** np.arange(count), wanted, weights)
         if error <= _ENOUGH:
             break
-    return np.asarray(peak * taps, dtype=np.float64)
+    return peak * taps, np.concatenate([poles, extra])
 
 
 def _minimax(
@@ -150,18 +161,24 @@ def _quadratic(pair: tuple[complex, complex]) -> tuple[float, float, float]:
     return 1.0, -(pair[0] + pair[1]).real, (pair[0] * pair[1]).real
 
 
-def run_filter(sections: NDArray[np.float64], samples: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return one column of samples through the sections, starting from rest.
+def run_filter(
+    sections: NDArray[np.float64], samples: NDArray[np.float64], *, state: NDArray[np.float64] | None = None
+) -> NDArray[np.float64]:
+    """Return one column of samples through the sections, starting from rest or from a state, shape (sections, 2).
 
     What has decayed below 1e-290 is silence: left to decay, it would end in denormal numbers, which never reach 0 and
     take ten times as long to add.
     """
     from scipy.signal import sosfilt
 
-    state, filtered = np.zeros((len(sections), 2)), np.zeros(len(samples))
+    state = np.zeros((len(sections), 2)) if state is None else state.copy()
+    filtered = []
     for start in range(0, len(samples), _RUN):
         piece = samples[start : start + _RUN]
         state[np.abs(state) < _SILENT] = 0.0
         if np.any(state) or not np.max(np.abs(piece)) < _SILENT:
-            filtered[start : start + _RUN], state = sosfilt(sections, piece, zi=state)
-    return filtered
+            done, state = sosfilt(sections, piece, zi=state)
+            filtered.append(done)
+        else:
+            filtered.append(np.zeros(len(piece)))
+    return filtered[0] if len(filtered) == 1 else np.concatenate([np.zeros(0), *filtered])

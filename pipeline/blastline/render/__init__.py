@@ -2,21 +2,24 @@
 
 windows = plan_windows(shots, ...)                  where
 filters = drive_filters(profile, ...)               with what
-measure -> (scene.choose) -> render_window          for each window
+hear_window -> measure -> (scene.choose) -> render_window          for each window
 compose                                             the film's drive
 """
 
 from .drive import RenderedWindow, measure, render_window
 from .filters import DriveFilters, drive_filters, needed_audio, preroll
+from .heard import HeardWindow, hear_window
 from .mix import compose
 from .windows import PlannedWindow, plan_windows, window_between, with_gains
 
 __all__ = [
     "DriveFilters",
+    "HeardWindow",
     "PlannedWindow",
     "RenderedWindow",
     "compose",
     "drive_filters",
+    "hear_window",
     "measure",
     "needed_audio",
     "plan_windows",

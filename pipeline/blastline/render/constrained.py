@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..ruleset import RenderRules
-from .interior import SHORTEST, Recursion, hat, solve_inside, sound_stride
+from .banded import Recursion, hat, sound_stride
+from .interior import SHORTEST, solve_inside
 
 Samples = NDArray[np.float64]
 

@@ -9,9 +9,10 @@ import numpy as np
 from .. import dsp
 from ..model import Background, Clip, DriveInfo, DriveModel, SceneEvidence, Shot, Span
 from ..ruleset import RenderRules
-from ..units import SILENCE_DB, db_from_gain, gain_from_db, samples_from_ms
+from ..units import SILENCE_DB, db_from_gain, samples_from_ms
 from .constrained import Effort, constrained_drive
-from .filters import DriveFilters, Samples, compensated, felt, in_band, needed_audio
+from .filters import DriveFilters, Samples, felt
+from .heard import HeardWindow
 from .windows import PlannedWindow
 
 
@@ -24,81 +25,54 @@ class RenderedWindow:
     drives: tuple[DriveInfo, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class _Heard:
-    """What a window listens to: the sound with its pre-roll, and where in it the window lies."""
-
-    sound: Samples
-    inside: slice
-
-
-def measure(audio: Clip, planned: PlannedWindow, *, filters: DriveFilters, rules: RenderRules) -> SceneEvidence:
+def measure(heard: HeardWindow) -> SceneEvidence:
     """Return what direct conversion and the compensator would do in a window, for the choice between the models.
 
-    `audio` covers `needed_audio`; more of it changes nothing. The compensator's peak is the higher of those with and
-    without the shots' gains: a window beyond its limit is not for it where it is only wanted softer, or it would be
-    softer by more than that.
+    The compensator's peak is the higher of those with and without the shots' gains: a window beyond its limit is not
+    for it where it is only wanted softer, or it would be softer by more than that.
     """
-    heard = _heard(audio, planned, filters, rules)
-    gains = _gains(planned, filters, rules)
-    level = gain_from_db(rules.level_db) * gains
-    core = _within(planned.core, planned)
-    target = (level * in_band(heard.sound, filters)[heard.inside])[core]
-    direct = felt(_limited(gains * heard.sound[heard.inside]), filters)[core]
-    drive = level * compensated(heard.sound, filters)[heard.inside]
+    core = _within(heard.planned.core, heard.planned)
+    target = heard.target[core]
+    direct = felt(_limited(heard.gains * heard.sound), heard.filters)[core]
     return SceneEvidence(
         direct_level_db=_level_db(direct, target),
         direct_fidelity=_correlation(direct, target),
-        filter_peak=max(float(np.max(np.abs(drive))), float(np.max(np.abs(drive / gains)))),
+        filter_peak=max(_peak(heard.unlimited), _peak(heard.unlimited / heard.gains)),
     )
 
 
 def render_window(
-    audio: Clip,
-    planned: PlannedWindow,
-    shots: Sequence[Shot],
-    *,
-    model: DriveModel,
-    reason: str,
-    filters: DriveFilters,
-    rules: RenderRules,
-    background: Background,
+    heard: HeardWindow, shots: Sequence[Shot], *, model: DriveModel, reason: str, background: Background
 ) -> RenderedWindow:
     """Return the drive of a window, |drive| <= 1 everywhere.
 
-    `audio` covers `needed_audio`; more of it changes nothing. `shots` are all shots of the film. Inside a window the
-    background, too, keeps to the limit, as the file that will hold the drive does.
+    `shots` are all shots of the film. Inside a window the background, too, keeps to the limit, as the file that will
+    hold the drive does.
     """
-    heard = _heard(audio, planned, filters, rules)
-    gains = _gains(planned, filters, rules)
-    level = gain_from_db(rules.level_db) * gains
-    direct = _limited(heard.sound[heard.inside])
-    target = level * in_band(heard.sound, filters)[heard.inside]
+    planned, filters = heard.planned, heard.filters
+    direct = _limited(heard.sound)
     own = [shots[index] for index in planned.shots]
-    starts = _starts(planned, own, filters, rules)
-    if model == "direct":
-        wet = _limited(gains * heard.sound[heard.inside])
-    else:
-        wet = level * compensated(heard.sound, filters)[heard.inside]
-    if model == "filter" and (peak := _excess(wet, gains)) > 1.0:
+    starts = _starts(planned, own, filters, heard.rules)
+    wet = _limited(heard.gains * heard.sound) if model == "direct" else heard.unlimited
+    if model == "filter" and (peak := _excess(wet, heard.gains)) > 1.0:
         wet = wet / peak
         reason = f"{reason}; the compensator's peak is {peak:.3g} of the limit, so the window is scaled down by it"
     efforts: Sequence[Effort | None] = [None] * len(own)
     if model == "constrained":
         wet, efforts = constrained_drive(
-            target,
+            heard.target,
             starts=starts,
             impulse=filters.impulse,
             recursion=filters.recursion,
             rate_hz=filters.rate_hz,
             warm=wet,
-            rules=rules,
+            rules=heard.rules,
         )
     dry = direct if background == "direct" else np.zeros_like(direct)
     drive = _limited(dsp.cross_fade(dry, wet, _weights(planned)))
-    infos = _drive_infos(drive, direct, target, planned, own, starts, model=model, reason=reason, filters=filters)
+    infos = _drive_infos(drive, direct, heard, own, starts, model=model, reason=reason)
     infos = tuple(_with_effort(info, effort) for info, effort in zip(infos, efforts, strict=True))
-    return RenderedWindow(planned, Clip(drive[:, None], audio.rate_hz, planned.window.start), infos)
+    return RenderedWindow(planned, Clip(drive[:, None], filters.rate_hz, planned.window.start), infos)
 
 
 def _with_effort(info: DriveInfo, effort: Effort | None) -> DriveInfo:
@@ -112,20 +86,8 @@ def _excess(wet: Samples, gains: Samples) -> float:
 
     So a shot that is wanted softer is softer, though scaling to the limit alone would undo its gain.
     """
-    usual = max(1.0, float(np.max(np.abs(wet / gains))))
-    return usual * max(1.0, float(np.max(np.abs(wet))) / usual)
-
-
-def _gains(planned: PlannedWindow, filters: DriveFilters, rules: RenderRules) -> Samples:
-    """Return the gain of a window's every sample: each shot's from its onset on, reached over the lead before it."""
-    gains = np.ones(len(planned.window.span))
-    lead = samples_from_ms(rules.lead_ms, filters.rate_hz)
-    for number, (at, gain_db) in enumerate(planned.gains):
-        onset, gain = at - planned.window.start, gain_from_db(gain_db)
-        start = 0 if number == 0 else max(0, onset - lead)
-        gains[start:onset] = np.linspace(gains[start], gain, onset - start, endpoint=False) if number else gain
-        gains[onset:] = gain
-    return gains
+    usual = max(1.0, _peak(wet / gains))
+    return usual * max(1.0, _peak(wet) / usual)
 
 
 def _starts(planned: PlannedWindow, shots: Sequence[Shot], filters: DriveFilters, rules: RenderRules) -> list[int]:
@@ -137,21 +99,20 @@ def _starts(planned: PlannedWindow, shots: Sequence[Shot], filters: DriveFilters
 def _drive_infos(
     drive: Samples,
     direct: Samples,
-    target: Samples,
-    planned: PlannedWindow,
+    heard: HeardWindow,
     shots: Sequence[Shot],
     starts: Sequence[int],
     *,
     model: DriveModel,
     reason: str,
-    filters: DriveFilters,
 ) -> tuple[DriveInfo, ...]:
     """Return for each shot its peak and what is felt, from its onset to where the drive of the next may begin.
 
     Both predictions start from rest at the window. The fidelity is against the target, the sound in the band, so
     that the delay of a causal band is not counted as a fault of the drive.
     """
-    felt_drive, felt_direct = felt(drive, filters), felt(direct, filters)
+    planned = heard.planned
+    felt_drive, felt_direct = felt(drive, heard.filters), felt(direct, heard.filters)
     infos = []
     ends = [*(planned.window.start + start for start in starts[1:]), planned.core.stop]
     for shot, start, stop, end in zip(shots, [0, *starts[1:]], [*starts[1:], len(drive)], ends, strict=True):
@@ -162,21 +123,10 @@ def _drive_infos(
                 reason,
                 peak=float(np.max(np.abs(drive[start : max(stop, start + 1)]))),
                 perceived_gain_db=_level_db(felt_drive[core], felt_direct[core]),
-                fidelity=_correlation(felt_drive[core], target[core]),
+                fidelity=_correlation(felt_drive[core], heard.target[core]),
             )
         )
     return tuple(infos)
-
-
-def _heard(audio: Clip, planned: PlannedWindow, filters: DriveFilters, rules: RenderRules) -> _Heard:
-    """Return just what the window needs of the audio, so that how much more there is cannot change a bit."""
-    if audio.rate_hz != filters.rate_hz:
-        raise ValueError(f"filters for {filters.rate_hz} Hz cannot render audio at {audio.rate_hz} Hz")
-    needed = needed_audio(planned, frames=audio.span.stop, filters=filters, rules=rules)
-    clip = audio.cut((needed & audio.span) | planned.window.span)
-    before = planned.window.start - clip.start
-    sound = np.asarray(clip.driving, dtype=np.float64)
-    return _Heard(sound, slice(before, before + len(planned.window.span)))
 
 
 def _within(span: Span, planned: PlannedWindow) -> slice:
@@ -195,6 +145,10 @@ def _weights(planned: PlannedWindow) -> Samples:
 
 def _limited(samples: Samples) -> Samples:
     return np.clip(samples, -1.0, 1.0)
+
+
+def _peak(samples: Samples) -> float:
+    return float(np.max(np.abs(samples)))
 
 
 def _level_db(samples: Samples, reference: Samples) -> float:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,13 +12,15 @@ from ..errors import RuleError
 from ..model import Phase, Span
 from ..ruleset import ActuatorProfile, RenderRules, check_stable
 from ..units import samples_from_ms
-from .interior import Recursion
+from .banded import Recursion
 from .windows import PlannedWindow
 
 Samples = NDArray[np.float64]
 
 _LEAN = 1e-3  # of the impulse response's energy may a shorter recursion miss, as amplitude; the solver is faster by it
 _FADED = 1e-10  # an impulse response is cut where this much of it is left: far below 24-bit audio
+
+_LONGEST_SUMMED_S = 2.0  # a longer pre-roll is run: with all of the film, to the bits of the whole track
 
 _LARGEST_GAIN = 1e6  # 120 dB either way: beyond any unit that an actuator is measured in
 
@@ -58,8 +61,8 @@ def drive_filters(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Drive
     return DriveFilters(
         rate_hz,
         phase,
-        band=dsp.digital(shape, rate_hz),
-        compensator=dsp.digital(dsp.inverse(profile) * shape, rate_hz),
+        band=dsp.digital(shape, rate_hz, lean=True),
+        compensator=dsp.digital(dsp.inverse(profile) * shape, rate_hz, lean=True),
         felt=sections,
         impulse=impulse,
         recursion=_recursion(np.exp(felt.poles / rate_hz), sections, impulse),
@@ -90,6 +93,16 @@ def compensated(samples: Samples, filters: DriveFilters) -> Samples:
     return _backwards(dsp.run_filter(filters.compensator, samples), filters)
 
 
+def settled_band(samples: Samples, inside: slice, filters: DriveFilters, rules: RenderRules) -> Samples:
+    """Return `in_band` for the samples inside alone, those around them being its pre-roll."""
+    return _inside(filters.band, samples, inside, filters, preroll(filters.rate_hz, rules))
+
+
+def settled_compensated(samples: Samples, inside: slice, filters: DriveFilters, rules: RenderRules) -> Samples:
+    """Return `compensated` for the samples inside alone, those around them being its pre-roll."""
+    return _inside(filters.compensator, samples, inside, filters, preroll(filters.rate_hz, rules))
+
+
 def felt(drive: Samples, filters: DriveFilters) -> Samples:
     """Return what is felt of a drive that starts from rest, predicted by H."""
     return dsp.run_filter(filters.felt, drive)
@@ -100,6 +113,28 @@ def _backwards(samples: Samples, filters: DriveFilters) -> Samples:
     if filters.phase == "causal":
         return samples
     return dsp.run_filter(filters.band, samples[::-1])[::-1]
+
+
+def _inside(sections: Samples, samples: Samples, inside: slice, filters: DriveFilters, roll: int) -> Samples:
+    """Return the samples inside through sections and, where the phase is zero, backwards through the band."""
+    forwards = _settled(sections, samples, inside.start, filters, roll)
+    if filters.phase == "causal":
+        return forwards[: inside.stop - inside.start]
+    return _settled(filters.band, forwards[::-1], len(samples) - inside.stop, filters, roll)[::-1]
+
+
+def _settled(sections: Samples, samples: Samples, start: int, filters: DriveFilters, roll: int) -> Samples:
+    """Return the samples from `start` on through sections that have heard those before it, from rest."""
+    if roll > _LONGEST_SUMMED_S * filters.rate_hz:
+        return dsp.run_filter(sections, samples)[start:]
+    for_band, for_compensator = _settlings(filters, roll)
+    settling = for_band if sections is filters.band else for_compensator
+    return dsp.run_filter(sections, samples[start:], state=dsp.settled_state(settling, samples[:start]))
+
+
+@lru_cache(maxsize=8)
+def _settlings(filters: DriveFilters, roll: int) -> tuple[dsp.Settling, dsp.Settling]:
+    return dsp.settling(filters.band, roll), dsp.settling(filters.compensator, roll)
 
 
 def _until_faded(response: Samples) -> Samples:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from .. import scene
 from ..model import Clip, DriveInfo, Span
-from ..render import RenderedWindow, compose, drive_filters, measure, needed_audio, render_window
+from ..render import RenderedWindow, compose, drive_filters, hear_window, measure, needed_audio, render_window
 from ..soundtrack import Cue, Soundtrack, write_drive
 from .listening import BLOCK, Listened
 from .options import Setup
@@ -41,18 +41,9 @@ def _rendered(heard: Listened, setup: Setup) -> Iterator[RenderedWindow]:
     filters = drive_filters(setup.profile, heard.source.sample_rate_hz, options.phase)
     for planned in heard.windows:
         audio = heard.track.cut(needed_audio(planned, frames=heard.source.frames, filters=filters, rules=render_rules))
-        evidence = measure(audio, planned, filters=filters, rules=render_rules)
-        model, reason = scene.choose(evidence, setup.rules.scenes, options.drive)
-        yield render_window(
-            audio,
-            planned,
-            heard.found.shots,
-            model=model,
-            reason=reason,
-            filters=filters,
-            rules=render_rules,
-            background=options.background,
-        )
+        window = hear_window(audio, planned, filters=filters, rules=render_rules)
+        model, reason = scene.choose(measure(window), setup.rules.scenes, options.drive)
+        yield render_window(window, heard.found.shots, model=model, reason=reason, background=options.background)
 
 
 def _cuts(track: Soundtrack, frames: int) -> Iterator[Clip]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..model import Phase, Quality
 from ..render import needed_audio
-from ..render.filters import compensated
+from ..render.filters import settled_compensated
 from ..ruleset import load_actuator, load_rules
 from ..units import SILENCE_DB, db_from_gain, samples_from_ms
 from .drives import Drive, Setting, ShotRow, Window, WindowRow, judged, setting_for, windowed_error, windows_of
@@ -187,23 +187,27 @@ def _optimum_bars(optima: Iterable[Optimum]) -> list[Bar]:
 
 
 def _filter_and_read(scene: TrueScene, setting: Setting) -> tuple[float, float]:
-    """Return the CPU time of the compensator over all windows with their pre-roll, and of soundfile reading them."""
+    """Return the CPU time of the compensator in all windows, settled, and of soundfile reading them.
+
+    Each window is filtered as in a run: just cut from the film, and with what is worked out once for a film at hand.
+    """
     import soundfile
 
-    clips = [
-        scene.track.cut(needed_audio(planned, frames=scene.frames, filters=setting.filters, rules=setting.rules))
-        for planned in scene.windows
-    ]
-    sounds = [np.asarray(clip.driving, dtype=np.float64) for clip in clips]
+    filters, rules, filtering = setting.filters, setting.rules, 0.0
+    settled_compensated(np.zeros(1), slice(0, 1), filters, rules)
+    for planned in scene.windows:
+        span = needed_audio(planned, frames=scene.frames, filters=filters, rules=rules)
+        inside = slice(planned.window.start - span.start, planned.window.stop - span.start)
+        sound = np.asarray(scene.track.cut(span).driving, dtype=np.float64)
+        began = time.process_time()
+        settled_compensated(sound, inside, filters, rules)
+        filtering += time.process_time() - began
     began = time.process_time()
-    for sound in sounds:
-        compensated(sound, setting.filters)
-    filtered = time.process_time()
     with soundfile.SoundFile(scene.path) as file:
         for planned in scene.windows:
             file.seek(planned.window.start)
             file.read(len(planned.window.span), dtype="float32")
-    return filtered - began, time.process_time() - filtered
+    return filtering, time.process_time() - began
 
 
 def _suits(row: WindowRow, window: Window, optima: Sequence[Optimum]) -> bool:

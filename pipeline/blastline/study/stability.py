@@ -1,11 +1,12 @@
 """Numbers at the extremes: each row is measured against an independent reference and held to a bar.
 
-    filters    the response of the rounded sections, and what they do to samples, against mpmath
-    signals    amplitudes, denormals, silence, DC, impulses, a full-scale square
-    windows    one sample, touching, overlapping, past the ends; blocks of any size
-    files      NaN and infinity, a day of stream, counters beyond 2^31
-    solver     nothing to follow, and far more than the limit
-    refusals   what has no meaningful answer, refused in one line
+    filters       the response of the rounded sections, and what they do to samples, against mpmath
+    signals       amplitudes, denormals, silence, DC, impulses, a full-scale square
+    windows       one sample, touching, overlapping, past the ends; blocks of any size
+    files         NaN and infinity, a day of stream, counters beyond 2^31
+    solver        nothing to follow, and far more than the limit
+    measurements  an actuator's response as measured: empty, notched, noisy, uncorrelated
+    refusals      what has no meaningful answer, refused in one line
 
 A family is a function that makes its rows, and may use a folder for its files; to add one, name it in `families`.
 """
@@ -26,6 +27,7 @@ def families() -> dict[str, Family]:
     """Return the families of rows by name, in the order of the table."""
     from .stability_files import file_rows
     from .stability_filters import filter_rows
+    from .stability_measurements import measurement_rows
     from .stability_refusals import refusal_rows
     from .stability_signals import signal_rows
     from .stability_solver import solver_rows
@@ -37,6 +39,7 @@ def families() -> dict[str, Family]:
         "windows": window_rows,
         "files": file_rows,
         "solver": solver_rows,
+        "measurements": measurement_rows,
         "refusals": refusal_rows,
     }
 
@@ -58,7 +61,7 @@ def stability_line(family: str, row: Row) -> str:
     """Return a row as a line of the table: family, case, measured, bar, margin, unit, and whether it holds."""
     sign = {"below": "<=", "above": ">=", "equal": "= "}[row.better]
     figures = f"{row.measured:11.4g} {sign} {row.bar:<8.4g} {row.margin + 0.0:10.3g}"
-    return f"{family:<9} {row.name:<66} {figures} {row.unit:<13} {'ok' if row.ok else 'MISSED'}"
+    return f"{family:<12} {row.name:<66} {figures} {row.unit:<13} {'ok' if row.ok else 'MISSED'}"
 
 
 def stability_json(rows: Sequence[tuple[str, Row]]) -> bytes:

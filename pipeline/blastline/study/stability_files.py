@@ -114,7 +114,7 @@ def _counter_rows() -> Iterator[Row]:
 
 
 def _timecode_rows() -> Iterator[Row]:
-    """Yield timecodes around a day's end against whole frames counted in integers."""
+    """Yield timecodes around a day's end against the nearest frames, counted in integers."""
     for frame_rate, nominal, drop in (
         ("24", 24, False),
         ("25", 25, False),
@@ -126,7 +126,7 @@ def _timecode_rows() -> Iterator[Row]:
         for rate_hz in (44_100, 48_000, 384_000):
             source = Source("film", "", rate_hz, 1, 1, start_timecode=start, frame_rate=frame_rate)
             for sample in (2**31 - 1, 2**31, 2**32 + 1, DAY_S * rate_hz - 1, DAY_S * rate_hz):
-                frame = sample * Fraction(frame_rate) // rate_hz
+                frame = (sample * Fraction(frame_rate) / rate_hz + Fraction(1, 2)) // 1
                 wrong += timecode_at(source, sample) != _smpte(frame, nominal, drop=drop)
         yield exact(f"24 h: timecodes at {frame_rate} frames per second: wrong", wrong, "timecodes")
 

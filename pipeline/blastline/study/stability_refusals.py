@@ -1,6 +1,6 @@
 """Rows about what has no meaningful answer: each must end in one line that says what was expected."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -8,12 +8,11 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from ..errors import BlastlineError
 from ..model import Span
 from ..render import drive_filters, plan_windows
 from ..ruleset import ActuatorProfile, load_actuator, load_rules
 from ..soundtrack import open_soundtrack
-from .stability_rows import Row, exact
+from .stability_rows import Row, refused
 from .stability_signals import RATE_HZ, shot_at
 
 Changes = dict[str, dict[str, Any]]
@@ -48,14 +47,14 @@ def refusal_rows(folder: Path) -> Iterator[Row]:
     for number, (name, changes) in enumerate(_UNUSABLE.items()):
         path = folder / f"profile-{number}.toml"
         path.write_text(_toml(changes, profile), encoding="utf-8")
-        yield _refused(f"profile file: {name}", partial(load_actuator, str(path)))
+        yield refused(f"profile file: {name}", partial(load_actuator, str(path)))
     for name, changes in _UNUSABLE_HERE.items():
-        yield _refused(f"profile: {name}", partial(drive_filters, _changed(changes, profile), RATE_HZ, "causal"))
+        yield refused(f"profile: {name}", partial(drive_filters, _changed(changes, profile), RATE_HZ, "causal"))
     for rate_hz in (-48_000, 0, 1, 400):
-        yield _refused(f"filters at {rate_hz} Hz", partial(drive_filters, profile, rate_hz, "zero"))
+        yield refused(f"filters at {rate_hz} Hz", partial(drive_filters, profile, rate_hz, "zero"))
     for rate_hz in (1, 7_999, 384_001):
-        yield _refused(f"sound at {rate_hz} Hz", partial(open_soundtrack, _sound(folder, rate_hz, frames=100)))
-    yield _refused("sound of no frames", partial(_decode, _sound(folder, RATE_HZ, frames=0)))
+        yield refused(f"sound at {rate_hz} Hz", partial(open_soundtrack, _sound(folder, rate_hz, frames=100)))
+    yield refused("sound of no frames", partial(_decode, _sound(folder, RATE_HZ, frames=0)))
     yield from _mistakes(_sound(folder, RATE_HZ, frames=100))
 
 
@@ -63,21 +62,12 @@ def _mistakes(path: Path) -> Iterator[Row]:
     """Yield what no file or option can ask for: a mistake in a program is a ValueError that says so."""
     rules = load_rules("standard").tier.windows
     plan = partial(plan_windows, [shot_at(100, 10)], frames=100, rate_hz=RATE_HZ, rules=rules)
-    yield _refused("a shot beyond the film", plan, ValueError)
-    yield _refused("a span that runs backwards", partial(Span, 5, 4), ValueError)
+    yield refused("a shot beyond the film", plan, ValueError)
+    yield refused("a span that runs backwards", partial(Span, 5, 4), ValueError)
     with open_soundtrack(path) as track:
-        yield _refused("blocks of no frames", lambda: list(track.blocks(0)), ValueError)
+        yield refused("blocks of no frames", lambda: list(track.blocks(0)), ValueError)
         list(track.blocks())
-        yield _refused("a cut past the end", partial(track.cut, Span(50, 101)), ValueError)
-
-
-def _refused(name: str, ask: Callable[[], object], kind: type[Exception] = BlastlineError) -> Row:
-    """Return whether an input ends in an error of its kind, in a single line."""
-    try:
-        ask()
-    except kind as error:
-        return exact(f"refused: {name}", int(len(str(error).splitlines()) != 1), "missing")
-    return exact(f"refused: {name}", 1, "missing")
+        yield refused("a cut past the end", partial(track.cut, Span(50, 101)), ValueError)
 
 
 def _changed(changes: Changes, profile: ActuatorProfile) -> ActuatorProfile:

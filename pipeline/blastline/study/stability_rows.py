@@ -1,7 +1,10 @@
 """One row of the stability table, and what it takes to hold."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, SupportsFloat
+
+from ..errors import BlastlineError
 
 Better = Literal["below", "above", "equal"]
 
@@ -32,3 +35,12 @@ class Row:
 def exact(name: str, wrong: SupportsFloat, unit: str = "samples") -> Row:
     """Return a row that counts what is wrong where nothing may be."""
     return Row(name, float(wrong), 0.0, unit, "equal")
+
+
+def refused(name: str, ask: Callable[[], object], kind: type[Exception] = BlastlineError) -> Row:
+    """Return whether an input ends in an error of its kind, in a single line."""
+    try:
+        ask()
+    except kind as error:
+        return exact(f"refused: {name}", int(len(str(error).splitlines()) != 1), "missing")
+    return exact(f"refused: {name}", 1, "missing")

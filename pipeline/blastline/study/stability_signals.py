@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .. import dsp
 from ..model import Clip, DriveModel, Shot, Span
-from ..render import DriveFilters, RenderedWindow, drive_filters, plan_windows, render_window
+from ..render import DriveFilters, RenderedWindow, drive_filters, hear_window, plan_windows, render_window
 from ..ruleset import load_actuator, load_rules
 from .stability_filters import sections_response
 from .stability_rows import Row, exact
@@ -57,13 +57,10 @@ def drive_of(film: Samples, onset: int, model: DriveModel, filters: DriveFilters
     shot = shot_at(onset, length)
     (planned,) = plan_windows([shot], frames=len(film), rate_hz=filters.rate_hz, rules=tier.windows)
     done: RenderedWindow = render_window(
-        Clip(film[:, None], filters.rate_hz),
-        planned,
+        hear_window(Clip(film[:, None], filters.rate_hz), planned, filters=filters, rules=tier.render),
         [shot],
         model=model,
         reason="study",
-        filters=filters,
-        rules=tier.render,
         background="mute",
     )
     drive = np.zeros(len(film))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..detect import find_shots, load_verifier
 from ..detect.tracks import pieces
 from ..model import Clip, Shot, Span
-from ..render import RenderedWindow, compose, drive_filters, plan_windows, render_window
+from ..render import RenderedWindow, compose, drive_filters, hear_window, plan_windows, render_window
 from ..ruleset import load_actuator, load_rules, rules_path
 from ..soundtrack import open_soundtrack
 from .stability_rows import Row, exact
@@ -83,13 +83,10 @@ def _compose_rows() -> Iterator[Row]:
     whole = Clip(film[:, None], RATE_HZ)
     rendered = [
         render_window(
-            whole,
-            planned,
+            hear_window(whole, planned, filters=filters, rules=tier.render),
             shots,
             model="filter",
             reason="study",
-            filters=filters,
-            rules=tier.render,
             background="direct",
         )
         for planned in plan_windows(shots, frames=_FRAMES, rate_hz=RATE_HZ, rules=tier.windows)

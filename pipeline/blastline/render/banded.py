@@ -1,0 +1,137 @@
+"""The banded systems of the interior-point method: Q and A for a recursive filter, and the drives between corners.
+
+In v = u / A(z) what is felt of a drive is B v: Q = B'B has the same few diagonals in every row but its last ones,
+because what is felt after the last corner counts as well.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+Samples = NDArray[np.float64]
+
+_KEPT = 1e-9  # of a response's largest coefficient: below is rounding
+_LEAST_FEEDBACK = 5e-7  # of |A| at any frequency: its square, against 1, is still above rounding
+_LONGEST_STRIDE = 64
+
+
+@dataclass(frozen=True, eq=False)
+class Recursion:
+    """H as a recursive filter: `forward` is B, `feedback` is A with A(0) = 1; `impulse` its response until faded."""
+
+    forward: Samples
+    feedback: Samples
+    impulse: Samples
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """Q: the same diagonals in every row, `lags` from the main one on, and what differs in its last rows.
+
+    `greatest` is the greatest of |H|^2.
+    """
+
+    feedback: Samples
+    lags: Samples
+    ending: Samples
+    greatest: float
+
+
+@lru_cache(maxsize=8)
+def sound_stride(recursion: Recursion, stride: int) -> int:
+    """Return the stride, or the next above it at which H does not remember for too many corners.
+
+    Poles much slower than the corners make |A| so small that Q + A'DA is lost in rounding.
+    """
+    poles = np.roots(recursion.feedback)
+    turns = np.concatenate([np.linspace(0.0, np.pi, 512), np.abs(np.angle(poles))])
+    while stride < _LONGEST_STRIDE:
+        around = np.exp(1j * stride * turns)
+        if np.min(np.prod(np.abs(around[:, None] - poles**stride), axis=1)) >= _LEAST_FEEDBACK:
+            break
+        stride += 1
+    return stride
+
+
+@lru_cache(maxsize=8)
+def pattern(recursion: Recursion, stride: int) -> Pattern:
+    """Return Q for drives with corners so many samples apart, and A for the poles to that power."""
+    poles = np.roots(recursion.feedback) ** stride
+    feedback = np.atleast_1d(np.poly(poles)).real
+    bent = np.convolve(recursion.impulse, hat(stride))
+    bent = np.pad(bent, (0, -len(bent) % stride))
+    reach = min(len(bent) // stride, 4 * len(feedback) + len(recursion.forward) + 8)
+    # column f holds what is felt f samples after each corner
+    forward = np.stack([np.convolve(feedback, phase[:reach])[:reach] for phase in bent.reshape(-1, stride).T], axis=1)
+    largest = np.max(np.abs(forward), axis=1)
+    forward = forward[: int(np.flatnonzero(largest > _KEPT * np.max(largest))[-1]) + 1]
+    width = max(len(forward), len(feedback))
+    forward = np.pad(forward, ((0, width - len(forward)), (0, 0)))
+    lags = np.array([np.sum(forward[lag:] * forward[: width - lag]) for lag in range(width)])
+    greatest = float(np.max(np.abs(np.fft.rfft(bent)) ** 2)) / stride
+    return Pattern(feedback, lags, _ending(feedback, forward, tail=len(bent) // stride + width), greatest)
+
+
+def _ending(feedback: Samples, forward: Samples, *, tail: int) -> Samples:
+    """Return what Q's last rows have besides its lags: after the last corner u is 0, and v rings on."""
+    from scipy.signal import fftconvolve, lfilter
+
+    size = len(forward) - 1
+    stopped = np.zeros((size + tail, size))
+    stopped[:size] = np.eye(size)
+    rings_on = lfilter(
+        [1.0], feedback, np.concatenate([_banded_columns(feedback, size), np.zeros((tail, size))]), axis=0
+    )
+    felt = [
+        np.concatenate([fftconvolve(v, phase[:, None], axes=0)[size : size + tail] for phase in forward.T])
+        for v in (rings_on[: size + tail], stopped)
+    ]
+    return np.asarray(felt[0].T @ felt[0] - felt[1].T @ felt[1], dtype=np.float64)
+
+
+def _banded_columns(feedback: Samples, size: int) -> Samples:
+    """Return the input to 1 / A that makes each unit vector of the last v, and rings on freely after them."""
+    columns = np.zeros((size, size))
+    for index in range(size):
+        part = feedback[: size - index]
+        columns[index : index + len(part), index] = part
+    return columns
+
+
+def applied(q: Pattern, v: Samples) -> Samples:
+    """Return A v."""
+    return np.convolve(v, q.feedback)[: len(v)]
+
+
+def transposed(q: Pattern, u: Samples) -> Samples:
+    """Return A'u."""
+    return np.convolve(u[::-1], q.feedback)[: len(u)][::-1]
+
+
+def quadratic(q: Pattern, v: Samples) -> Samples:
+    """Return Q v."""
+    size = len(q.lags) - 1
+    product = np.convolve(v, np.concatenate([q.lags[:0:-1], q.lags]))[size : size + len(v)]
+    product[-size:] += np.sum(q.ending * v[-size:], axis=1)
+    return product
+
+
+def diagonals(q: Pattern, curvature: Samples) -> Samples:
+    """Return the lower diagonals of Q + A'DA, shape (width, unknowns)."""
+    size, order, unknowns = len(q.lags) - 1, len(q.feedback) - 1, len(curvature)
+    diagonals = np.repeat(q.lags[:, None], unknowns, axis=1)
+    for lag in range(size):
+        diagonals[lag, unknowns - size : unknowns - lag] += np.diagonal(q.ending, -lag)
+    padded = np.concatenate([curvature, np.zeros(order)])
+    for lag in range(order + 1):
+        products = q.feedback[lag:] * q.feedback[: order + 1 - lag]
+        diagonals[lag, : unknowns - lag] += np.correlate(padded, products, "valid")[lag:unknowns]
+    return diagonals
+
+
+def hat(stride: int) -> Samples:
+    """Return the straight rise to 1 and fall from it over `stride` samples each."""
+    rise = np.arange(1.0, stride + 1.0) / stride
+    return np.concatenate([rise, rise[-2::-1]])

@@ -1,0 +1,65 @@
+"""What a window hears: its sound, filtered once for all that is measured and rendered from it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..model import Clip
+from ..ruleset import RenderRules
+from ..units import gain_from_db, samples_from_ms
+from .filters import DriveFilters, Samples, needed_audio, settled_band, settled_compensated
+from .windows import PlannedWindow
+
+
+@dataclass(frozen=True, eq=False)
+class HeardWindow:
+    """A window with its sound, exactly over its span, and how it is to be rendered.
+
+    `gains` are those of its shots, sample by sample. With them and the level of the rules, `target` is the sound in the
+    band, which is to be felt, and `unlimited` the compensator's drive.
+    """
+
+    planned: PlannedWindow
+    filters: DriveFilters
+    rules: RenderRules
+    sound: Samples
+    gains: Samples
+    target: Samples
+    unlimited: Samples
+
+
+def hear_window(audio: Clip, planned: PlannedWindow, *, filters: DriveFilters, rules: RenderRules) -> HeardWindow:
+    """Return what a window hears; `audio` covers `needed_audio`, more of it changes nothing.
+
+    Raises ValueError where the filters are for another rate.
+    """
+    if audio.rate_hz != filters.rate_hz:
+        raise ValueError(f"filters for {filters.rate_hz} Hz cannot render audio at {audio.rate_hz} Hz")
+    needed = needed_audio(planned, frames=audio.span.stop, filters=filters, rules=rules)
+    clip = audio.cut((needed & audio.span) | planned.window.span)
+    before = planned.window.start - clip.start
+    inside = slice(before, before + len(planned.window.span))
+    sound = np.asarray(clip.driving, dtype=np.float64)
+    gains = _gains(planned, filters, rules)
+    level = gain_from_db(rules.level_db) * gains
+    return HeardWindow(
+        planned,
+        filters,
+        rules,
+        sound[inside],
+        gains,
+        target=level * settled_band(sound, inside, filters, rules),
+        unlimited=level * settled_compensated(sound, inside, filters, rules),
+    )
+
+
+def _gains(planned: PlannedWindow, filters: DriveFilters, rules: RenderRules) -> Samples:
+    """Return the gain of a window's every sample: each shot's from its onset on, reached over the lead before it."""
+    gains = np.ones(len(planned.window.span))
+    lead = samples_from_ms(rules.lead_ms, filters.rate_hz)
+    for number, (at, gain_db) in enumerate(planned.gains):
+        onset, gain = at - planned.window.start, gain_from_db(gain_db)
+        start = 0 if number == 0 else max(0, onset - lead)
+        gains[start:onset] = np.linspace(gains[start], gain, onset - start, endpoint=False) if number else gain
+        gains[onset:] = gain
+    return gains
