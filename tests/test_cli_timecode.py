@@ -112,7 +112,7 @@ def test_export_takes_another_timecode(saved: Path, tmp_path: Path) -> None:
 
 def test_formats_lists_each_with_its_tool() -> None:
     lines = blastline("formats").out.splitlines()
-    assert [line.split()[0] for line in lines[::2]] == list(FORMATS)
+    assert [line.split()[0] for line in lines[::2]] == [*FORMATS, *HAPTIC_FORMATS]
     for known, (first, second) in zip(FORMATS.values(), zip(lines[::2], lines[1::2], strict=True), strict=True):
         assert known.file_name in first
         assert second.strip() == known.tool
