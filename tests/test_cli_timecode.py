@@ -7,7 +7,7 @@ import pytest
 import soundfile
 import wavinfo
 
-from blastline.export import FORMATS, read_timeline
+from blastline.export import FORMATS, HAPTIC_FORMATS, known_formats, read_timeline
 from blastline.export.frames import FRAME_FORMATS
 from blastline.model import encode
 from commands import RATE_HZ, blastline, write_film
@@ -113,8 +113,9 @@ def test_export_takes_another_timecode(saved: Path, tmp_path: Path) -> None:
 def test_formats_lists_each_with_its_tool() -> None:
     lines = blastline("formats").out.splitlines()
     assert [line.split()[0] for line in lines[::2]] == [*FORMATS, *HAPTIC_FORMATS]
-    for known, (first, second) in zip(FORMATS.values(), zip(lines[::2], lines[1::2], strict=True), strict=True):
-        assert known.file_name in first
+    every = known_formats((*FORMATS, *HAPTIC_FORMATS))
+    for known, (first, second) in zip(every, zip(lines[::2], lines[1::2], strict=True), strict=True):
+        assert known.files[0] in first
         assert second.strip() == known.tool
 
 
