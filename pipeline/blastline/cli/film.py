@@ -14,6 +14,7 @@ from .options import (
     Film,
     Formats,
     FrameRate,
+    MadeFor,
     Mix,
     OriginalTimeline,
     Overwrite,
@@ -181,15 +182,7 @@ def check(
         Path | None,
         typer.Option(metavar="FILE", help="The drive to check.", show_default="drive.wav beside the timeline"),
     ] = None,
-    actuator: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME|FILE",
-            help="The actuator that the drive was made for.",
-            show_default="as the timeline says",
-            rich_help_panel=DRIVING,
-        ),
-    ] = None,
+    actuator: MadeFor = None,
     rules: RulesOption = None,
     quiet: Quiet = False,
 ) -> int:
@@ -223,15 +216,7 @@ def export(
             rich_help_panel=DRIVING,
         ),
     ] = None,
-    actuator: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME|FILE",
-            help="The actuator that the drive was made for.",
-            show_default="as the timeline says",
-            rich_help_panel=DRIVING,
-        ),
-    ] = None,
+    actuator: MadeFor = None,
     rules: RulesOption = None,
     overwrite: Overwrite = False,
     quiet: Quiet = False,

@@ -53,6 +53,15 @@ Formats = Annotated[
         rich_help_panel=WRITING,
     ),
 ]
+MadeFor = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME|FILE",
+        help="The actuator that the drive was made for.",
+        show_default="as the timeline says",
+        rich_help_panel=DRIVING,
+    ),
+]
 StartTimecode = Annotated[
     str | None,
     typer.Option(

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from .. import dsp
 from ..ruleset import ActuatorProfile
 from ..units import levels_db
-from .style import INK, SERIES
+from .style import INK, SERIES, figure_settings
 
 Values = NDArray[np.float64]
 
@@ -68,20 +68,8 @@ def write_bode(
         ("Compensator", _compensator_column(profile)),
     ]
     settings: Any = {
-        "svg.fonttype": "none",
-        "svg.hashsalt": profile.name,
-        "font.family": "sans-serif",
+        **figure_settings(profile.name),
         "font.size": 9,
-        "axes.edgecolor": INK["faint"],
-        "axes.labelcolor": INK["soft"],
-        "axes.linewidth": 0.6,
-        "xtick.color": INK["soft"],
-        "ytick.color": INK["soft"],
-        "text.color": INK["strong"],
-        "axes.spines.top": False,
-        "axes.spines.right": False,
-        "xtick.major.size": 2.5,
-        "ytick.major.size": 2.5,
         "legend.frameon": False,
         "legend.fontsize": 8,
         "xtick.labelsize": 8,

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from .sounds import EventSound, Samples, envelope, spectrum_db
-from .style import INK, SERIES
+from .style import INK, SERIES, figure_settings
 
 _WIDTH_IN, _HEIGHT_IN = 10.6, 6.2
 _COLUMNS_WHOLE, _COLUMNS_ATTACK, _BANDS = 420, 260, 90
@@ -28,21 +28,9 @@ def event_figure(sound: EventSound) -> str:
     from matplotlib.figure import Figure
 
     settings: Any = {
-        "svg.fonttype": "none",
-        "svg.hashsalt": sound.event.id,
-        "font.family": "sans-serif",
+        **figure_settings(sound.event.id),
         "font.size": 8.5,
         "axes.facecolor": "none",
-        "axes.edgecolor": INK["faint"],
-        "axes.labelcolor": INK["soft"],
-        "axes.linewidth": 0.6,
-        "xtick.color": INK["soft"],
-        "ytick.color": INK["soft"],
-        "text.color": INK["strong"],
-        "axes.spines.top": False,
-        "axes.spines.right": False,
-        "xtick.major.size": 2.5,
-        "ytick.major.size": 2.5,
         "path.simplify_threshold": 0.2,
     }
     with mpl.rc_context(settings):

@@ -1,4 +1,4 @@
-"""The page's colours and its style sheet.
+"""The colours of page and figures, the figures' settings and the page's style sheet.
 
 The colours in figures are written as the distinct values below and replaced by variables of the style sheet. They keep
 apart for the common forms of colour blindness (Okabe and Ito 2008), and every one is also told by its place or label.
@@ -31,6 +31,25 @@ _DARK_SERIES = {
 }
 
 _DARK_INK = {"strong": "#e8edf3", "soft": "#9fabbb", "faint": "#566274", "grid": "#2a3442"}
+
+
+def figure_settings(salt: str) -> dict[str, object]:
+    """Return matplotlib's settings for every figure: quiet axes, text that stays text, the same file for one salt."""
+    return {
+        "svg.fonttype": "none",
+        "svg.hashsalt": salt,
+        "font.family": "sans-serif",
+        "axes.edgecolor": INK["faint"],
+        "axes.labelcolor": INK["soft"],
+        "axes.linewidth": 0.6,
+        "xtick.color": INK["soft"],
+        "ytick.color": INK["soft"],
+        "text.color": INK["strong"],
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "xtick.major.size": 2.5,
+        "ytick.major.size": 2.5,
+    }
 
 
 def _variables(series: dict[str, str], ink: dict[str, str]) -> str:
