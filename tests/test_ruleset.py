@@ -12,7 +12,7 @@ import pytest
 
 from blastline.errors import RuleError
 from blastline.model import Quality
-from blastline.ruleset import Rules, actuator_names, check_rules, load_actuator, load_rules, rules_path, to_builtins
+from blastline.ruleset import Rules, actuator_names, check_rules, load_actuator, load_rules, rules_path
 
 BUILTIN = Path(rules_path("scenes.toml")).parent
 QUALITIES: tuple[Quality, ...] = get_args(Quality)
@@ -49,7 +49,7 @@ def written(folder: Path, file: str, text: str) -> Path:
 
 def as_dict(rules: Rules) -> dict[str, dict[tuple[str, ...], Any]]:
     tables = (rules.tier, rules.scenes, rules.align)
-    return {file: dict(leaves(to_builtins(table))) for file, table in zip(MERGED, tables, strict=True)}
+    return {file: dict(leaves(msgspec.to_builtins(table))) for file, table in zip(MERGED, tables, strict=True)}
 
 
 def other_values(value: Any) -> list[Any]:

@@ -22,7 +22,8 @@ from blastline.ruleset import ActuatorProfile
 from blastline.soundtrack import Cue
 from blastline.soundtrack.bwf import cue_chunks
 from blastline.study import stability, stability_filters
-from blastline.study.stability import stability_json, stability_line
+from blastline.study.bars import Bar, exact
+from blastline.study.stability import stability_json
 from blastline.study.stability_filters import (
     bar_db,
     response_error_db,
@@ -31,7 +32,6 @@ from blastline.study.stability_filters import (
     time_error_db,
     top_hz,
 )
-from blastline.study.stability_rows import Row, exact
 from blastline.study.stability_signals import MODELS, drive_of, shot_film
 from commands import blastline
 from render_signals import CAUSAL, PROFILE
@@ -248,31 +248,31 @@ def test_a_marker_beyond_32_bits_is_left_to_the_timeline() -> None:
 def test_a_family_of_rows_holds(family: str, tmp_path: Path) -> None:
     rows = list(stability.families()[family](tmp_path))
     assert len(rows) > 5
-    assert [row for row in rows if not row.ok] == []
+    assert [row for row in rows if not row.met] == []
 
 
 def test_rows_know_on_which_side_of_their_bar_they_are() -> None:
-    assert Row("a", -61.0, -60.0).ok
-    assert not Row("a", -59.0, -60.0).ok
-    assert Row("a", 2.0, 1.0, better="above").margin == 1.0
-    assert not Row("a", 0.5, 1.0, better="above").ok
-    assert exact("a", 0).ok
-    assert not exact("a", 1).ok
-    assert not Row("a", math.nan, 1.0).ok
-    assert not Row("a", math.nan, 1.0, better="above").ok
-    assert "MISSED" in stability_line("family", Row("a", 2.0, 1.0))
+    assert Bar("a", -61.0, -60.0).met
+    assert not Bar("a", -59.0, -60.0).met
+    assert Bar("a", 2.0, 1.0, better="above").margin == 1.0
+    assert not Bar("a", 0.5, 1.0, better="above").met
+    assert exact("a", 0).met
+    assert not exact("a", 1).met
+    assert not Bar("a", math.nan, 1.0).met
+    assert not Bar("a", math.nan, 1.0, better="above").met
+    assert "MISSED" in str(Bar("a", 2.0, 1.0))
 
 
 def test_the_table_is_printed_and_written_and_a_missed_bar_is_exit_code_1(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    rows = [Row("good", 0.5, 1.0, "dB"), Row("not a number", math.nan, 1.0)]
+    rows = [Bar("good", 0.5, 1.0, "dB"), Bar("not a number", math.nan, 1.0)]
     monkeypatch.setattr(stability, "families", lambda: {"few": lambda folder: iter(rows)})
     ended = blastline("study", "stability", "--output", tmp_path / "rows.json")
     assert ended.code == 1
     assert "2 rows, 1 miss their bar" in ended.out
     written = json.loads((tmp_path / "rows.json").read_bytes())
-    assert [row["ok"] for row in written] == [True, False]
+    assert [row["met"] for row in written] == [True, False]
     assert [row["measured"] for row in written] == [0.5, None]
     assert stability_json([("few", rows[0])]).endswith(b"\n")
     rows.pop()

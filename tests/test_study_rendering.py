@@ -9,8 +9,9 @@ import pytest
 from blastline.errors import RuleError
 from blastline.model import Span
 from blastline.ruleset import load_rules
+from blastline.study.bars import Bar
 from blastline.study.drives import setting_for, windowed_error
-from blastline.study.rendering import Bar, RenderingScore, score
+from blastline.study.rendering import RenderingScore, score
 from blastline.study.truth import true_scenes
 from commands import blastline
 from render_signals import PROFILE
@@ -126,8 +127,8 @@ def test_a_short_pre_roll_shows(folder: Path) -> None:
 def test_a_bar_that_is_missed_says_so() -> None:
     assert Bar("lag", 0.6, 0.5).margin == pytest.approx(-0.1)
     assert not Bar("lag", 0.6, 0.5).met
-    assert Bar("ratio", 0.9, 0.83, at_least=True).met
-    assert not Bar("ratio", float("nan"), 0.83, at_least=True).met
+    assert Bar("ratio", 0.9, 0.83, better="above").met
+    assert not Bar("ratio", float("nan"), 0.83, better="above").met
 
 
 def test_command_prints_the_table_and_writes_every_figure(folder: Path, tmp_path: Path) -> None:

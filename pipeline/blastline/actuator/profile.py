@@ -1,12 +1,9 @@
 """A fitted model as an actuator profile, with the band filters that its drive needs, and as the text of its file."""
 
 from pathlib import Path
-from typing import Any
-
-import msgspec
 
 from ..dsp import felt_response
-from ..ruleset import ActuatorProfile, FitRules, Response, check_stable
+from ..ruleset import ActuatorProfile, FitRules, Response, check_stable, toml_lines
 from .fit import FittedResponse
 from .inverse import band_filters, peak
 from .rational import analogue
@@ -39,12 +36,7 @@ def fitted_profile(
 
 def profile_text(profile: ActuatorProfile) -> str:
     """Return a profile as the text of a TOML file, which `load_actuator` reads as the same profile."""
-    plain: dict[str, Any] = msgspec.to_builtins(profile)
-    lines = [f"{key} = {_toml(plain[key])}" for key in ("schema", "source", "name")]
-    lines += ["", "# " + _formula(profile)]
-    for table in ("response", "lowpass", "highpass"):
-        lines += [f"[{table}]", *(f"{key} = {_toml(value)}" for key, value in plain[table].items()), ""]
-    return "\n".join(lines).rstrip() + "\n"
+    return "\n".join([f"# {_formula(profile)}", *toml_lines(profile)]) + "\n"
 
 
 def _formula(profile: ActuatorProfile) -> str:
@@ -58,9 +50,3 @@ def _pairs(roots: list[complex]) -> tuple[tuple[float, float], ...]:
     """Return roots as [real, imaginary], slowest first."""
     ordered = sorted(roots, key=lambda root: (abs(root), root.imag))
     return tuple((root.real, root.imag) for root in ordered)
-
-
-def _toml(value: Any) -> str:
-    if isinstance(value, list):
-        return f"[{', '.join(_toml(item) for item in value)}]"
-    return msgspec.json.encode(value).decode().replace("\x7f", "\\u007F")

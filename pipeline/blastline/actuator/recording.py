@@ -1,33 +1,17 @@
 """A recording of a measurement: one column of sound that can be cut anywhere, with what its levels tell of it."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SoundtrackError
-from ..model import Clip, Span
+from ..model import SoundFile, Span
 
 _SAME = 1e-6
 """Samples this near to the peak, relative to it, stand at the peak: equal in 16 bits and in 24."""
 
 _SILENCE = 1e-7
-
-
-class Track(Protocol):
-    """A sound track as `soundtrack.Soundtrack` is one: heard once from its start, then cut anywhere."""
-
-    @property
-    def rate_hz(self) -> int:
-        """Return the sample rate."""
-
-    def blocks(self) -> Iterator[Clip]:
-        """Yield the whole sound, once."""
-
-    def cut(self, span: Span, /) -> Clip:
-        """Return the exact samples of a span."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +22,7 @@ class Recording:
     """
 
     name: str
-    track: Track
+    track: SoundFile
     frames: int
     peak: float
     mean: float
@@ -58,7 +42,7 @@ class Recording:
         return samples
 
 
-def recorded(name: str, track: Track) -> Recording:
+def recorded(name: str, track: SoundFile) -> Recording:
     """Hear a track to its end and return it as a recording.
 
     Raises SoundtrackError where it is silent: a constant, or nothing above 1e-7 of full scale.

@@ -10,6 +10,5 @@ saturated shots. A check that cannot tell passes, with nothing measured.
 """
 
 from .checks import check_files, check_timeline
-from .sounds import Cutter, DriveFile
 
-__all__ = ["Cutter", "DriveFile", "check_files", "check_timeline"]
+__all__ = ["check_files", "check_timeline"]

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 
 import msgspec
 
-from ..model import Background, Check, Event, Phase, Span, Timeline
+from ..model import Background, Check, Cutter, Event, Phase, SoundFile, Span, Timeline
 from ..ruleset import ActuatorProfile, AlignRules
 from ..units import ms_from_samples, samples_from_ms
 from .comparison import Comparison, compare
@@ -13,7 +13,7 @@ from .film import FilmFigures, gaps, scan
 from .hearing import is_direct
 from .sanity import audio_rise_db, fade_margin, is_telling, order_faults
 from .shots import REFINE_MS, ShotFigures, likeness_limit
-from .sounds import Cutter, DriveFile, Sound, stretch_of
+from .sounds import Sound, stretch_of
 from .timing import Timing, time_film
 
 
@@ -21,7 +21,7 @@ def check_files(
     timeline: Timeline,
     *,
     audio: Cutter,
-    drive: DriveFile,
+    drive: SoundFile,
     profile: ActuatorProfile,
     rules: AlignRules,
     phase: Phase,
@@ -59,7 +59,7 @@ def check_timeline(timeline: Timeline, *, audio: Cutter, rules: AlignRules) -> t
     return tuple(checks)
 
 
-def _scan(timeline: Timeline, audio: Sound, drive: DriveFile, background: Background) -> FilmFigures:
+def _scan(timeline: Timeline, audio: Sound, drive: SoundFile, background: Background) -> FilmFigures:
     """Read the whole drive; at another rate than the timeline's, what lies outside windows is only roughly known."""
     ratio = drive.rate_hz / timeline.source.sample_rate_hz
     spare = 0 if ratio == 1.0 else samples_from_ms(5.0, drive.rate_hz)

@@ -1,31 +1,12 @@
 """What the checks read: stretches of soundtrack and drive, at any place and rate."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Clip, Span
-
-
-class Cutter(Protocol):
-    """A sound file of which any stretch can be read again exactly, once it has been decoded."""
-
-    @property
-    def rate_hz(self) -> int:
-        """Return the sample rate."""
-
-    def cut(self, span: Span, /) -> Clip:
-        """Return the stretch inside `span`, which lies inside the file."""
-
-
-class DriveFile(Cutter, Protocol):
-    """A drive's file, not yet decoded: read once from end to end, then in stretches."""
-
-    def blocks(self) -> Iterable[Clip]:
-        """Return the whole file as clips that follow each other without gaps."""
+from ..model import Clip, Cutter, Span
 
 
 @dataclass(frozen=True)

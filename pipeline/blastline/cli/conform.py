@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .options import FINDING, WRITING, Overwrite, Quiet, RulesOption
+from .options import NewMix, NewStream, Overwrite, Quiet, ResultFolder, RulesOption
 from .progress import shown_progress
 
 if TYPE_CHECKING:
@@ -23,29 +23,9 @@ def conform(
         typer.Option("--from", metavar="OLD", help="The film that the timeline was made from.", show_default=False),
     ],
     new: Annotated[Path, typer.Option("--to", metavar="NEW", help="The new cut of the film.", show_default=False)],
-    folder: Annotated[
-        Path,
-        typer.Option("-o", "--output", metavar="DIR", help="Folder for the results.", rich_help_panel=WRITING),
-    ],
-    mix: Annotated[
-        str | None,
-        typer.Option(
-            metavar="MIX",
-            help="Which channels of the new film to listen to: mains, lfe, center, all, or their numbers from 0: 0,1.",
-            show_default="as in the timeline",
-            rich_help_panel=FINDING,
-        ),
-    ] = None,
-    stream: Annotated[
-        int | None,
-        typer.Option(
-            min=0,
-            metavar="N",
-            help="Which sound track of the new film, from 0.",
-            show_default="its default track",
-            rich_help_panel=FINDING,
-        ),
-    ] = None,
+    folder: ResultFolder,
+    mix: NewMix = None,
+    stream: NewStream = None,
     rules: RulesOption = None,
     overwrite: Overwrite = False,
     quiet: Quiet = False,

@@ -5,21 +5,28 @@ from typing import Annotated
 
 import typer
 
-from ..model import Background, DriveChoice, Phase, Timeline, encode
+from ..model import Timeline, encode
 from ..timebase import parse_timebase
 from .options import (
     DRIVING,
     WRITING,
+    ActuatorOption,
+    BackgroundOption,
+    DriveOption,
     EditedTimeline,
     Film,
     Formats,
     FrameRate,
+    LevelOption,
     MadeFor,
     Mix,
     OriginalTimeline,
     Overwrite,
+    PhaseOption,
     QualityOption,
     Quiet,
+    ReportOption,
+    ResultFolder,
     RulesOption,
     StartTimecode,
     Stream,
@@ -33,59 +40,22 @@ FAILED_CHECK = 1
 
 def render(
     film: Film,
-    folder: Annotated[
-        Path,
-        typer.Option("-o", "--output", metavar="DIR", help="Folder for the results.", rich_help_panel=WRITING),
-    ],
+    folder: ResultFolder,
     quality: QualityOption = "standard",
     rules: RulesOption = None,
     mix: Mix = "mains",
     stream: Stream = None,
     timeline: EditedTimeline = None,
     original: OriginalTimeline = None,
-    actuator: Annotated[
-        str,
-        typer.Option(
-            metavar="NAME|FILE",
-            help="The seat's actuator: a name of `blastline actuator list`, or a profile (.toml) of your own.",
-            rich_help_panel=DRIVING,
-        ),
-    ] = "crowson-t108sm",
-    drive: Annotated[
-        DriveChoice,
-        typer.Option(
-            help="How the sound becomes vibration. auto takes for each shot the cheapest that is good enough.",
-            rich_help_panel=DRIVING,
-        ),
-    ] = "auto",
-    phase: Annotated[
-        Phase,
-        typer.Option(
-            help="causal never moves before the bang; zero keeps the waveform's shape, but may start before it.",
-            rich_help_panel=DRIVING,
-        ),
-    ] = "causal",
-    background: Annotated[
-        Background,
-        typer.Option(help="Between the shots: no motion, or the film's sound as it is.", rich_help_panel=DRIVING),
-    ] = "mute",
-    level_db: Annotated[
-        float | None,
-        typer.Option(
-            "--level",
-            metavar="DB",
-            help="Raise the sound by so much before it becomes vibration: less is followed more faithfully, more is "
-            "stronger until the actuator's limit levels it.",
-            show_default="as the rules say, 0",
-            rich_help_panel=DRIVING,
-        ),
-    ] = None,
+    actuator: ActuatorOption = "crowson-t108sm",
+    drive: DriveOption = "auto",
+    phase: PhaseOption = "causal",
+    background: BackgroundOption = "mute",
+    level_db: LevelOption = None,
     start_timecode: StartTimecode = None,
     frame_rate: FrameRate = None,
     formats: Formats = "json,csv",
-    report: Annotated[
-        bool, typer.Option("--report/--no-report", help="Write report.html with pictures.", rich_help_panel=WRITING)
-    ] = True,
+    report: ReportOption = True,
     overwrite: Overwrite = False,
     quiet: Quiet = False,
 ) -> int:
@@ -201,10 +171,7 @@ def check(
 def export(
     timeline: Annotated[Path, typer.Argument(metavar="TIMELINE", help="A timeline.json.", show_default=False)],
     formats: Formats,
-    folder: Annotated[
-        Path,
-        typer.Option("-o", "--output", metavar="DIR", help="Folder for the files.", rich_help_panel=WRITING),
-    ],
+    folder: ResultFolder,
     start_timecode: StartTimecode = None,
     frame_rate: FrameRate = None,
     drive: Annotated[

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ..model import Quality
+from ..model import Background, DriveChoice, Phase, Quality
 
 FINDING, DRIVING, TIMECODE = "Finding shots", "Making the drive", "The film's timecode"
 WRITING, MESSAGES = "Results", "Messages"
@@ -51,6 +51,69 @@ Formats = Annotated[
         help="Timeline files to write: json, schema, csv, audacity, reaper, resolve, cmx3600, fcp7, otio, fcpxml, "
         "avid, webvtt, midi; from the drive: ahap, haptic, hjif. `blastline formats` tells what opens each.",
         rich_help_panel=WRITING,
+    ),
+]
+ResultFolder = Annotated[
+    Path,
+    typer.Option("-o", "--output", metavar="DIR", help="Folder for the results.", rich_help_panel=WRITING),
+]
+ActuatorOption = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME|FILE",
+        help="The seat's actuator: a name of `blastline actuator list`, or a profile (.toml) of your own.",
+        rich_help_panel=DRIVING,
+    ),
+]
+DriveOption = Annotated[
+    DriveChoice,
+    typer.Option(
+        help="How the sound becomes vibration. auto takes for each shot the cheapest that is good enough.",
+        rich_help_panel=DRIVING,
+    ),
+]
+PhaseOption = Annotated[
+    Phase,
+    typer.Option(
+        help="causal never moves before the bang; zero keeps the waveform's shape, but may start before it.",
+        rich_help_panel=DRIVING,
+    ),
+]
+BackgroundOption = Annotated[
+    Background,
+    typer.Option(help="Between the shots: no motion, or the film's sound as it is.", rich_help_panel=DRIVING),
+]
+LevelOption = Annotated[
+    float | None,
+    typer.Option(
+        "--level",
+        metavar="DB",
+        help="Raise the sound by so much before it becomes vibration: less is followed more faithfully, more is "
+        "stronger until the actuator's limit levels it.",
+        show_default="as the rules say, 0",
+        rich_help_panel=DRIVING,
+    ),
+]
+ReportOption = Annotated[
+    bool, typer.Option("--report/--no-report", help="Write report.html with pictures.", rich_help_panel=WRITING)
+]
+NewMix = Annotated[
+    str | None,
+    typer.Option(
+        metavar="MIX",
+        help="Which channels of the new film to listen to: mains, lfe, center, all, or their numbers from 0: 0,1.",
+        show_default="as in the timeline",
+        rich_help_panel=FINDING,
+    ),
+]
+NewStream = Annotated[
+    int | None,
+    typer.Option(
+        min=0,
+        metavar="N",
+        help="Which sound track of the new film, from 0.",
+        show_default="its default track",
+        rich_help_panel=FINDING,
     ),
 ]
 MadeFor = Annotated[

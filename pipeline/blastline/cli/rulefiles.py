@@ -1,13 +1,11 @@
 """`rules show` and `rules check`."""
 
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-import msgspec
 import typer
 
-from ..ruleset import check_rules, load_conform, load_haptics, load_measuring, load_rules, to_builtins
+from ..ruleset import check_rules, load_conform, load_haptics, load_measuring, load_rules, toml_lines
 from .options import QualityOption, RulesOption
 
 group = typer.Typer(help="The numbers that blastline works with, and yours in their place.")
@@ -31,7 +29,7 @@ def show(quality: QualityOption = "standard", rules: RulesOption = None) -> None
     }
     for name, table in tables.items():
         typer.echo(f"\n# {name}.toml")
-        for line in _toml(to_builtins(table)):
+        for line in toml_lines(table):
             typer.echo(line)
 
 
@@ -45,14 +43,3 @@ def check(
     """
     for name in check_rules(folder):
         typer.echo(name)
-
-
-def _toml(plain: dict[str, Any]) -> Iterator[str]:
-    """Yield the lines of a TOML file: first the keys of the top level, then its tables; TOML has no word for None."""
-    for key, value in plain.items():
-        if value is not None and not isinstance(value, dict):
-            yield f"{key} = {msgspec.json.encode(value).decode()}"
-    for key, value in plain.items():
-        if isinstance(value, dict):
-            yield f"\n[{key}]"
-            yield from _toml(value)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Final, get_args
 from ..model import Phase
 
 if TYPE_CHECKING:
-    from ..study.rendering import Bar, RenderingScore
+    from ..study.rendering import RenderingScore
 
 _DRIVES: Final = ("direct", "clipped", "scaled", "constrained")
 
@@ -30,11 +30,4 @@ def rendering_table(score: "RenderingScore") -> str:
             means = [score.means(phase, name, scene) for name in _DRIVES]
             cells = "".join(f" {each.ratio:6.3f} {each.correlation:6.3f}" for each in means)
             lines.append(f"{scene or 'all':<29}{cells} {means[-1].lag_ms:7.3f}")
-    lines += ["", f"{'bar':<60} {'measured':>11} {'limit':>9} {'margin':>9}"]
-    return "\n".join([*lines, *map(_bar, score.bars)])
-
-
-def _bar(bar: "Bar") -> str:
-    limit = f"{'>=' if bar.at_least else '<='} {bar.limit:.3g}"
-    verdict = "met" if bar.met else "NOT MET"
-    return f"{bar.name:<60} {bar.measured:11.4g} {limit:>9} {bar.margin:9.3g} {bar.unit:<5} {verdict}"
+    return "\n".join([*lines, "", *map(str, score.bars)])

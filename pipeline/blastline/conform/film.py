@@ -2,21 +2,9 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Protocol
 
-from ..model import Clip, Span
+from ..model import Clip, Cutter, Span
 from .fingerprint import Fingerprint, fingerprint
-
-
-class Cutter(Protocol):
-    """A sound file of which any stretch can be read again exactly, once it has been decoded."""
-
-    @property
-    def rate_hz(self) -> int:
-        """Return the sample rate."""
-
-    def cut(self, span: Span, /) -> Clip:
-        """Return the stretch inside `span`, which lies inside the file."""
 
 
 @dataclass(frozen=True, eq=False)

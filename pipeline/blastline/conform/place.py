@@ -127,22 +127,19 @@ def _heard(
     else:
         ways = [(length_s, rules.close_ms / 1000.0, least), (length_s, rules.far_ms / 1000.0, rules.least_far)]
     for after_s, search_s, enough in ways:
-        found, least = (
-            look(
-                old,
-                new,
-                old_s=onset_s,
-                new_s=stretch.line.at(onset_s),
-                before_s=rules.before_ms / 1000.0,
-                after_s=after_s,
-                scale=course.pitch_scale,
-                search_s=search_s,
-            ),
-            enough,
+        found = look(
+            old,
+            new,
+            old_s=onset_s,
+            new_s=stretch.line.at(onset_s),
+            before_s=rules.before_ms / 1000.0,
+            after_s=after_s,
+            scale=course.pitch_scale,
+            search_s=search_s,
         )
-        if found.likeness >= least:
+        if found.likeness >= enough:
             break
-    return found, least
+    return found, enough
 
 
 def _attack_heard(onset_s: float, course: Course, old: Film, new: Film, rules: ConformRules) -> tuple[Found, float]:

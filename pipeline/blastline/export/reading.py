@@ -16,7 +16,7 @@ def read_timeline(path: Path) -> Timeline:
     Raises TimelineError where there is no such file, where it is not JSON, where its schema is not the one this
     version writes, or where a field is missing or holds what it cannot: two events of one id, a negative time.
     """
-    plain = read_plain(path, _content(path))
+    plain = read_plain(path, read_content(path, expected="a timeline.json"))
     try:
         timeline = msgspec.convert(plain, Timeline)
     except msgspec.ValidationError as error:
@@ -36,13 +36,14 @@ def read_plain(path: Path, content: bytes) -> Any:
     return plain
 
 
-def _content(path: Path) -> bytes:
+def read_content(path: Path, *, expected: str) -> bytes:
+    """Return what is in a file; TimelineError says why it cannot be read, and what was expected there."""
     try:
         return path.read_bytes()
     except FileNotFoundError as error:
-        raise TimelineError(f"{path}: no such file; expected a timeline.json") from error
+        raise TimelineError(f"{path}: no such file; expected {expected}") from error
     except OSError as error:
-        raise TimelineError(f"{path}: cannot be read: {error.strerror}; expected a timeline.json") from error
+        raise TimelineError(f"{path}: cannot be read: {error.strerror}; expected {expected}") from error
 
 
 def _refuse_schema(plain: Any, path: Path) -> None:

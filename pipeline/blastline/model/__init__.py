@@ -7,7 +7,7 @@ Conventions
 """
 
 from .scene import SceneEvidence
-from .sound import Clip, Span
+from .sound import Clip, Cutter, SoundFile, Span
 from .timeline import (
     SCHEMA,
     ActuatorRef,
@@ -39,6 +39,7 @@ __all__ = [
     "Background",
     "Check",
     "Clip",
+    "Cutter",
     "DriveChoice",
     "DriveInfo",
     "DriveModel",
@@ -53,6 +54,7 @@ __all__ = [
     "Rejection",
     "SceneEvidence",
     "Shot",
+    "SoundFile",
     "Source",
     "Span",
     "Timeline",

@@ -1,7 +1,8 @@
-"""Spans of time and pieces of sound."""
+"""Spans of time, pieces of sound, and the files that they are cut from."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 import msgspec
 from numpy.typing import NDArray
@@ -81,3 +82,21 @@ class Clip:
         if span.start < self.start or span.stop > self.span.stop:
             raise ValueError(f"{span} does not lie within {self.span}")
         return Clip(self.samples[span.start - self.start : span.stop - self.start], self.rate_hz, span.start)
+
+
+class Cutter(Protocol):
+    """A sound file of which any stretch can be read again exactly, once it has been decoded."""
+
+    @property
+    def rate_hz(self) -> int:
+        """Return the sample rate."""
+
+    def cut(self, span: Span, /) -> Clip:
+        """Return the stretch inside `span`, which lies inside the file."""
+
+
+class SoundFile(Cutter, Protocol):
+    """A sound file that is not yet decoded: read once from end to end, then in stretches."""
+
+    def blocks(self) -> Iterable[Clip]:
+        """Return the whole file as clips that follow each other without gaps."""

@@ -8,6 +8,5 @@ from .bode import BodeCurve, write_bode
 from .exports import ExportRow
 from .overview import Overview, OverviewMeter
 from .page import write_report
-from .sounds import Cutter
 
-__all__ = ["BodeCurve", "Cutter", "ExportRow", "Overview", "OverviewMeter", "write_bode", "write_report"]
+__all__ = ["BodeCurve", "ExportRow", "Overview", "OverviewMeter", "write_bode", "write_report"]

@@ -3,14 +3,14 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..model import Check, Event, Timeline
+from ..model import Check, Cutter, Event, Timeline
 from ..ruleset import ActuatorProfile
 from .choice import MOST_PICTURES, failures, pictured, rule
 from .exports import ExportRow, exports_table
 from .figures import event_figure
 from .overview import Overview
 from .script import FILTER, SCRIPT
-from .sounds import Cutter, event_sound
+from .sounds import event_sound
 from .style import STYLE
 from .summary import heading, tiles, verdict, warnings
 from .tables import checks_tables, origin_list, rejections_table, shots_table

@@ -3,13 +3,12 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import dsp
-from ..model import Clip, Event, Span
+from ..model import Cutter, Event, Span
 from ..ruleset import ActuatorProfile
 from ..units import samples_from_ms
 
@@ -18,17 +17,6 @@ Samples = NDArray[np.float64]
 _SETTLE_MS = 250.0
 _BEFORE_MS = 12.0
 _LONGEST_MS = 400.0
-
-
-class Cutter(Protocol):
-    """A sound file of which any stretch can be read."""
-
-    @property
-    def rate_hz(self) -> int:
-        """Return the sample rate."""
-
-    def cut(self, span: Span, /) -> Clip:
-        """Return the stretch inside `span`, which lies inside the file."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable
 import numpy as np
 
 from ..model import Event, Source, Timeline
+from ..timecode import frame_scale, timecode_at
 from ..units import levels_db
 from .overview import Overview
 from .words import duration, figure, safe
@@ -115,16 +116,7 @@ def _label(x: float, y: float, text: str, anchor: str) -> str:
 
 
 def _clock(source: Source, elapsed_s: float, step_s: float) -> str:
-    """Return the timecode's hours, minutes and seconds; the time from the start where the film has none.
-
-    Timecode counts whole frames: at 24000/1001 frames a second its seconds last 1.001 s, unless it drops frames.
-    """
-    fields = (source.start_timecode or "").replace(";", ":").split(":")
-    if step_s < 1.0 or len(fields) != 4 or not all(field.isdigit() for field in fields) or not source.frame_rate:
+    """Return the timecode's hours, minutes and seconds; the time from the start where the film has none."""
+    if step_s < 1.0 or source.start_timecode is None or frame_scale(source) is None:
         return duration(elapsed_s) if elapsed_s >= 60.0 else f"{figure(elapsed_s)} s"
-    over, _, under = source.frame_rate.partition("/")
-    rate = float(over) / float(under or 1)
-    stretch = 1.0 if ";" in str(source.start_timecode) else rate / math.ceil(rate - 1e-9)
-    hours, minutes, seconds, _ = (int(field) for field in fields)
-    total = round(3600 * hours + 60 * minutes + seconds + elapsed_s * stretch)
-    return f"{total // 3600 % 24:02d}:{total // 60 % 60:02d}:{total % 60:02d}"
+    return timecode_at(source, round(elapsed_s * source.sample_rate_hz))[: len("HH:MM:SS")]

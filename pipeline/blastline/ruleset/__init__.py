@@ -20,6 +20,7 @@ from .files import (
 from .measuring import FitRules, IdentifyRules, MeasuringRules, PerceptionCurve
 from .perceptions import load_perception, perception_names
 from .tables import (
+    LARGEST_LEVEL_DB,
     ActuatorProfile,
     AlignRules,
     BurstRules,
@@ -35,11 +36,12 @@ from .tables import (
     SegmentRules,
     VerifyRules,
     WindowRules,
-    to_builtins,
+    toml_lines,
 )
 
 __all__ = [
     "FREQUENCY",
+    "LARGEST_LEVEL_DB",
     "ActuatorProfile",
     "AlignRules",
     "BurstRules",
@@ -74,5 +76,5 @@ __all__ = [
     "perception_names",
     "read_columns",
     "rules_path",
-    "to_builtins",
+    "toml_lines",
 ]

@@ -20,7 +20,7 @@ from ..errors import RuleError, misfit
 from ..model import Quality
 from .conforming import ConformRules
 from .measuring import MeasuringRules, PerceptionCurve
-from .tables import ActuatorProfile, AlignRules, HapticRules, QualityRules, SceneRules, Table, to_builtins
+from .tables import ActuatorProfile, AlignRules, HapticRules, QualityRules, SceneRules, Table
 
 SLOWEST_RAD_S = -1.0
 """The slowest decay of an actuator, as the real part of a zero or pole: filters keep all of it in memory."""
@@ -65,7 +65,7 @@ def load_rules(quality: Quality, overlay: Path | None = None) -> Rules:
     model = rules_path(f"verifier/{tier.verify.model}", overlay)
     if not model.is_file():
         raise RuleError(f"{model}: no such file; [verify] model = {tier.verify.model!r} expects it under verifier/")
-    digest = hashlib.sha256(msgspec.json.encode([to_builtins(t) for t in (tier, scenes, align)]))
+    digest = hashlib.sha256(msgspec.json.encode([tier, scenes, align]))
     digest.update(model.read_bytes())
     return Rules(quality, tier, scenes, align, digest.hexdigest(), overlay)
 

@@ -3,6 +3,7 @@
 Every table carries `source`, which says where its numbers come from: a paper, a measurement or a study run.
 """
 
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
 import msgspec
@@ -14,6 +15,9 @@ Ratio = Annotated[float, Meta(ge=0.0, le=1.0)]
 Level = Annotated[float, Meta(ge=-200.0, le=200.0)]
 Count = Annotated[int, Meta(ge=1)]
 Source = Annotated[str, Meta(min_length=3)]
+
+LARGEST_LEVEL_DB = 40.0
+"""How far the sound may be raised or lowered before it becomes vibration."""
 
 
 class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -132,7 +136,7 @@ class RenderRules(Table, frozen=True):
 
     preroll_ms: NonNegative
     lead_ms: NonNegative
-    level_db: Annotated[float, Meta(ge=-40.0, le=40.0)]
+    level_db: Annotated[float, Meta(ge=-LARGEST_LEVEL_DB, le=LARGEST_LEVEL_DB)]
     solver_rate_hz: Annotated[int, Meta(ge=4000)]
     iterations: Count
     polish_iterations: Annotated[int, Meta(ge=0)]
@@ -249,10 +253,20 @@ class ActuatorProfile(Table, frozen=True):
     highpass: HighPass
 
 
-def to_builtins(table: Table) -> dict[str, Any]:
-    """Return a table as plain dictionaries, lists, strings and numbers."""
-    plain: dict[str, Any] = msgspec.to_builtins(table)
-    return plain
+def toml_lines(table: Table) -> Iterator[str]:
+    """Yield a table as the lines of a TOML file: first the keys of the top level, then its tables."""
+    yield from _toml_lines(msgspec.to_builtins(table))
+
+
+def _toml_lines(plain: dict[str, Any]) -> Iterator[str]:
+    for key, value in plain.items():
+        if value is not None and not isinstance(value, dict):  # TOML has no word for None
+            # JSON's numbers, lists and strings are TOML's, but for a delete character, which has to be escaped
+            yield f"{key} = {msgspec.json.encode(value).decode()}".replace("\x7f", "\\u007F")
+    for key, value in plain.items():
+        if isinstance(value, dict):
+            yield f"\n[{key}]"
+            yield from _toml_lines(value)
 
 
 def _ascending(table: Table, low: str, high: str) -> None:

@@ -27,7 +27,7 @@ from ..conform import (
 )
 from ..errors import OutputError, SoundtrackError, TimelineError
 from ..export import read_timeline
-from ..model import Clip, Event, Rejection, Shot, Source, Timeline, encode
+from ..model import Event, Rejection, Shot, Source, Timeline, encode
 from ..render import plan_windows
 from ..ruleset import ConformRules, Rules, load_conform, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack, timecode_at
@@ -35,7 +35,7 @@ from ..staging import staged
 from ..units import samples_from_s
 from . import names
 from .listening import BLOCK
-from .progress import Progress, no_progress
+from .progress import Progress, no_progress, told
 
 _SHORTEST_S = 1.0
 
@@ -91,13 +91,7 @@ def conform(
 
 def _heard(track: Soundtrack, path: Path, stage: str, progress: Progress) -> Film:
     """Decode a film once. Raises SoundtrackError where there is too little to recognise it by."""
-
-    def told() -> Iterator[Clip]:
-        for block in track.blocks(BLOCK):
-            yield block
-            progress(stage, block.span.stop, track.expected_frames)
-
-    film = hear(track, told())
+    film = hear(track, told(track.blocks(BLOCK), progress, track.expected_frames, stage=stage))
     if film.duration_s < _SHORTEST_S:
         raise SoundtrackError(f"{path}: lasts {film.duration_s:.3f} s; expected at least {_SHORTEST_S:g} s of film")
     if not film.fingerprint.frames.any():

@@ -43,17 +43,17 @@ def export(
     beside the timeline. `note` is told what had to be rounded.
     Raises BlastlineError for a timeline, drive, format, time base or folder it cannot use, and writes nothing then.
     """
-    names = [known.name for known in known_formats(formats)]
+    chosen = [known.name for known in known_formats(formats)]
     read = retimed(read_timeline(timeline), timebase)
-    require_frame_rate(names, read.source)
-    files = [file for known in known_formats(names) for file in known.files]
-    sets = [pattern for known in known_formats(names) for pattern in known.sets]
+    require_frame_rate(chosen, read.source)
+    files = [file for known in known_formats(chosen) for file in known.files]
+    sets = [pattern for known in known_formats(chosen) for pattern in known.sets]
     with staged(folder, names=files, sets=sets, overwrite=overwrite) as hidden:
         track = None
-        if needs_drive(names):
+        if needs_drive(chosen):
             track = _haptic_track(read, timeline, drive=drive, actuator=actuator, rules=rules, note=note)
-        written = export_timeline(read, hidden, formats=names, track=track, rounding=rounding_notes(note))
-    for line in rounding(read, names):
+        written = export_timeline(read, hidden, formats=chosen, track=track, rounding=rounding_notes(note))
+    for line in rounding(read, chosen):
         note(line)
     return [folder / file.name for file in written]
 

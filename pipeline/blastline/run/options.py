@@ -7,11 +7,9 @@ import msgspec
 
 from ..errors import RuleError
 from ..model import ActuatorRef, Background, DriveChoice, Phase, Quality
-from ..ruleset import ActuatorProfile, HapticRules, Rules, load_actuator, load_haptics, load_rules
+from ..ruleset import LARGEST_LEVEL_DB, ActuatorProfile, HapticRules, Rules, load_actuator, load_haptics, load_rules
 from ..timebase import AS_FILMED, Timebase
 from .progress import Progress
-
-LARGEST_LEVEL_DB = 40.0
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,11 @@ def no_progress(stage: str, done: int, total: int | None) -> None:
     """Tell nobody."""
 
 
-def told(blocks: Iterable[Clip], progress: Progress, total: int | None) -> Iterator[Clip]:
+def told(blocks: Iterable[Clip], progress: Progress, total: int | None, *, stage: str = "listening") -> Iterator[Clip]:
     """Yield the blocks and tell of each when it has been dealt with."""
     for block in blocks:
         yield block
-        progress("listening", block.span.stop, total)
+        progress(stage, block.span.stop, total)
 
 
 Note = Callable[[str], None]

@@ -1,6 +1,5 @@
 """How well shots are found: a quality tier over scenes and recordings with a known truth."""
 
-import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,9 +13,9 @@ from ..errors import RuleError
 from ..model import Clip, Quality
 from ..ruleset import load_rules, rules_path
 from ..soundtrack import open_soundtrack
-from ..synth import synthesise
 from .corpus import load_sound, read_corpus
 from .matching import Counts, Times, count, match, settled
+from .truth import synthesised
 
 WINDOWS_MS = (2.0, 10.0, 50.0)
 CLEAR_SNR_DB = 22.0
@@ -73,20 +72,18 @@ def scenes(folder: Path) -> Iterator[Case]:
     files = sorted(folder.glob("*.toml"))
     if not files:
         raise RuleError(f"{folder}: no scene (*.toml) in it")
-    for file in files:
-        with tempfile.TemporaryDirectory(prefix="blastline-") as made:
-            truth = synthesise(file, Path(made))
-            yield Case(
-                name=file.stem,
-                path=Path(made) / f"{truth.scene}.wav",
-                clip=None,
-                true_ms=np.array([shot.onset_s * 1000.0 for shot in truth.shots]),
-                snr_db=np.array([shot.snr_db for shot in truth.shots]),
-                alternatives_ms=tuple(
-                    tuple(at * 1000.0 / truth.rate_hz for at in shot.accept_samples) for shot in truth.shots
-                ),
-                forgiven_ms=tuple(each.at_s * 1000.0 for each in truth.negatives if each.kind == "explosion"),
-            )
+    for name, path, truth in synthesised(files):
+        yield Case(
+            name=name,
+            path=path,
+            clip=None,
+            true_ms=np.array([shot.onset_s * 1000.0 for shot in truth.shots]),
+            snr_db=np.array([shot.snr_db for shot in truth.shots]),
+            alternatives_ms=tuple(
+                tuple(at * 1000.0 / truth.rate_hz for at in shot.accept_samples) for shot in truth.shots
+            ),
+            forgiven_ms=tuple(each.at_s * 1000.0 for each in truth.negatives if each.kind == "explosion"),
+        )
 
 
 def recordings(folders: Sequence[Path]) -> Iterator[Case]:

@@ -13,6 +13,7 @@ from ..render import needed_audio
 from ..render.filters import settled_compensated
 from ..ruleset import load_actuator, load_rules
 from ..units import SILENCE_DB, db_from_gain, samples_from_ms
+from .bars import Bar
 from .drives import Drive, Setting, ShotRow, Window, WindowRow, judged, setting_for, windowed_error, windows_of
 from .optimum import Optimum, against_optimum
 from .truth import TrueScene, true_scenes
@@ -21,26 +22,6 @@ PHASES: tuple[Phase, ...] = ("causal", "zero")
 _OPTIMA = 3
 _OPTIMUM_S = 0.08
 _OPTIMUM_HZ = 5000
-
-
-class Bar(msgspec.Struct, frozen=True):
-    """Something to reach: what was measured, and the limit it has to stay below (or, `at_least`, above)."""
-
-    name: str
-    measured: float
-    limit: float
-    unit: str = ""
-    at_least: bool = False
-
-    @property
-    def margin(self) -> float:
-        """Return by how much the bar is met; negative where it is not."""
-        return self.measured - self.limit if self.at_least else self.limit - self.measured
-
-    @property
-    def met(self) -> bool:
-        """Return whether the bar is met."""
-        return self.margin >= 0.0
 
 
 class Means(msgspec.Struct, frozen=True):
@@ -135,12 +116,12 @@ def _fidelity_bars(weak: dict[Phase, tuple[ShotRow, ...]]) -> list[Bar]:
         if not felt:
             continue
         bars += [
-            Bar(f"constrained, {phase}: mean ratio", float(np.mean([f.ratio for f in felt])), 0.83, at_least=True),
+            Bar(f"constrained, {phase}: mean ratio", float(np.mean([f.ratio for f in felt])), 0.83, better="above"),
             Bar(
                 f"constrained, {phase}: mean correlation",
                 float(np.mean([f.correlation for f in felt])),
                 0.95,
-                at_least=True,
+                better="above",
             ),
             Bar(f"constrained, {phase}: peak", max(f.peak for f in felt), 1.0),
             Bar(f"constrained, {phase}: drive before the lead", max(shot.before_lead for shot in shots), 0.0),

@@ -11,16 +11,17 @@
 A family is a function that makes its rows, and may use a folder for its files; to add one, name it in `families`.
 """
 
-import dataclasses
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
-from ..errors import RuleError
-from .stability_rows import Row
+import msgspec
 
-Family = Callable[[Path], Iterator[Row]]
+from ..errors import RuleError
+from .bars import Bar
+
+Family = Callable[[Path], Iterator[Bar]]
 
 
 def families() -> dict[str, Family]:
@@ -44,7 +45,7 @@ def families() -> dict[str, Family]:
     }
 
 
-def measure_stability() -> Iterator[tuple[str, Row]]:
+def measure_stability() -> Iterator[tuple[str, Bar]]:
     """Yield every row with the name of its family, each as soon as it has been measured.
 
     Raises RuleError where mpmath, the reference, is not installed.
@@ -57,16 +58,9 @@ def measure_stability() -> Iterator[tuple[str, Row]]:
                 yield name, row
 
 
-def stability_line(family: str, row: Row) -> str:
-    """Return a row as a line of the table: family, case, measured, bar, margin, unit, and whether it holds."""
-    sign = {"below": "<=", "above": ">=", "equal": "= "}[row.better]
-    figures = f"{row.measured:11.4g} {sign} {row.bar:<8.4g} {row.margin + 0.0:10.3g}"
-    return f"{family:<12} {row.name:<66} {figures} {row.unit:<13} {'ok' if row.ok else 'MISSED'}"
-
-
-def stability_json(rows: Sequence[tuple[str, Row]]) -> bytes:
+def stability_json(bars: Sequence[tuple[str, Bar]]) -> bytes:
     """Return the table as JSON; a figure that is no number is null."""
-    import msgspec
-
-    plain = [{"family": family, **dataclasses.asdict(row), "margin": row.margin, "ok": row.ok} for family, row in rows]
+    plain = [
+        {"family": family, **msgspec.structs.asdict(bar), "margin": bar.margin, "met": bar.met} for family, bar in bars
+    ]
     return msgspec.json.format(msgspec.json.encode(plain), indent=1) + b"\n"

@@ -15,14 +15,14 @@ from ..soundtrack.bwf import MARKER_LIMIT, cue_chunks
 from ..soundtrack.chunks import chunk_table
 from ..soundtrack.pcm import open_pcm
 from ..units import samples_from_s
-from .stability_rows import Row, exact
+from .bars import Bar, exact
 from .stability_signals import MODELS, RATE_HZ, drive_of, shot_film
 
 DAY_S = 86_400
 _BAD = {100: np.nan, 101: np.inf, 14_500: -np.inf, 14_501: 1e38, 15_000: np.nan, 23_999: np.nan}
 
 
-def file_rows(folder: Path) -> Iterator[Row]:
+def file_rows(folder: Path) -> Iterator[Bar]:
     """Yield the rows about files; the day's drive is a sparse file of 12 GB that takes a few kilobytes."""
     yield from _bad_sample_rows(folder / "bad.wav")
     yield from _day_rows(folder / "day.wav")
@@ -30,7 +30,7 @@ def file_rows(folder: Path) -> Iterator[Row]:
     yield from _timecode_rows()
 
 
-def _bad_sample_rows(path: Path) -> Iterator[Row]:
+def _bad_sample_rows(path: Path) -> Iterator[Bar]:
     """Yield what becomes of samples that are no sound: 0, counted by name, and not one sample more."""
     import soundfile
 
@@ -62,7 +62,7 @@ def _bad_sample_rows(path: Path) -> Iterator[Row]:
         yield exact(f"{model} drive of it, as written: wrong samples", wrong)
 
 
-def _day_rows(path: Path) -> Iterator[Row]:
+def _day_rows(path: Path) -> Iterator[Bar]:
     """Yield a day's drive, written at five places and read back there by two readers."""
     import soundfile
 
@@ -98,7 +98,7 @@ def _marker_places(path: Path) -> list[int]:
     return [struct.unpack_from("<II4sIII", tail, at + 4 + 24 * number)[5] for number in range(count)]
 
 
-def _counter_rows() -> Iterator[Row]:
+def _counter_rows() -> Iterator[Bar]:
     """Yield the way from samples to seconds and back, for a day at each rate, against exact fractions."""
     wrong = half = 0
     random = np.random.default_rng(7)
@@ -113,7 +113,7 @@ def _counter_rows() -> Iterator[Row]:
     yield exact("markers at 32 bits missing", 1 - beyond.count(b"last"), "markers")
 
 
-def _timecode_rows() -> Iterator[Row]:
+def _timecode_rows() -> Iterator[Bar]:
     """Yield timecodes around a day's end against the nearest frames, counted in integers."""
     for frame_rate, nominal, drop in (
         ("24", 24, False),

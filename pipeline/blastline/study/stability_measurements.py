@@ -26,8 +26,8 @@ from ..actuator import (
 from ..ruleset import MeasuringRules, load_measuring
 from ..soundtrack import open_soundtrack
 from ..units import db_from_gain, levels_db
+from .bars import Bar, refused
 from .stability_filters import analogue_response
-from .stability_rows import Row, refused
 from .stability_signals import RATE_HZ
 
 Samples = NDArray[np.float64]
@@ -49,7 +49,7 @@ _NO_MEASUREMENTS = {
 }
 
 
-def measurement_rows(folder: Path) -> Iterator[Row]:
+def measurement_rows(folder: Path) -> Iterator[Bar]:
     """Yield the rows about measurements; writes tables and recordings into the folder."""
     for number, (name, text) in enumerate(_NO_MEASUREMENTS.items()):
         path = folder / f"none-{number}.csv"
@@ -59,7 +59,7 @@ def measurement_rows(folder: Path) -> Iterator[Row]:
     yield from _recorded_rows(folder)
 
 
-def _fitted_rows(folder: Path) -> Iterator[Row]:
+def _fitted_rows(folder: Path) -> Iterator[Bar]:
     """Yield what becomes of tables: one that is easy, and those whose plain inverse would be unstable or unbounded."""
     frequencies_hz = np.geomspace(5.0, 1500.0, 150)
     seat = levels_db(np.abs(_seat().at(frequencies_hz)))
@@ -77,7 +77,7 @@ def _fitted_rows(folder: Path) -> Iterator[Row]:
     for name, levels in tables.items():
         fitted = _fitted_table(folder / "table.csv", frequencies_hz, levels)
         if name in ("a seat", "a resonance that grows"):
-            yield Row(f"{name}, fitted: largest error", _error_db(fitted, frequencies_hz, levels), _BAR_DB, "dB")
+            yield Bar(f"{name}, fitted: largest error", _error_db(fitted, frequencies_hz, levels), _BAR_DB, "dB")
         yield from _bound_rows(name, fitted)
 
 
@@ -88,22 +88,22 @@ def _fitted_table(path: Path, frequencies_hz: Samples, levels: Samples) -> Fitte
     return fit(fit_target(read_measured(path), None, rules=rules, name=path.name), rules=rules, name=path.name)
 
 
-def _bound_rows(name: str, fitted: FittedResponse) -> Iterator[Row]:
+def _bound_rows(name: str, fitted: FittedResponse) -> Iterator[Bar]:
     """Yield whether a fitted response and its inverse decay, and by how much the compensator gains at most."""
     rules = load_measuring().fit
     profile = fitted_profile(fitted, name="study", source="study", origin="study", rules=rules)
     felt = dsp.felt_response(profile)
     slowest = max(float(root.real) for root in (*felt.poles, *felt.zeros))
-    yield Row(f"{name}: real part of the slowest pole or zero", slowest, -1.0, "rad/s")
+    yield Bar(f"{name}: real part of the slowest pole or zero", slowest, -1.0, "rad/s")
     low_hz, high_hz = fitted.target.band_hz
     wide = np.geomspace(low_hz / _BEYOND, high_hz * _BEYOND, 400)
     inside = np.geomspace(low_hz, high_hz, 400)
     gain = max(float(abs(value)) for value in analogue_response(dsp.compensator(profile), wide))
     gain *= max(float(abs(value)) for value in analogue_response(felt, inside))
-    yield Row(f"{name}: gain of the compensator", db_from_gain(gain), rules.largest_gain_db + 1.0, "dB")
+    yield Bar(f"{name}: gain of the compensator", db_from_gain(gain), rules.largest_gain_db + 1.0, "dB")
 
 
-def _recorded_rows(folder: Path) -> Iterator[Row]:
+def _recorded_rows(folder: Path) -> Iterator[Bar]:
     """Yield an actuator found from recordings, with NaN in one of them as well, and recordings that tell of none."""
     random, rules = np.random.default_rng(9), load_measuring()
     sent = random.normal(0.0, 0.1, _LENGTH_S * RATE_HZ)
@@ -116,7 +116,7 @@ def _recorded_rows(folder: Path) -> Iterator[Row]:
         target = _identified(folder / f"{name}.wav", sent, response, rules)
         fitted = fit(target, rules=rules.fit, name=name)
         error_db = _error_db(fitted, inside, levels_db(np.abs(_seat().at(inside))))
-        yield Row(f"a seat, {name} and fitted: largest error", error_db, _BAR_DB, "dB")
+        yield Bar(f"a seat, {name} and fitted: largest error", error_db, _BAR_DB, "dB")
     tone = 0.1 * np.sin(2.0 * np.pi * 100.0 / RATE_HZ * np.arange(len(sent)))
     unknown: dict[str, tuple[Samples, Samples]] = {
         "silence was sent": (np.zeros(len(sent)), came),

@@ -12,7 +12,7 @@ from ..model import Span
 from ..render import drive_filters, plan_windows
 from ..ruleset import ActuatorProfile, load_actuator, load_rules
 from ..soundtrack import open_soundtrack
-from .stability_rows import Row, refused
+from .bars import Bar, refused
 from .stability_signals import RATE_HZ, shot_at
 
 Changes = dict[str, dict[str, Any]]
@@ -41,7 +41,7 @@ _UNUSABLE_HERE: dict[str, Changes] = {
 }
 
 
-def refusal_rows(folder: Path) -> Iterator[Row]:
+def refusal_rows(folder: Path) -> Iterator[Bar]:
     """Yield the rows about refusals; writes profiles and sound files into the folder."""
     profile, _ = load_actuator("crowson-t108sm")
     for number, (name, changes) in enumerate(_UNUSABLE.items()):
@@ -58,7 +58,7 @@ def refusal_rows(folder: Path) -> Iterator[Row]:
     yield from _mistakes(_sound(folder, RATE_HZ, frames=100))
 
 
-def _mistakes(path: Path) -> Iterator[Row]:
+def _mistakes(path: Path) -> Iterator[Bar]:
     """Yield what no file or option can ask for: a mistake in a program is a ValueError that says so."""
     rules = load_rules("standard").tier.windows
     plan = partial(plan_windows, [shot_at(100, 10)], frames=100, rate_hz=RATE_HZ, rules=rules)

@@ -11,8 +11,8 @@ from .. import dsp
 from ..model import Clip, DriveModel, Shot, Span
 from ..render import DriveFilters, RenderedWindow, drive_filters, hear_window, plan_windows, render_window
 from ..ruleset import load_actuator, load_rules
+from .bars import Bar, exact
 from .stability_filters import sections_response
-from .stability_rows import Row, exact
 
 RATE_HZ = 48_000
 MODELS: tuple[DriveModel, ...] = ("direct", "filter", "constrained")
@@ -21,7 +21,7 @@ _ONSET, _FRAMES = 14_400, 24_000
 Samples = NDArray[np.float64]
 
 
-def signal_rows(folder: Path) -> Iterator[Row]:
+def signal_rows(folder: Path) -> Iterator[Bar]:
     """Yield the rows about signals; needs no files."""
     profile, _ = load_actuator("crowson-t108sm")
     filters = drive_filters(profile, RATE_HZ, "causal")
@@ -30,9 +30,9 @@ def signal_rows(folder: Path) -> Iterator[Row]:
     yield from _drive_rows(filters)
     yield from _impulse_rows(filters)
     (at_dc,) = sections_response(filters.compensator, np.zeros(1), RATE_HZ)
-    yield Row("compensator's gain at DC", float(abs(at_dc)), 1e-9)
+    yield Bar("compensator's gain at DC", float(abs(at_dc)), 1e-9)
     constant = dsp.run_filter(filters.compensator, np.ones(3 * RATE_HZ))
-    yield Row("compensator after 3 s of full-scale DC", float(np.max(np.abs(constant[-100:]))), 1e-9)
+    yield Bar("compensator after 3 s of full-scale DC", float(np.max(np.abs(constant[-100:]))), 1e-9)
 
 
 def shot_film(*, frames: int = _FRAMES, onset: int = _ONSET, scale: float = 1.0, rate_hz: int = RATE_HZ) -> Samples:
@@ -68,7 +68,7 @@ def drive_of(film: Samples, onset: int, model: DriveModel, filters: DriveFilters
     return drive
 
 
-def _scale_rows(filters: DriveFilters) -> Iterator[Row]:
+def _scale_rows(filters: DriveFilters) -> Iterator[Bar]:
     film = np.random.default_rng(2).uniform(-1.0, 1.0, RATE_HZ // 2)
     for name, sections in (("compensator", filters.compensator), ("felt", filters.felt), ("band", filters.band)):
         once = dsp.run_filter(sections, film)
@@ -77,7 +77,7 @@ def _scale_rows(filters: DriveFilters) -> Iterator[Row]:
             yield exact(f"{name} at {amplitude}: bits that differ", np.count_nonzero(scaled != np.ldexp(once, power)))
 
 
-def _denormal_rows(filters: DriveFilters) -> Iterator[Row]:
+def _denormal_rows(filters: DriveFilters) -> Iterator[Bar]:
     """Yield what denormal input and a filter left to itself cost against noise, and that both end in silence."""
     noise = np.random.default_rng(3).uniform(-1.0, 1.0, 10 * RATE_HZ)
     ringing = np.zeros(len(noise))
@@ -85,7 +85,7 @@ def _denormal_rows(filters: DriveFilters) -> Iterator[Row]:
     for name, sections in (("compensator", filters.compensator), ("felt", filters.felt)):
         usual = _seconds(sections, noise)
         for kind, samples in (("denormal input", noise * 1e-310), ("10 s of silence after an impulse", ringing)):
-            yield Row(f"{name}, {kind}: time against noise", _seconds(sections, samples) / usual, 2.0)
+            yield Bar(f"{name}, {kind}: time against noise", _seconds(sections, samples) / usual, 2.0)
         yield exact(f"{name} on denormals: not silent", np.count_nonzero(dsp.run_filter(sections, noise * 1e-310)))
     left = dsp.run_filter(filters.felt, ringing)[-RATE_HZ:]
     yield exact("felt, 9 s after an impulse: not silent", np.count_nonzero(left))
@@ -101,7 +101,7 @@ def _seconds(sections: Samples, samples: Samples) -> float:
     return max(min(costs), 1e-6)
 
 
-def _drive_rows(filters: DriveFilters) -> Iterator[Row]:
+def _drive_rows(filters: DriveFilters) -> Iterator[Bar]:
     square = np.where(np.arange(_FRAMES) // 40 % 2 == 0, 1.0, -1.0)
     cases = {
         "1e-30": shot_film(scale=1e-30),
@@ -114,12 +114,12 @@ def _drive_rows(filters: DriveFilters) -> Iterator[Row]:
         for name, film in cases.items():
             drive = drive_of(film, _ONSET, model, filters)
             peak = float(np.max(np.abs(drive))) if np.all(np.isfinite(drive)) else np.inf
-            yield Row(f"{model} drive, {name}: peak", peak, 1.0, "of the limit")
+            yield Bar(f"{model} drive, {name}: peak", peak, 1.0, "of the limit")
         silent = drive_of(np.zeros(_FRAMES), _ONSET, model, filters)
         yield exact(f"{model} drive of digital silence: not zero", np.count_nonzero(silent))
 
 
-def _impulse_rows(filters: DriveFilters) -> Iterator[Row]:
+def _impulse_rows(filters: DriveFilters) -> Iterator[Bar]:
     frames = 5_000
     first, last = np.zeros(frames), np.zeros(frames)
     first[0] = last[-1] = 1.0
@@ -136,6 +136,6 @@ def _impulse_rows(filters: DriveFilters) -> Iterator[Row]:
             drive = drive_of(film, onset, model, filters)
             early_drive = np.flatnonzero(drive)[:1]
             lead = onset - int(early_drive[0]) if len(early_drive) else -1
-            yield Row(f"{model} drive, impulse at {name}: starts early by", lead, 48.0, "samples")
+            yield Bar(f"{model} drive, impulse at {name}: starts early by", lead, 48.0, "samples")
             peak = float(np.max(np.abs(drive)))
-            yield Row(f"{model} drive, impulse at {name}: peak", peak, 0.01, "of the limit", "above")
+            yield Bar(f"{model} drive, impulse at {name}: peak", peak, 0.01, "of the limit", "above")

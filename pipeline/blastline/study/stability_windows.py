@@ -14,7 +14,7 @@ from ..model import Clip, Shot, Span
 from ..render import RenderedWindow, compose, drive_filters, hear_window, plan_windows, render_window
 from ..ruleset import load_actuator, load_rules, rules_path
 from ..soundtrack import open_soundtrack
-from .stability_rows import Row, exact
+from .bars import Bar, exact
 from .stability_signals import RATE_HZ, shot_at, shot_film
 
 BLOCKS = (1, 7, 4_096)
@@ -23,7 +23,7 @@ _FRAMES = 48_000
 Samples = NDArray[np.float64]
 
 
-def window_rows(folder: Path) -> Iterator[Row]:
+def window_rows(folder: Path) -> Iterator[Bar]:
     """Yield the rows about windows and blocks; writes one short film into the folder."""
     yield from _plan_rows()
     yield from _compose_rows()
@@ -31,7 +31,7 @@ def window_rows(folder: Path) -> Iterator[Row]:
     yield from _reading_rows(folder / "film.wav")
 
 
-def _plan_rows() -> Iterator[Row]:
+def _plan_rows() -> Iterator[Bar]:
     fade_in, guard, fade_out = _margins()
     reach = guard + fade_in + fade_out
     films: dict[str, tuple[int, list[Shot]]] = {
@@ -75,7 +75,7 @@ def _covered(shots: Sequence[Shot], frames: int) -> NDArray[np.intp]:
     return inside.astype(np.intp)
 
 
-def _compose_rows() -> Iterator[Row]:
+def _compose_rows() -> Iterator[Bar]:
     film = np.maximum(shot_film(frames=_FRAMES), shot_film(frames=_FRAMES, onset=38_000)) + 1e-3
     shots = [shot_at(14_400, 4_000), shot_at(38_000, 4_000)]
     tier, (profile, _) = load_rules("standard").tier, load_actuator("crowson-t108sm")
@@ -108,13 +108,13 @@ def _later(done: RenderedWindow, samples: int) -> RenderedWindow:
     return replace(done, clip=Clip(done.clip.samples, RATE_HZ, done.clip.start + samples))
 
 
-def _detection_rows() -> Iterator[Row]:
+def _detection_rows() -> Iterator[Bar]:
     film = (shot_film(frames=_FRAMES) + 1e-4 * np.random.default_rng(5).standard_normal(_FRAMES)).astype(np.float32)
     tier = load_rules("standard").tier
     verifier = load_verifier(rules_path(f"verifier/{tier.verify.model}"), networks=tier.verify.networks)
     tracks = list(pieces(_blocks(film, _FRAMES), RATE_HZ))
     found = find_shots(_blocks(film, _FRAMES), rate_hz=RATE_HZ, tier=tier, verifier=verifier)
-    yield Row("shots found in the film of the next rows", len(found.shots), 1, "shots", "above")
+    yield Bar("shots found in the film of the next rows", len(found.shots), 1, "shots", "above")
     for frames in BLOCKS:
         wrong = sum(
             np.count_nonzero(getattr(one, name) != getattr(other, name))
@@ -126,7 +126,7 @@ def _detection_rows() -> Iterator[Row]:
         yield exact(f"detection in blocks of {frames}: differs", int(again != found), "results")
 
 
-def _reading_rows(path: Path) -> Iterator[Row]:
+def _reading_rows(path: Path) -> Iterator[Bar]:
     import soundfile
 
     steps = np.random.default_rng(6).integers(-(2**23), 2**23, 20_000, dtype=np.int32)

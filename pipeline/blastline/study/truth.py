@@ -1,20 +1,17 @@
 """Scenes with their true shots: windows as a run would plan them if every onset had been found, to the sample."""
 
 import tempfile
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..detect.segment import segment
+from ..detect import audio_around, shot_at
 from ..errors import RuleError
-from ..model import Shot, Span
+from ..model import Shot
 from ..render import PlannedWindow, plan_windows
 from ..ruleset import QualityRules
 from ..soundtrack import Soundtrack, open_soundtrack
-from ..synth import ShotTruth, load_scene, synthesise
-from ..units import samples_from_ms
-
-_BEFORE_MS, _AFTER_MS = 250.0, 1500.0
+from ..synth import Truth, load_scene, synthesise
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,16 +37,21 @@ def true_scenes(folder: Path, tier: QualityRules, names: Collection[str] | None 
     ]
     if not files:
         raise RuleError(f"{folder}: no scene (*.toml) with shots in it")
+    for name, path, truth in synthesised(files):
+        with open_soundtrack(path) as track:
+            for _ in track.blocks():
+                pass
+            shots = tuple(_parted(track, truth.frames, shot.onset_sample, tier) for shot in truth.shots)
+            windows = plan_windows(shots, frames=truth.frames, rate_hz=track.rate_hz, rules=tier.windows)
+            yield TrueScene(name, path, track, truth.frames, shots, windows)
+
+
+def synthesised(files: Iterable[Path]) -> Iterator[tuple[str, Path, Truth]]:
+    """Yield the name of each scene, its sound in a temporary file that lasts until the next one, and its truth."""
     for file in files:
         with tempfile.TemporaryDirectory(prefix="blastline-") as made:
             truth = synthesise(file, Path(made))
-            path = Path(made) / f"{truth.scene}.wav"
-            with open_soundtrack(path) as track:
-                for _ in track.blocks():
-                    pass
-                shots = tuple(_segmented(track, truth.frames, shot, tier) for shot in truth.shots)
-                windows = plan_windows(shots, frames=truth.frames, rate_hz=track.rate_hz, rules=tier.windows)
-                yield TrueScene(file.stem, path, track, truth.frames, shots, windows)
+            yield file.stem, Path(made) / f"{truth.scene}.wav", truth
 
 
 def _has_shots(file: Path) -> bool:
@@ -57,16 +59,7 @@ def _has_shots(file: Path) -> bool:
     return bool(scene.shots) or (scene.random is not None and scene.random.shots > 0)
 
 
-def _segmented(track: Soundtrack, frames: int, shot: ShotTruth, tier: QualityRules) -> Shot:
-    """Return a true shot with the parts that segmentation finds from its onset on."""
-    before, after = (samples_from_ms(ms, track.rate_hz) for ms in (_BEFORE_MS, _AFTER_MS))
-    span = Span(max(0, shot.onset_sample - before), min(frames, shot.onset_sample + after))
-    return segment(
-        track.cut(span).heard,
-        shot.onset_sample - span.start,
-        film_start=span.start,
-        film_stop=frames,
-        confidence=1.0,
-        rate_hz=track.rate_hz,
-        rules=tier.segment,
-    )
+def _parted(track: Soundtrack, frames: int, onset: int, tier: QualityRules) -> Shot:
+    """Return a true shot with the parts that a run finds from its onset on."""
+    around = audio_around(onset, frames=frames, rate_hz=track.rate_hz, tier=tier)
+    return shot_at(onset, track.cut(around), confidence=1.0, tier=tier)

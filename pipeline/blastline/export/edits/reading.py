@@ -4,12 +4,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from ...errors import TimelineError
+from ..reading import read_content
 from .document import read_document
 from .labels import read_labels
 from .reaper import is_reaper, read_reaper
 from .row import EditedFile, with_common_steps
 from .table import ONSETS, read_table
-from .text import decoded, read_bytes, separated
+from .text import decoded, separated
 
 _HEADERS = "onset_sample or onset_s, as timeline.csv has, or #,Name,Start,End,Length, as REAPER writes"
 
@@ -25,7 +26,7 @@ def read_edits(path: Path) -> EditedFile:
 
 
 def _read(path: Path) -> EditedFile:
-    content = read_bytes(path)
+    content = read_content(path, expected="an edited timeline")
     text = decoded(content, path)
     if path.suffix.lower() == ".json" or text.lstrip().startswith("{"):
         return read_document(text.encode(), path)

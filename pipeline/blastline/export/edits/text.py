@@ -29,16 +29,6 @@ class Grid:
     comma: bool
 
 
-def read_bytes(path: Path) -> bytes:
-    """Return what is in a file, or say in one line why it cannot be read."""
-    try:
-        return path.read_bytes()
-    except FileNotFoundError as error:
-        raise TimelineError(f"{path}: no such file; expected an edited timeline") from error
-    except OSError as error:
-        raise TimelineError(f"{path}: cannot be read: {error.strerror}; expected an edited timeline") from error
-
-
 def decoded(content: bytes, path: Path) -> str:
     """Return the text of a file: UTF-8 or UTF-16 with or without a mark, otherwise Windows' Western alphabet.
 
