@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike, NDArray
 
 from blastline.errors import OutputError
-from blastline.model import Clip
-from blastline.soundtrack import Cue, write_drive
+from blastline.model import Clip, Span
+from blastline.soundtrack import Cue, open_soundtrack, write_drive
 
 RATE_HZ = 48_000
 
@@ -41,6 +41,21 @@ def test_24_bit_samples_survive_and_the_rest_is_zero(path: Path) -> None:
     np.testing.assert_array_equal(samples, expected)
     info = soundfile.info(path)
     assert (info.format, info.subtype, info.channels) == ("WAV", "PCM_24", 1)
+
+
+@pytest.mark.parametrize("cues", [(), (Cue(300_000, "g0001"),)])
+def test_holes_read_as_the_zeros_they_stand_for(path: Path, cues: tuple[Cue, ...]) -> None:
+    drive = [clip(steps(1000), 500), clip(steps(9, seed=1), 399_990), clip(steps(70_000, seed=2), 500_000)]
+    write_drive(path, drive, rate_hz=RATE_HZ, frames=900_001, cues=cues)
+    whole = path.with_name("whole.wav")
+    whole.write_bytes(path.read_bytes())
+    with open_soundtrack(path) as sparse, open_soundtrack(whole) as dense:
+        for one, other in zip(sparse.blocks(), dense.blocks(), strict=True):
+            np.testing.assert_array_equal(one.samples, other.samples)
+        for start, stop in [(0, 500), (499, 501), (1500, 399_990), (399_000, 399_991), (900_000, 900_001)]:
+            span = Span(start, stop)
+            np.testing.assert_array_equal(sparse.cut(span).samples, dense.cut(span).samples)
+        assert np.count_nonzero(sparse.cut(Span(0, 900_001)).samples) > 71_000
 
 
 def test_one_is_the_top_step_and_only_there_is_anything_clipped(path: Path) -> None:
