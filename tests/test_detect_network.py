@@ -1,11 +1,13 @@
 """Pictures and the networks that judge them: against independent transforms, and against PyTorch where it is there."""
 
+from fractions import Fraction
 from typing import Any
 
 import msgspec
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.signal import resample_poly
 
 from blastline.detect.network import (
     FEATURE_LIMIT,
@@ -85,6 +87,21 @@ def test_another_rate_gives_nearly_the_same_picture(rate_hz: int) -> None:
     attack = slice(14, 29)
     level = [each.wide[0, attack][:, audible] - each.wide[0, attack][:, audible].max() for each in (here, there)]
     assert np.median(np.abs(level[0] - level[1])) < 1.0
+
+
+@pytest.mark.parametrize("rate_hz", [44_100, 96_000, 32_000])
+def test_low_bands_hear_the_same_at_every_rate(rate_hz: int) -> None:
+    noise = (0.02 * np.random.default_rng(8).standard_normal(2 * RATE_HZ)).astype(np.float64)
+    onsets = np.arange(20_000, 80_000, 1_000)
+    up, down = Fraction(rate_hz, RATE_HZ).as_integer_ratio()
+    there = resample_poly(noise, up, down, window=("kaiser", 12.0)).astype(np.float32)
+    shown = [
+        pictures(samples, np.round(onsets * rate / RATE_HZ).astype(np.intp), rate).wide[:, :, :12]
+        for samples, rate in ((noise.astype(np.float32), RATE_HZ), (there, rate_hz))
+    ]
+    levels = [each - each.mean(axis=(1, 2), keepdims=True) for each in shown]
+    apart = np.sqrt(np.mean(np.square(levels[0] - levels[1]), axis=(0, 1)))
+    assert apart.max() < 2.0  # another bin would be 7 dB off
 
 
 def test_silence_and_the_ends_of_a_film_are_numbers() -> None:

@@ -22,6 +22,7 @@ from ..units import samples_from_ms
 from .gather import gather
 
 _PASSES = 2  # the second starts from the first one's onset, so that the scan's grid leaves no trace
+_FAST_LAG_MS = 1.0 / 48.0  # a sample of a film's usual rate: at higher ones the same frequencies count
 _SLOW_LAG_MS = 0.5  # halves 160 Hz and weakens what is below it more: a dull shot is left, an engine is not
 _LONGEST_RISE_MS = 2.5
 _LEAST_MS = 0.5, 0.15  # a power needs so much sound before and after the change
@@ -46,12 +47,12 @@ def farthest_ms(rules: OnsetRules) -> float:
 def _clearest(
     samples: NDArray[np.float32], guesses: NDArray[np.intp], *, rate_hz: int, rules: OnsetRules
 ) -> NDArray[np.intp]:
-    """Look for the change in the difference over half a millisecond and over one sample; believe the greater one.
+    """Look for the change in the difference over half a millisecond and over a sample; believe the greater one.
 
     Under music or an engine a crack is clear only in the fast one; a far, dull shot only in the slow one.
     """
     slow, gained = _change_at(samples, guesses, max(1, samples_from_ms(_SLOW_LAG_MS, rate_hz)), rate_hz, rules)
-    fast, sharpened = _change_at(samples, guesses, 1, rate_hz, rules)
+    fast, sharpened = _change_at(samples, guesses, max(1, samples_from_ms(_FAST_LAG_MS, rate_hz)), rate_hz, rules)
     onsets = np.where(sharpened > gained, fast, slow)
     onsets[onsets <= 1] = 0  # what was before the first sample is not known: a rise by the second begins with the film
     return np.asarray(np.minimum(onsets, samples.shape[0] - 1), np.intp)

@@ -26,19 +26,35 @@ _AT_ONCE = 8  # candidates whose frames are worked on together: they fit in the 
 
 @dataclass(frozen=True)
 class Raster:
-    """How a picture is taken: frames and bands, the first frame's start against the onset, all in ms and Hz."""
+    """How a picture is taken: frames and bands, the first frame's start against the onset, all in ms and Hz.
+
+    `transform_ms` is how long the transforms are, the window padded: a power of two at 48 kHz, a percent or so
+    more where that is faster. It sets which frequencies they hear, and so must not depend on the rate.
+    """
 
     frames: int
     bands: int
     start_ms: float
     hop_ms: float
     window_ms: float
+    transform_ms: float
     low_hz: float
     high_hz: float
 
 
-NEAR = Raster(frames=24, bands=20, start_ms=-7.0, hop_ms=1.0, window_ms=4.0, low_hz=150.0, high_hz=18_000.0)
-WIDE = Raster(frames=48, bands=32, start_ms=-130.0, hop_ms=10.0, window_ms=20.0, low_hz=40.0, high_hz=17_000.0)
+NEAR = Raster(
+    frames=24, bands=20, start_ms=-7.0, hop_ms=1.0, window_ms=4.0, transform_ms=256 / 48, low_hz=150.0, high_hz=18_000.0
+)
+WIDE = Raster(
+    frames=48,
+    bands=32,
+    start_ms=-130.0,
+    hop_ms=10.0,
+    window_ms=20.0,
+    transform_ms=1024 / 48,
+    low_hz=40.0,
+    high_hz=17_000.0,
+)
 
 ATTACK = slice(6, 12)
 """The near frames that hear the attack."""
@@ -71,7 +87,7 @@ def _levels(
 
     window, bands = _kernels(raster, rate_hz)
     mean_of = window / window.sum()
-    size = _transform_size(window.size)
+    size = _transform_size(raster, rate_hz)
     starts = [samples_from_ms(raster.start_ms + raster.hop_ms * frame, rate_hz) for frame in range(raster.frames)]
     levels = np.empty((onsets.size, raster.frames, raster.bands), np.float32)
     for first in range(0, onsets.size, _AT_ONCE):
@@ -93,9 +109,10 @@ def _kernels(raster: Raster, rate_hz: int) -> tuple[NDArray[np.float32], NDArray
     Bands above what the rate can hold are silent.
     """
     count = samples_from_ms(raster.window_ms, rate_hz)
-    size = _transform_size(count)
+    size = _transform_size(raster, rate_hz)
     window = np.hanning(count + 2)[1:-1]
-    hz = np.arange(size // 2 + 1) * rate_hz / size
+    # as if the transform were exactly as long as the raster's: so each band has the same bins at every rate
+    hz = np.arange(size // 2 + 1) * 1000.0 / raster.transform_ms
     edges = np.geomspace(raster.low_hz, raster.high_hz, raster.bands + 2)
     rising = (hz[:, None] - edges[:-2]) / (edges[1:-1] - edges[:-2])
     falling = (edges[2:] - hz[:, None]) / (edges[2:] - edges[1:-1])
@@ -109,6 +126,8 @@ def _kernels(raster: Raster, rate_hz: int) -> tuple[NDArray[np.float32], NDArray
     return (window * (2.0 / window.sum())).astype(np.float32), weights[:heard].astype(np.float32)
 
 
-def _transform_size(count: int) -> int:
-    """Return the next power of two."""
-    return 1 << (count - 1).bit_length()
+def _transform_size(raster: Raster, rate_hz: int) -> int:
+    """Return the number of samples that is near to the raster's and fast to transform."""
+    from scipy.fft import next_fast_len
+
+    return next_fast_len(samples_from_ms(raster.transform_ms, rate_hz))
