@@ -130,4 +130,4 @@ def _transform_size(raster: Raster, rate_hz: int) -> int:
     """Return the number of samples that is near to the raster's and fast to transform."""
     from scipy.fft import next_fast_len
 
-    return next_fast_len(samples_from_ms(raster.transform_ms, rate_hz))
+    return int(next_fast_len(samples_from_ms(raster.transform_ms, rate_hz)))
