@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from . import study_detection
+from . import study_detection, study_pareto
 from .options import ActuatorOption, QualityOption, RulesOption
 from .studied import rendering_table
 
@@ -18,6 +18,7 @@ def describe() -> None:
 
 
 group.command()(study_detection.detection)
+group.command()(study_pareto.pareto)
 
 
 @group.command()

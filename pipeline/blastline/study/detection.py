@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import msgspec
@@ -68,7 +69,13 @@ Watcher = Callable[[Case, Heard], None]
 def listener(name: str, tier: QualityRules, rules: Path | None = None) -> Listener:
     """Return a setting of detection, ready to listen."""
     model = rules_path(f"verifier/{tier.verify.model}", rules)
-    return Listener(name, tier, load_verifier(model, networks=tier.verify.networks), model)
+    return Listener(name, tier, _verifier(model, tier.verify.networks), model)
+
+
+@cache
+def _verifier(model: Path, networks: int) -> Verifier:
+    """Return a verifier; kept, since many settings share one."""
+    return load_verifier(model, networks=networks)
 
 
 def study_detection(
