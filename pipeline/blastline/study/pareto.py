@@ -1,11 +1,12 @@
 """The trade between cost and accuracy: every tier, tiers with one key changed, and the peers, over the same films."""
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import msgspec
 
+from ..model import Quality
 from ..ruleset import load_actuator
 from .bars import Bar
 from .bootstrap import f1_gain
@@ -15,7 +16,7 @@ from .front import on_front, shortfall
 from .peer_scores import PeerScore
 from .peers import installed
 from .rendering_sweep import BEST, RenderingSweep, sweep_rendering
-from .settings import LISTENING, RENDERING, TIERS, settings
+from .settings import CHANGES, TIERS, settings
 from .sources import Source
 from .tally import DetectionScore
 
@@ -46,6 +47,7 @@ def study_pareto(
     rules: Path | None = None,
     actuator: str = "crowson-t108sm",
     own: Sequence[str] = (),
+    changes: Mapping[Quality, Sequence[str]] = CHANGES,
     with_peers: bool = False,
     with_rendering: bool = True,
     repeats: int = 1,
@@ -55,10 +57,9 @@ def study_pareto(
     `own` are further changes to the standard tier. Raises RuleError for rules, changes or films that cannot be used.
     """
     profile, _ = load_actuator(actuator, rules)
-    heard = [each for each in own if not each.startswith("render.")]
-    felt = [each for each in own if each.startswith("render.")]
-    listeners = [listener(each.name, each.tier, rules) for each in settings(LISTENING, heard, rules)]
-    drives = settings(RENDERING, felt, rules)
+    wanted = {**changes, "standard": (*changes.get("standard", ()), *own)}
+    listeners = [listener(each.name, each.tier, rules) for each in settings(rules, changes=wanted)]
+    drives = settings(rules, changes=wanted, felt=True)
     peers, absent = installed() if with_peers else ((), ())
     with tempfile.TemporaryDirectory(prefix="blastline-") as made:
         cases = tuple(source.cases(Path(made)))

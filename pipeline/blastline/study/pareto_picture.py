@@ -14,6 +14,9 @@ from .tally import DetectionScore
 _WIDTH_IN, _HEIGHT_IN = 10.4, 4.6
 _TIER, _CHANGE, _OTHER = SERIES["felt"], SERIES["audio"], SERIES["direct"]
 _LEAST = 1e-6
+_TIMES = (1, 2, 5, 10, 20, 50, 100, 200, 500)
+_SECONDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
+_SHARES = (1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 
 
 def front_svg(study: ParetoStudy) -> str:
@@ -52,7 +55,8 @@ def _draw_detection(axes: Any, study: ParetoStudy) -> None:
         _point(axes, score.name, score.cost.times_read, score.f1, named=score.name in TIERS)
     for peer in study.peers:
         _point(axes, peer.name, peer.cost.times_read, peer.f1, named=True, colour=_OTHER)
-    axes.set_ylim(bottom=0.0, top=1.0)
+    axes.set_ylim(bottom=0.0, top=1.02)
+    _ticks(axes.xaxis, _TIMES, "{:g}")
     axes.grid(color=INK["grid"], lw=0.6)
 
 
@@ -76,7 +80,19 @@ def _draw_rendering(axes: Any, rendering: RenderingSweep, on_front: Collection[s
             named=conversion or point.name in TIERS,
             colour=_OTHER if conversion else None,
         )
+    _ticks(axes.xaxis, _SECONDS, "{:g}")
+    _ticks(axes.yaxis, _SHARES, "{:g} %", of=100.0)
     axes.grid(color=INK["grid"], lw=0.6)
+
+
+def _ticks(axis: Any, places: Sequence[float], text: str, *, of: float = 1.0) -> None:
+    """Label an axis at those of some places that it shows; `of` is what a place is multiplied by in its label."""
+    from matplotlib.ticker import NullLocator
+
+    low, high = sorted(axis.get_view_interval())
+    shown = [place for place in places if low <= place <= high]
+    axis.set_ticks(shown, [text.format(of * place) for place in shown])
+    axis.set_minor_locator(NullLocator())
 
 
 def _line(axes: Any, front: Sequence[tuple[float, float]]) -> None:

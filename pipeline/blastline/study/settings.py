@@ -15,7 +15,7 @@ from ..ruleset import QualityRules, load_rules
 TIERS: tuple[Quality, ...] = get_args(Quality)
 OFF = "off"
 
-LISTENING: Mapping[Quality, tuple[str, ...]] = {
+CHANGES: Mapping[Quality, tuple[str, ...]] = {
     "draft": ("scan.band_jump_db=4.5", "scan.jump_db=9.0", "verify.look_from=0.02", "verify.look_from=0.3"),
     "standard": (
         f"scan.band_jump_db={OFF}",
@@ -27,13 +27,6 @@ LISTENING: Mapping[Quality, tuple[str, ...]] = {
         "verify.look_from=0.1",
         "verify.look_from=0.3",
         "verify.company_threshold=0.9",
-    ),
-    "reference": ("verify.networks=1", f"scan.band_jump_db={OFF}", "verify.look_from=0.02"),
-}
-"""Changes that detection hears, each of one tier."""
-
-RENDERING: Mapping[Quality, tuple[str, ...]] = {
-    "standard": (
         "render.solver_rate_hz=4000",
         "render.solver_rate_hz=16000",
         "render.solver_rate_hz=24000",
@@ -44,9 +37,14 @@ RENDERING: Mapping[Quality, tuple[str, ...]] = {
         "render.polish_iterations=30",
         "render.preroll_ms=50.0",
     ),
-    "reference": ("render.solver_rate_hz=48000",),
+    "reference": (
+        "verify.networks=1",
+        f"scan.band_jump_db={OFF}",
+        "verify.look_from=0.02",
+        "render.solver_rate_hz=48000",
+    ),
 }
-"""Changes that only the drive feels."""
+"""Changes of each tier: detection hears most of them, those of [render] only the drive feels."""
 
 
 @dataclass(frozen=True)
@@ -64,18 +62,19 @@ class Setting:
 
 
 def settings(
-    changes: Mapping[Quality, Sequence[str]], own: Sequence[str] = (), rules: Path | None = None
+    rules: Path | None = None, *, changes: Mapping[Quality, Sequence[str]] = CHANGES, felt: bool = False
 ) -> tuple[Setting, ...]:
-    """Return the tiers as they are and the changed ones; `own` changes are made to the standard tier.
+    """Return the tiers as they are and the changed ones: those that detection hears, or those that the drive feels.
 
     A change that leaves its tier as it is is left out. Raises RuleError for a change that does not fit.
     """
     tiers = {quality: load_rules(quality, rules).tier for quality in TIERS}
     every = [Setting(quality, "", tier) for quality, tier in tiers.items()]
     for quality, tier in tiers.items():
-        for change in (*changes.get(quality, ()), *(own if quality == "standard" else ())):
+        for change in changes.get(quality, ()):
             new = changed(tier, change)
-            if all(new != each.tier for each in every if each.quality == quality):
+            is_felt = change.strip().startswith("render.")
+            if is_felt == felt and all(new != each.tier for each in every if each.quality == quality):
                 every.append(Setting(quality, change, new))
     return tuple(every)
 
