@@ -1,13 +1,15 @@
 """`study detection`, and the options that say what the studies of detection listen to."""
 
 import tempfile
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ..errors import RuleError
-from .options import Overwrite, QualityOption, RulesOption
+from .options import Overwrite, QualityOption, Quiet, RulesOption
+from .progress import shown_progress
 from .studied import detection_table
 
 if TYPE_CHECKING:
@@ -81,6 +83,7 @@ def detection(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every figure, film by film, as JSON.")
     ] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Find the shots of scenes or recordings whose truth is known, and say how many were found, and how exactly.
 
@@ -95,12 +98,13 @@ def detection(
     from ..study.events import EVENTS, EXCERPTS, write_events
 
     source = source_of(fixtures, corpus, mix, clips=clips, films=films, seed=seed)
-    with tempfile.TemporaryDirectory(prefix="blastline-") as made:
+    with tempfile.TemporaryDirectory(prefix="blastline-") as made, shown_progress(quiet=quiet) as progress:
+        listen = partial(study_detection, source, Path(made), quality, rules, with_peers=peers, progress=progress)
         if excerpts is None:
-            study, _ = study_detection(source, Path(made), quality, rules, with_peers=peers)
+            study, _ = listen()
         else:
             with staged(excerpts, names=[EVENTS], sets=EXCERPTS, overwrite=overwrite) as hidden:
-                study, paths = study_detection(source, Path(made), quality, rules, with_peers=peers)
+                study, paths = listen()
                 write_events(hidden, [(path, case.events) for path, case in zip(paths, study.cases, strict=True)])
     if output:
         output.write_bytes(msgspec.json.format(msgspec.json.encode(study), indent=1) + b"\n")

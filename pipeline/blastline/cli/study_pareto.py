@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .options import ActuatorOption, Overwrite, ResultFolder, RulesOption
+from .options import ActuatorOption, Overwrite, Quiet, ResultFolder, RulesOption
+from .progress import shown_progress
 from .study_detection import Clips, Corpus, Films, Fixtures, MixLevels, Peers, Seed, source_of
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ def pareto(
     actuator: ActuatorOption = "crowson-t108sm",
     rules: RulesOption = None,
     overwrite: Overwrite = False,
+    quiet: Quiet = False,
 ) -> int:
     """Measure accuracy against cost: all tiers, single changes of them, and peers, on the same films in one run.
 
@@ -56,7 +58,7 @@ def pareto(
 
     scenes = Path("fixtures") if fixtures is None and not corpus else fixtures
     source = source_of(scenes, corpus, mix, clips=clips, films=films, seed=seed)
-    with staged(folder, names=FILES, overwrite=overwrite) as hidden:
+    with staged(folder, names=FILES, overwrite=overwrite) as hidden, shown_progress(quiet=quiet) as progress:
         study = study_pareto(
             source,
             rules=rules,
@@ -65,6 +67,7 @@ def pareto(
             with_peers=peers,
             with_rendering=rendering,
             repeats=repeats,
+            progress=progress,
         )
         write_pareto(hidden, study)
     typer.echo(pareto_table(study))

@@ -1,6 +1,6 @@
 """How well shots are found, and at what cost: settings and peers over films with a known truth, all in one run."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence, Sized
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -64,6 +64,12 @@ class Sweep:
 
 
 Watcher = Callable[[Case, Heard], None]
+Progress = Callable[[str, int, int | None], None]
+"""Is told a stage's name, what is done and, where it is known, how much there is to do."""
+
+
+def unwatched(stage: str, done: int, total: int | None) -> None:
+    """Tell nobody."""
 
 
 def listener(name: str, tier: QualityRules, rules: Path | None = None) -> Listener:
@@ -79,7 +85,13 @@ def _verifier(model: Path, networks: int) -> Verifier:
 
 
 def study_detection(
-    source: Source, into: Path, quality: Quality, rules: Path | None = None, *, with_peers: bool = False
+    source: Source,
+    into: Path,
+    quality: Quality,
+    rules: Path | None = None,
+    *,
+    with_peers: bool = False,
+    progress: Progress = unwatched,
 ) -> tuple[DetectionStudy, tuple[Path, ...]]:
     """Run a tier over films, with those peers that are installed; return the figures, and the file of each film.
 
@@ -97,7 +109,7 @@ def study_detection(
         scored.append(CaseScore(case.name, minutes, len(case.true_ms) - missed, false, missed, events))
         paths.append(case.path)
 
-    done = sweep(source.cases(into), (tier,), peers, watch=note)
+    done = sweep(source.cases(into), (tier,), peers, watch=note, progress=progress)
     study = DetectionStudy(
         quality=quality,
         protocol=source.protocol,
@@ -117,6 +129,7 @@ def sweep(
     *,
     repeats: int = 1,
     watch: Watcher | None = None,
+    progress: Progress = unwatched,
 ) -> Sweep:
     """Listen to each film with every listener and peer in turn, so that all have the same machine at the same time.
 
@@ -126,7 +139,9 @@ def sweep(
     tallies = tuple(Tally() for _ in listeners)
     others = tuple(PeerTally(peer) for peer in peers)
     longest: tuple[float, Path] | None = None
-    for case in cases:
+    total = len(cases) if isinstance(cases, Sized) else None
+    for index, case in enumerate(cases):
+        progress("listening", index, total)
         if longest is None:
             for each in listeners:
                 listened(case.path, each.tier, each.verifier)

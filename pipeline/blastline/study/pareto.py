@@ -1,7 +1,7 @@
 """The trade between cost and accuracy: every tier, tiers with one key changed, and the peers, over the same films."""
 
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import msgspec
@@ -10,8 +10,9 @@ from ..model import Quality
 from ..ruleset import load_actuator
 from .bars import Bar
 from .bootstrap import f1_gain
+from .cases import Case
 from .cost import peak_memory_mb
-from .detection import Listener, Sweep, listener, sweep
+from .detection import Listener, Progress, Sweep, listener, sweep, unwatched
 from .front import on_front, shortfall
 from .peer_scores import PeerScore
 from .peers import installed
@@ -51,6 +52,7 @@ def study_pareto(
     with_peers: bool = False,
     with_rendering: bool = True,
     repeats: int = 1,
+    progress: Progress = unwatched,
 ) -> ParetoStudy:
     """Measure every tier and every change of one over films that are made once and kept while it lasts.
 
@@ -62,10 +64,12 @@ def study_pareto(
     drives = settings(rules, changes=wanted, felt=True)
     peers, absent = installed() if with_peers else ((), ())
     with tempfile.TemporaryDirectory(prefix="blastline-") as made:
-        cases = tuple(source.cases(Path(made)))
-        done = sweep(cases, listeners, peers, repeats=repeats)
+        cases = tuple(_made(source, Path(made), progress))
+        done = sweep(cases, listeners, peers, repeats=repeats, progress=progress)
         memory_mb = {each.name: peak_memory_mb(done.longest, each.tier, each.model) for each in listeners[: len(TIERS)]}
-        rendering = sweep_rendering(cases, drives, profile, repeats=repeats) if with_rendering else None
+        rendering = (
+            sweep_rendering(cases, drives, profile, repeats=repeats, progress=progress) if with_rendering else None
+        )
     scores = tuple(tally.score(each.name) for each, tally in zip(listeners, done.tallies, strict=True))
     every: tuple[DetectionScore | PeerScore, ...] = (*scores, *done.peers)
     front = on_front([each.cost.times_read for each in every], [each.f1 for each in every])
@@ -85,6 +89,13 @@ def study_pareto(
         rendering_on_front=felt_front,
         bars=(*_detection_bars(listeners, done, scores), *(_rendering_bars(rendering) if rendering else ())),
     )
+
+
+def _made(source: Source, into: Path, progress: Progress) -> Iterator[Case]:
+    """Yield the films as they are made."""
+    for number, case in enumerate(source.cases(into)):
+        progress("making films", number + 1, None)
+        yield case
 
 
 def _detection_bars(listeners: Sequence[Listener], done: Sweep, scores: Sequence[DetectionScore]) -> list[Bar]:

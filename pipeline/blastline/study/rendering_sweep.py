@@ -1,6 +1,6 @@
 """What rendering costs and how much of a shot it makes felt, setting by setting, over the same true shots."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import islice
 
@@ -11,6 +11,7 @@ from ..errors import RuleError
 from ..ruleset import ActuatorProfile, QualityRules
 from .cases import Case
 from .cost import read_cpu_s
+from .detection import Progress, unwatched
 from .drives import DRIVES, Drive, FeltShot, WindowRow, judged, setting_for, windows_of
 from .drives import Setting as RenderedAs
 from .settings import Setting
@@ -59,7 +60,12 @@ class _Tally:
 
 
 def sweep_rendering(
-    cases: Iterable[Case], settings: Sequence[Setting], profile: ActuatorProfile, *, repeats: int = 1
+    cases: Sequence[Case],
+    settings: Sequence[Setting],
+    profile: ActuatorProfile,
+    *,
+    repeats: int = 1,
+    progress: Progress = unwatched,
 ) -> RenderingSweep:
     """Render the true shots of films with every setting, and in the other ways there are with the first.
 
@@ -72,9 +78,9 @@ def sweep_rendering(
     tallies = {name: _Tally() for name in (*others, *(name for name, _ in tiers))}
     weak: list[Key] = []
     shots, window_s, film_s, read_s = 0, 0.0, 0.0, 0.0
-    for case in cases:
-        if not case.true_ms.size:
-            continue
+    fired = [case for case in cases if case.true_ms.size]
+    for index, case in enumerate(fired):
+        progress("rendering", index, len(fired))
         with true_scene(case.name, case.path, (case.true_ms / 1000.0).tolist(), settings[0].tier) as scene:
             film_s += scene.frames / scene.track.rate_hz
             read_s += read_cpu_s(case.path)
