@@ -21,6 +21,8 @@ from .settings import CHANGES, TIERS, settings
 from .sources import Source
 from .tally import DetectionScore
 
+CLEAR_F1 = 0.001
+"""What a tier's F1 has to gain over that of the tier before it, at the lower end of what is likely."""
 APART = 2.0
 """How many times as much as the tier before it a tier should cost, or else there would be no need for both."""
 
@@ -111,7 +113,7 @@ def _detection_bars(listeners: Sequence[Listener], done: Sweep, scores: Sequence
         gain = f1_gain(done.tallies[number].films, done.tallies[number - 1].films)
         times = costs[number] / costs[number - 1]
         bars.append(Bar(f"detection, {above} over {below}: cost", times, APART, "times", "above"))
-        bars.append(Bar(f"detection, {above} over {below}: F1, lower end of 95 %", gain.low, 0.0, better="above"))
+        bars.append(Bar(f"detection, {above} over {below}: F1, lower end of 95 %", gain.low, CLEAR_F1, better="above"))
     return bars
 
 

@@ -49,13 +49,15 @@ def _draw_detection(axes: Any, study: ParetoStudy) -> None:
     front = [each for each in every if each.name in study.on_front]
     _line(axes, sorted((each.cost.times_read, each.f1) for each in front))
     for score in study.detection:
-        sure = score.intervals.f1
+        cost, sure = score.cost.times_read, score.intervals.f1
+        _point(axes, score.name, cost, score.f1)
         if score.name in TIERS:
-            axes.plot([score.cost.times_read] * 2, [sure.low, sure.high], color=_TIER, lw=1.0, alpha=0.6)
-        _point(axes, score.name, score.cost.times_read, score.f1, named=score.name in TIERS)
-    for peer in study.peers:
-        _point(axes, peer.name, peer.cost.times_read, peer.f1, named=True, colour=_OTHER)
-    axes.set_ylim(bottom=0.0, top=1.02)
+            axes.plot([cost] * 2, [sure.low, sure.high], color=_TIER, lw=1.0, alpha=0.6)
+            _label(axes, score.name, (cost, sure.high), (0, 3), align="center")
+    for number, peer in enumerate(sorted(study.peers, key=lambda each: each.cost.times_read)):
+        _point(axes, peer.name, peer.cost.times_read, peer.f1, colour=_OTHER)
+        _label(axes, peer.name, (peer.cost.times_read, peer.f1), (6, -12 if number % 2 else 4))
+    axes.set_ylim(bottom=0.0, top=1.06)
     _ticks(axes.xaxis, _TIMES, "{:g}")
     axes.grid(color=INK["grid"], lw=0.6)
 
@@ -72,14 +74,10 @@ def _draw_rendering(axes: Any, rendering: RenderingSweep, on_front: Collection[s
     _line(axes, sorted((p.cpu_s_per_window_s, max(_LEAST, p.above_best)) for p in front))
     for point in points:
         conversion = point.name in ("direct", "clipped", "scaled")
-        _point(
-            axes,
-            point.name,
-            point.cpu_s_per_window_s,
-            max(_LEAST, point.above_best),
-            named=conversion or point.name in TIERS,
-            colour=_OTHER if conversion else None,
-        )
+        place = (point.cpu_s_per_window_s, max(_LEAST, point.above_best))
+        _point(axes, point.name, *place, colour=_OTHER if conversion else None)
+        if conversion or point.name in TIERS:
+            _label(axes, point.name, place, (6, -12 if point.name == "direct" else 5))
     _ticks(axes.xaxis, _SECONDS, "{:g}")
     _ticks(axes.yaxis, _SHARES, "{:g} %", of=100.0)
     axes.grid(color=INK["grid"], lw=0.6)
@@ -102,12 +100,14 @@ def _line(axes: Any, front: Sequence[tuple[float, float]]) -> None:
         axes.step(costs, values, where="post", color=INK["faint"], lw=1.0, zorder=1)
 
 
-def _point(axes: Any, name: str, cost: float, value: float, *, named: bool, colour: str | None = None) -> None:
+def _point(axes: Any, name: str, cost: float, value: float, *, colour: str | None = None) -> None:
     tier = name in TIERS
     shade = colour or (_TIER if tier else _CHANGE)
     axes.plot([cost], [value], "o", ms=8 if tier else 5, color=shade, mec="white", mew=0.6, zorder=3 if tier else 2)
-    if named:
-        weight = "bold" if tier else "normal"
-        axes.annotate(
-            name, (cost, value), xytext=(6, 5), textcoords="offset points", fontsize=8.5, fontweight=weight, zorder=4
-        )
+
+
+def _label(axes: Any, name: str, place: tuple[float, float], offset: tuple[int, int], *, align: str = "left") -> None:
+    weight = "bold" if name in TIERS else "normal"
+    axes.annotate(
+        name, place, xytext=offset, textcoords="offset points", ha=align, fontsize=8.5, fontweight=weight, zorder=4
+    )
