@@ -14,6 +14,7 @@ from blastline.model import Rejection, Shot, Span
 from blastline.ruleset import load_rules
 from blastline.study.bootstrap import f1_gain, intervals
 from blastline.study.cases import Case, near_each_other, recordings
+from blastline.study.corpus import read_corpus
 from blastline.study.cost import Heard
 from blastline.study.events import EXCERPT_BEFORE_S, excerpt, scored_events, write_events
 from blastline.study.front import on_front, shortfall
@@ -256,7 +257,7 @@ def test_recordings_are_films_of_their_own(tmp_path: Path) -> None:
         "c.wav,kit,negative,drum,1.0,,",
     ]
     (tmp_path / "annotations.csv").write_text("\n".join(rows))
-    burst, slow, drum = recordings([tmp_path])
+    burst, slow, drum = recordings(read_corpus([tmp_path]))
     assert burst.bursts == ((0, 1, 2),)
     assert not slow.timed.any()
     assert drum.true_ms.size == 0

@@ -10,10 +10,12 @@ import soundfile
 
 from blastline.errors import RuleError
 from blastline.study.cases import Case
+from blastline.study.corpus import read_corpus
 from blastline.study.filmlike import CLIP_S, GUN_FREE_EVERY, film_mixes, one_shot_clips, stock
 from blastline.study.peer_scores import PeerTally, opened
 from blastline.study.peers import PEERS, Peer, installed
 from blastline.study.sources import Source
+from blastline.study.train import FOLD_SEED, FOLDS, by_fold
 
 RATE_HZ = 48_000
 
@@ -54,7 +56,9 @@ def test_a_mix_is_always_the_same_and_one_in_four_has_no_shot(corpus: Path, tmp_
     runs = []
     for name in ("first", "second"):
         (tmp_path / name).mkdir()
-        runs.append(list(film_mixes(stock([corpus]), tmp_path / name, films=films, levels_db=(20.0, 30.0), seed=3)))
+        runs.append(
+            list(film_mixes(stock(read_corpus([corpus])), tmp_path / name, films=films, levels_db=(20.0, 30.0), seed=3))
+        )
     for one, other in zip(*runs, strict=True):
         assert one.path.read_bytes() == other.path.read_bytes()
         assert np.array_equal(one.true_ms, other.true_ms)
@@ -65,7 +69,7 @@ def test_a_mix_is_always_the_same_and_one_in_four_has_no_shot(corpus: Path, tmp_
 
 
 def test_a_mixed_shot_begins_where_it_says(corpus: Path, tmp_path: Path) -> None:
-    sounds = stock([corpus])
+    sounds = stock(read_corpus([corpus]))
     knocks = [group for group in sounds.others if group[0].sub_label == "knock"]
     (case,) = film_mixes(replace(sounds, others=knocks), tmp_path, films=1, levels_db=(40.0, 40.0), seed=3)
     samples, rate_hz = soundfile.read(case.path)
@@ -76,7 +80,7 @@ def test_a_mixed_shot_begins_where_it_says(corpus: Path, tmp_path: Path) -> None
 
 
 def test_half_of_the_clips_have_one_shot_at_its_level(corpus: Path, tmp_path: Path) -> None:
-    cases = list(one_shot_clips(stock([corpus]), tmp_path, clips=6, seed=3))
+    cases = list(one_shot_clips(stock(read_corpus([corpus])), tmp_path, clips=6, seed=3))
     assert [case.true_ms.size for case in cases] == [1, 0, 1, 0, 1, 0]
     assert [float(level) for case in cases for level in case.snr_db] == [-6.0, 0.0, 6.0]
     for case in cases[::2]:
@@ -96,6 +100,7 @@ def test_half_of_the_clips_have_one_shot_at_its_level(corpus: Path, tmp_path: Pa
         (Source(fixtures=Path("a"), corpus=(Path("b"),)), "either --fixtures or --corpus"),
         (Source(fixtures=Path("a"), clips=True), "give --corpus"),
         (Source(fixtures=Path("a"), mix_db=(0.0, 6.0)), "give --corpus"),
+        (Source(fixtures=Path("a"), fold=0), "give --corpus"),
     ],
 )
 def test_a_source_that_is_none_is_refused(source: Source, complaint: str, tmp_path: Path) -> None:
@@ -103,11 +108,20 @@ def test_a_source_that_is_none_is_refused(source: Source, complaint: str, tmp_pa
         list(source.cases(tmp_path))
 
 
+def test_folds_share_no_source_and_are_those_of_training(corpus: Path, tmp_path: Path) -> None:
+    parts = by_fold(read_corpus([corpus]), FOLDS, FOLD_SEED)
+    for fold, part in enumerate(parts):
+        cases = list(Source(corpus=(corpus,), fold=fold).cases(tmp_path))
+        assert [case.path for case in cases] == [recording.path for recording in part]
+    with pytest.raises(RuleError, match="--fold 3"):
+        list(Source(corpus=(corpus,), fold=3).cases(tmp_path))
+
+
 def test_recordings_without_a_shot_make_no_mix(corpus: Path, tmp_path: Path) -> None:
     rows = (corpus / "annotations.csv").read_text().splitlines()
     (tmp_path / "annotations.csv").write_text("\n".join([rows[0], *rows[3:]]))
     with pytest.raises(RuleError, match="no recording of a gunshot"):
-        stock([tmp_path])
+        stock(read_corpus([tmp_path]))
 
 
 @pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.package)

@@ -55,6 +55,17 @@ Clips = Annotated[
         rich_help_panel=LISTENING,
     ),
 ]
+Fold = Annotated[
+    int | None,
+    typer.Option(
+        min=0,
+        max=3,
+        metavar="N",
+        help="Of the corpora only the sources that `study.train --hold-out N` does not learn from.",
+        rich_help_panel=LISTENING,
+        show_default=False,
+    ),
+]
 Films = Annotated[int, typer.Option(min=1, metavar="N", help="How many mixes or clips.", rich_help_panel=LISTENING)]
 Seed = Annotated[int, typer.Option(min=0, help="Which mixes or clips.", rich_help_panel=LISTENING)]
 Peers = Annotated[
@@ -68,6 +79,7 @@ def detection(
     corpus: Corpus = None,
     mix: MixLevels = None,
     clips: Clips = False,
+    fold: Fold = None,
     films: Films = 24,
     seed: Seed = 1,
     quality: QualityOption = "standard",
@@ -97,7 +109,7 @@ def detection(
     from ..study.detection import study_detection
     from ..study.events import EVENTS, EXCERPTS, write_events
 
-    source = source_of(fixtures, corpus, mix, clips=clips, films=films, seed=seed)
+    source = source_of(fixtures, corpus, mix, clips=clips, fold=fold, films=films, seed=seed)
     with tempfile.TemporaryDirectory(prefix="blastline-") as made, shown_progress(quiet=quiet) as progress:
         listen = partial(study_detection, source, Path(made), quality, rules, with_peers=peers, progress=progress)
         if excerpts is None:
@@ -112,13 +124,20 @@ def detection(
 
 
 def source_of(
-    fixtures: Path | None, corpus: list[Path] | None, mix: str | None, *, clips: bool, films: int, seed: int
+    fixtures: Path | None,
+    corpus: list[Path] | None,
+    mix: str | None,
+    *,
+    clips: bool,
+    fold: int | None,
+    films: int,
+    seed: int,
 ) -> "Source":
     """Return what the options ask to listen to; RuleError for levels that are none."""
     from ..study.sources import Source
 
     levels_db = None if mix is None else _levels(mix)
-    return Source(fixtures, tuple(corpus or ()), levels_db, clips=clips, films=films, seed=seed)
+    return Source(fixtures, tuple(corpus or ()), levels_db, clips=clips, fold=fold, films=films, seed=seed)
 
 
 def _levels(text: str) -> tuple[float, float]:

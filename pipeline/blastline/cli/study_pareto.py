@@ -8,7 +8,7 @@ import typer
 
 from .options import ActuatorOption, Overwrite, Quiet, ResultFolder, RulesOption
 from .progress import shown_progress
-from .study_detection import Clips, Corpus, Films, Fixtures, MixLevels, Peers, Seed, source_of
+from .study_detection import Clips, Corpus, Films, Fixtures, Fold, MixLevels, Peers, Seed, source_of
 
 if TYPE_CHECKING:
     from ..study.pareto import ParetoStudy
@@ -22,6 +22,7 @@ def pareto(
     corpus: Corpus = None,
     mix: MixLevels = None,
     clips: Clips = False,
+    fold: Fold = None,
     films: Films = 24,
     seed: Seed = 1,
     own: Annotated[
@@ -57,7 +58,7 @@ def pareto(
     from ..study.pareto_files import FILES, write_pareto
 
     scenes = Path("fixtures") if fixtures is None and not corpus else fixtures
-    source = source_of(scenes, corpus, mix, clips=clips, films=films, seed=seed)
+    source = source_of(scenes, corpus, mix, clips=clips, fold=fold, films=films, seed=seed)
     with staged(folder, names=FILES, overwrite=overwrite) as hidden, shown_progress(quiet=quiet) as progress:
         study = study_pareto(
             source,

@@ -1,6 +1,6 @@
 """Films with a known truth, as the studies of detection listen to them: scenes and annotated recordings."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..errors import RuleError
 from ..synth import Truth, synthesise
-from .corpus import read_corpus
+from .corpus import Recording
 from .matching import Times
 
 LONGEST_GAP_MS, FEWEST_SHOTS = 160.0, 3
@@ -47,9 +47,9 @@ def scenes(folder: Path, into: Path) -> Iterator[Case]:
         yield _scene(file.stem, made / f"{truth.scene}.wav", truth)
 
 
-def recordings(folders: Sequence[Path]) -> Iterator[Case]:
-    """Yield each recording of some corpora as a film of its own; levels are unknown."""
-    for recording in read_corpus(folders):
+def recordings(found: Iterable[Recording]) -> Iterator[Case]:
+    """Yield each recording as a film of its own; levels are unknown."""
+    for recording in found:
         onsets_ms = np.array(recording.onsets_s) * 1000.0
         yield Case(
             name=f"{recording.source}/{recording.path.stem}",

@@ -15,7 +15,7 @@ from ..errors import RuleError
 from ..synth import random_bed, random_negative
 from ..units import gain_from_db, samples_from_ms
 from .cases import Case, near_each_other
-from .corpus import Recording, load_sound, read_corpus
+from .corpus import Recording, load_sound
 from .lessons import MIX_S, RATE_HZ, SHORTEST_BED_S, SOUNDS_PER_MIX, by_source, drawn, recorded_bed
 from .mixes import Sound, as_16_bit, mix
 
@@ -39,12 +39,11 @@ class Stock:
     beds: list[Recording]
 
 
-def stock(folders: Sequence[Path]) -> Stock:
-    """Return the recordings of some corpora; RuleError where there is no shot among them."""
-    found = read_corpus(folders)
+def stock(found: Sequence[Recording]) -> Stock:
+    """Return recordings sorted for mixing; RuleError where there is no shot among them."""
     shots = by_source(each for each in found if each.gunshot and each.onsets_s)
     if not shots:
-        raise RuleError(f"{folders[0]}: no recording of a gunshot with onsets; mixes are made of shots and beds")
+        raise RuleError("study: no recording of a gunshot with onsets; mixes and clips are made of shots over beds")
     others = [each for each in found if not each.gunshot]
     return Stock(shots, by_source(others), [each for each in others if each.duration_s >= SHORTEST_BED_S])
 
