@@ -5,11 +5,12 @@ VENV := .venv
 RUN := $(VENV)/bin
 INSTALLED := $(VENV)/installed
 
-.PHONY: help demo test schema clean
+.PHONY: help demo test study schema clean
 
 help:
 	@echo "make demo     synthesise a film-like scene, find its shots, render their vibration drive"
 	@echo "make test     style, types and tests"
+	@echo "make study    measure speed against accuracy; writes README.md's table and docs/pareto.svg anew"
 	@echo "make schema   write docs/timeline.schema.json anew after a change of the timeline's types"
 	@echo "make clean    remove .venv and build"
 	@echo "PYTHON=...    another interpreter than python3, 3.11 or later"
@@ -25,6 +26,12 @@ test: $(INSTALLED)
 	$(RUN)/ruff format --check
 	$(RUN)/mypy
 	$(RUN)/pytest
+
+# 1 says that a tier is not where it should be: a finding, and written down
+study: $(INSTALLED)
+	$(RUN)/python -m pip install -q --disable-pip-version-check -e ".[peers]" -c constraints.txt
+	$(RUN)/blastline study pareto --peers -o build/study --overwrite || test $$? = 1
+	$(RUN)/python benchmarks/readme.py build/study
 
 schema: $(INSTALLED)
 	$(RUN)/python -c "import json; from blastline.model import schema; print(json.dumps(schema(), indent=1))" > docs/timeline.schema.json

@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 from blastline.study.matching import Counts, count, match
-from blastline.study.peers import best_librosa_score
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -23,21 +22,23 @@ def test_matching_is_as_large_as_mir_evals(seed: int, window_ms: float) -> None:
     assert (counts.f1, counts.precision, counts.recall) == pytest.approx((f1, precision, recall))
 
 
-def test_the_peer_hears_bursts_of_noise_and_is_scored_as_we_are() -> None:
-    rng = np.random.default_rng(0)
-    samples = 1e-3 * rng.standard_normal(4 * 48_000)
-    true_ms = np.array([500.0, 1400.0, 2600.0])
-    for at in (24_000, 67_200, 124_800):
-        samples[at : at + 4800] += rng.standard_normal(4800) * np.exp(-np.arange(4800) / 900.0)
-    best = best_librosa_score([(samples.astype(np.float32), 48_000, true_ms)], (50.0,), best_at_ms=50.0)
-    assert best.counts[50.0] == Counts(hits=3, false=0, missed=0)
-
-
 def test_nothing_to_find_and_nothing_found_is_perfect() -> None:
     empty = np.empty(0)
     assert count(empty, empty, 10.0) == Counts(0, 0, 0)
     assert count(empty, empty, 10.0).f1 == 1.0
     assert count(np.array([1.0]), empty, 10.0).precision == 0.0
+    assert count(np.array([1.0]), empty, 10.0).error_rate is None
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_error_rate_is_that_of_its_definition(seed: int) -> None:
+    """Mesaros et al. 2016, for events of one kind: no substitutions, (deletions + insertions) / events."""
+    rng = np.random.default_rng(seed)
+    true_ms = np.sort(rng.uniform(0.0, 30_000.0, 12))
+    found_ms = np.sort(np.concatenate([true_ms[::2] + rng.uniform(-600.0, 600.0, 6), rng.uniform(0.0, 30_000.0, 9)]))
+    near = mir_eval.util.match_events(true_ms, found_ms, 500.0)
+    deletions, insertions = true_ms.size - len(near), found_ms.size - len(near)
+    assert count(found_ms, true_ms, 500.0).error_rate == pytest.approx((deletions + insertions) / true_ms.size)
 
 
 def test_what_is_forgiven_is_neither_right_nor_wrong() -> None:

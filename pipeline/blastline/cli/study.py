@@ -1,15 +1,13 @@
-"""`study detection`, `rendering`, `stability` and `conform`."""
+"""`study rendering`, `stability` and `conform`, and the group that all studies are in."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from . import study_detection, study_pareto
 from .options import ActuatorOption, QualityOption, RulesOption
 from .studied import rendering_table
-
-if TYPE_CHECKING:
-    from ..study.detection import DetectionScore
 
 group = typer.Typer(help="Measure accuracy on scenes and recordings with a known truth.")
 
@@ -19,46 +17,8 @@ def describe() -> None:
     """Measure accuracy on scenes and recordings with a known truth."""
 
 
-@group.command()
-def detection(
-    fixtures: Annotated[
-        Path | None, typer.Option("--fixtures", metavar="DIR", help="Scenes (*.toml); synthesised, then listened to.")
-    ] = None,
-    corpus: Annotated[
-        list[Path] | None,
-        typer.Option("--corpus", metavar="DIR", help="Recordings with an annotations.csv; repeatable."),
-    ] = None,
-    quality: QualityOption = "standard",
-    rules: RulesOption = None,
-    peer: Annotated[
-        bool, typer.Option("--peer", help="Score librosa's onset detection on the same films as well.")
-    ] = False,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every figure, film by film, as JSON.")
-    ] = None,
-) -> None:
-    """Find the shots of scenes or recordings whose truth is known, and say how many were found, and how exactly.
-
-    Example: `blastline study detection --fixtures fixtures`
-    """
-    import msgspec
-
-    from ..errors import RuleError
-    from ..study.detection import WINDOWS_MS, heard, recordings, scenes, score
-    from ..study.peers import best_librosa_score
-
-    if (fixtures is None) == (not corpus):
-        raise RuleError("study detection: give either --fixtures or --corpus")
-    cases = scenes(fixtures) if fixtures else recordings(corpus or [])
-    result = score(cases, quality, rules)
-    if output:
-        output.write_bytes(msgspec.json.format(msgspec.json.encode(result), indent=1) + b"\n")
-    typer.echo(_table(result))
-    if peer:
-        again = scenes(fixtures) if fixtures else recordings(corpus or [])
-        best = best_librosa_score(heard(again), WINDOWS_MS, best_at_ms=50.0)
-        f1 = ", ".join(f"{counts.f1:.3f} at {window_ms:g} ms" for window_ms, counts in best.counts.items())
-        typer.echo(f"librosa at its best threshold ({best.threshold:g}): F1 {f1}")
+group.command()(study_detection.detection)
+group.command()(study_pareto.pareto)
 
 
 @group.command()
@@ -137,25 +97,3 @@ def conform(
         )
     if output:
         output.write_bytes(msgspec.json.format(msgspec.json.encode(scores), indent=1) + b"\n")
-
-
-def _table(score: "DetectionScore") -> str:
-    lines = [f"{'film':<40} {'min':>6} {'shots':>6} {'found':>6} {'false':>6} {'missed':>7}"]
-    lines += [
-        f"{case.name[:40]:<40} {case.minutes:6.2f} {case.hits + case.missed:6d} {case.hits:6d} "
-        f"{case.false:6d} {case.missed:7d}"
-        for case in score.cases
-        if case.hits + case.missed or case.false
-    ]
-    f1 = ", ".join(f"{value:.3f} at {window} ms" for window, value in score.f1_by_window_ms.items())
-    recall = ", ".join(f"{value:.3f} at {level} dB" for level, value in score.recall_by_snr_db.items())
-    lines += ["", f"quality {score.quality}: {score.shots} shots in {score.minutes:.1f} min", f"F1      {f1}"]
-    lines += [f"at 10 ms: precision {score.precision:.3f}, recall {score.recall:.3f}"]
-    lines += [f"recall  {recall}"] if recall else []
-    if score.clear_error_median_ms is not None and score.clear_error_p95_ms is not None:
-        lines.append(
-            f"onset error of clear shots: median {score.clear_error_median_ms:.3f} ms, "
-            f"95 % within {score.clear_error_p95_ms:.3f} ms"
-        )
-    lines.append(f"false events in {score.gun_free_minutes:.1f} gun-free minutes: {score.gun_free_false}")
-    return "\n".join(lines)

@@ -1,7 +1,7 @@
 """A shot felt four ways: converted directly, compensated and clipped or scaled, solved within the limit."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -20,6 +20,7 @@ from .truth import TrueScene
 Samples = NDArray[np.float64]
 Drive = Literal["direct", "clipped", "scaled", "constrained"]
 
+DRIVES: tuple[Drive, ...] = ("direct", "clipped", "scaled", "constrained")
 _MODELS: dict[Drive, DriveModel] = {"direct": "direct", "scaled": "filter", "constrained": "constrained"}
 _SEARCH_MS = 5.0
 _SHORTEST_MS = 5.0
@@ -58,11 +59,11 @@ class ShotRow(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True, eq=False)
 class WindowRow:
-    """The shots of a window, how long it is, and the CPU time of its constrained drive."""
+    """The shots of a window, how long it is, and the CPU time of each of its drives."""
 
     shots: tuple[ShotRow, ...]
     window_s: float
-    constrained_cpu_s: float
+    cpu_s: dict[Drive, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +83,7 @@ def setting_for(profile: ActuatorProfile, rate_hz: int, phase: Phase, rules: Ren
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """A window with the sound that rendering it needs, and four drives over exactly its span."""
+    """A window with the sound that rendering it needs, and its drives over exactly its span, with their CPU times."""
 
     planned: PlannedWindow
     shots: tuple[Shot, ...]
@@ -91,32 +92,41 @@ class Window:
     needed: float
     drives: dict[Drive, Samples]
     steps: tuple[int, ...]
-    constrained_cpu_s: float
+    cpu_s: dict[Drive, float]
 
 
-def windows_of(scene: TrueScene, setting: Setting) -> Iterator[Window]:
-    """Yield each window of a scene with all its drives."""
+def windows_of(scene: TrueScene, setting: Setting, wanted: Collection[Drive] = DRIVES) -> Iterator[Window]:
+    """Yield each window of a scene with those drives that are wanted."""
     for planned in scene.windows:
         span = needed_audio(planned, frames=scene.frames, filters=setting.undelayed, rules=setting.rules)
-        yield rendered(scene.track.cut(span), planned, scene.shots, setting)
+        yield rendered(scene.track.cut(span), planned, scene.shots, setting, wanted)
 
 
-def rendered(audio: Clip, planned: PlannedWindow, shots: tuple[Shot, ...], setting: Setting) -> Window:
-    """Return a window with all its drives; `audio` covers what phase zero needs, `shots` are all of the film."""
+def rendered(
+    audio: Clip,
+    planned: PlannedWindow,
+    shots: tuple[Shot, ...],
+    setting: Setting,
+    wanted: Collection[Drive] = DRIVES,
+) -> Window:
+    """Return a window with its drives; `audio` covers what phase zero needs, `shots` are all of the film."""
     filters, window = setting.filters, planned.window
     inside = slice(window.start - audio.start, window.stop - audio.start)
     sound = np.asarray(audio.driving, dtype=np.float64)
+    began = time.process_time()
     free = compensated(sound, filters)[inside]
     drives: dict[Drive, Samples] = {"clipped": np.clip(free, -1.0, 1.0)}
+    spent: dict[Drive, float] = {"clipped": time.process_time() - began}
     steps: tuple[int, ...] = ()
     began = time.process_time()
     window_heard = hear_window(audio, planned, filters=filters, rules=setting.rules)
     hearing = time.process_time() - began
-    spent: dict[Drive, float] = {}
     for name, model in _MODELS.items():
+        if name not in wanted:
+            continue
         began = time.process_time()
         done = render_window(window_heard, shots, model=model, reason="study", background="mute")
-        spent[name] = time.process_time() - began
+        spent[name] = hearing + time.process_time() - began
         drives[name] = np.asarray(done.clip.driving, dtype=np.float64)
         if name == "constrained":
             steps = tuple(info.solver_steps or 0 for info in done.drives)
@@ -128,7 +138,7 @@ def rendered(audio: Clip, planned: PlannedWindow, shots: tuple[Shot, ...], setti
         needed=float(np.max(np.abs(free))),
         drives=drives,
         steps=steps,
-        constrained_cpu_s=hearing + spent["constrained"],
+        cpu_s=spent,
     )
 
 
@@ -158,7 +168,7 @@ def judged(window: Window, scene: str, setting: Setting) -> WindowRow:
                 felt={name: _felt_shot(window, name, vibrations[name], part, rate_hz) for name in window.drives},
             )
         )
-    return WindowRow(tuple(rows), len(window.target) / rate_hz, window.constrained_cpu_s)
+    return WindowRow(tuple(rows), len(window.target) / rate_hz, window.cpu_s)
 
 
 def _felt_shot(window: Window, name: Drive, vibration: Samples, part: slice, rate_hz: int) -> FeltShot:

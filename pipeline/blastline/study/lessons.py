@@ -73,8 +73,8 @@ def gun_free_film(seed: int, density: Density = CROWDED) -> Lesson:
 
 def recorded_mix(recordings: Sequence[Recording], seed: int, synthetic: float = 0.3) -> Lesson:
     """Return lessons of recordings, sources drawn evenly, with a share of synthetic sounds and beds among them."""
-    shots = _by_source(r for r in recordings if r.gunshot)
-    negatives = _by_source(r for r in recordings if not r.gunshot)
+    shots = by_source(r for r in recordings if r.gunshot)
+    negatives = by_source(r for r in recordings if not r.gunshot)
     beds = [r for r in recordings if not r.gunshot and r.duration_s >= SHORTEST_BED_S]
     return partial(_recorded_mix, shots, negatives, beds, seed, synthetic)
 
@@ -159,8 +159,8 @@ def _recorded_mix(
         if rng.random() < synthetic:
             sounds.append(_synthetic_sound(rng, shot=shot))
         else:
-            sounds.append(_recorded_sound(_draw(shots if shot else negatives, rng), rng))
-    bed = random_bed(rng, RATE_HZ, MIX_S) if rng.random() < synthetic or not beds else _recorded_bed(beds, rng)
+            sounds.append(_recorded_sound(drawn(shots if shot else negatives, rng), rng))
+    bed = random_bed(rng, RATE_HZ, MIX_S) if rng.random() < synthetic or not beds else recorded_bed(beds, rng)
     return _mixed(bed, sounds, rng)
 
 
@@ -178,7 +178,7 @@ def _perhaps_coded(samples: NDArray[np.float32], rng: np.random.Generator) -> ND
     return coded(samples, codec, bits_per_s=int(rng.choice(BITS_PER_S[codec])), rate_hz=RATE_HZ)
 
 
-def _by_source(recordings: Iterable[Recording]) -> list[list[Recording]]:
+def by_source(recordings: Iterable[Recording]) -> list[list[Recording]]:
     """Return recordings grouped by source and kind, so that a large source does not outweigh the others."""
     groups: dict[tuple[str, str], list[Recording]] = {}
     for recording in recordings:
@@ -187,7 +187,8 @@ def _by_source(recordings: Iterable[Recording]) -> list[list[Recording]]:
     return list(groups.values())
 
 
-def _draw(groups: list[list[Recording]], rng: np.random.Generator) -> Recording:
+def drawn(groups: list[list[Recording]], rng: np.random.Generator) -> Recording:
+    """Return a recording of a group, groups drawn evenly."""
     group = groups[int(rng.integers(len(groups)))]
     return group[int(rng.integers(len(group)))]
 
@@ -203,9 +204,9 @@ def _recorded_sound(recording: Recording, rng: np.random.Generator) -> Sound:
     return varied(sound, rng, RATE_HZ) if rng.random() < VARIED_SHARE else sound
 
 
-def _recorded_bed(beds: list[Recording], rng: np.random.Generator) -> NDArray[np.float64]:
+def recorded_bed(beds: list[Recording], rng: np.random.Generator, seconds: float = MIX_S) -> NDArray[np.float64]:
     """Return a bed of up to three long recordings without shots, each repeated as often as needed."""
-    length = int(MIX_S * RATE_HZ)
+    length = int(seconds * RATE_HZ)
     bed = np.zeros(length)
     for _ in range(int(rng.integers(1, 4))):
         layer = load_sound(beds[int(rng.integers(len(beds)))], RATE_HZ).astype(np.float64)

@@ -38,6 +38,12 @@ class Counts:
         every = 2 * self.hits + self.false + self.missed
         return 2 * self.hits / every if every else 1.0
 
+    @property
+    def error_rate(self) -> float | None:
+        """Return (false + missed) / shots, as sed_eval has it for events of one kind; None where there is no shot."""
+        shots = self.hits + self.missed
+        return (self.false + self.missed) / shots if shots else None
+
     def __add__(self, other: "Counts") -> "Counts":
         """Return the counts of two films together."""
         return Counts(self.hits + other.hits, self.false + other.false, self.missed + other.missed)
@@ -64,12 +70,14 @@ def match(found_ms: Times, true_ms: Times, window_ms: float) -> list[tuple[int, 
 
 
 def settled(found_ms: Times, true_ms: Times, alternatives_ms: Sequence[Sequence[float]], window_ms: float) -> Times:
-    """Return the true onsets, each moved to an alternative where only that was found: a shock is heard first."""
+    """Return the true onsets, in their order, each moved to an alternative where only that was found: a shock is heard
+    first, so what is returned need not ascend.
+    """
     settled_ms = true_ms.copy()
     for index, others in enumerate(alternatives_ms):
         reached = [at for at in (true_ms[index], *others) if (np.abs(found_ms - at) <= window_ms).any()]
         settled_ms[index] = reached[0] if reached else true_ms[index]
-    return np.sort(settled_ms)
+    return settled_ms
 
 
 def count(found_ms: Times, true_ms: Times, window_ms: float, *, forgiven_ms: Sequence[float] = ()) -> Counts:

@@ -152,7 +152,7 @@ def _window_bars(tallies: dict[Phase, _Tally]) -> list[Bar]:
 
 def _cost_bars(tallies: dict[Phase, _Tally], costs: Sequence[tuple[float, float]]) -> list[Bar]:
     rows = [row for tally in tallies.values() for row in tally.windows if any(shot.needed > 1.0 for shot in row.shots)]
-    spent, seconds = sum(row.constrained_cpu_s for row in rows), sum(row.window_s for row in rows)
+    spent, seconds = sum(row.cpu_s["constrained"] for row in rows), sum(row.window_s for row in rows)
     filtering, reading = (sum(each) for each in zip(*costs, strict=True))
     return [
         Bar("constrained rendering: CPU per second of window", spent / seconds if seconds else 0.0, 0.1, "s"),

@@ -2,6 +2,7 @@
 
 import tempfile
 from collections.abc import Collection, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from ..render import PlannedWindow, plan_windows
 from ..ruleset import QualityRules
 from ..soundtrack import Soundtrack, open_soundtrack
 from ..synth import Truth, load_scene, synthesise
+from ..units import samples_from_s
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,12 +40,19 @@ def true_scenes(folder: Path, tier: QualityRules, names: Collection[str] | None 
     if not files:
         raise RuleError(f"{folder}: no scene (*.toml) with shots in it")
     for name, path, truth in synthesised(files):
-        with open_soundtrack(path) as track:
-            for _ in track.blocks():
-                pass
-            shots = tuple(_parted(track, truth.frames, shot.onset_sample, tier) for shot in truth.shots)
-            windows = plan_windows(shots, frames=truth.frames, rate_hz=track.rate_hz, rules=tier.windows)
-            yield TrueScene(name, path, track, truth.frames, shots, windows)
+        with true_scene(name, path, [shot.onset_s for shot in truth.shots], tier) as scene:
+            yield scene
+
+
+@contextmanager
+def true_scene(name: str, path: Path, onsets_s: Iterable[float], tier: QualityRules) -> Iterator[TrueScene]:
+    """Open a film whose shots begin at these seconds, with their parts and windows; closed on leaving."""
+    with open_soundtrack(path) as track:
+        frames = sum(len(clip.span) for clip in track.blocks())
+        onsets = [samples_from_s(onset_s, track.rate_hz) for onset_s in onsets_s]
+        shots = tuple(_parted(track, frames, onset, tier) for onset in onsets)
+        windows = plan_windows(shots, frames=frames, rate_hz=track.rate_hz, rules=tier.windows)
+        yield TrueScene(name, path, track, frames, shots, windows)
 
 
 def synthesised(files: Iterable[Path]) -> Iterator[tuple[str, Path, Truth]]:

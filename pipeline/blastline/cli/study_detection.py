@@ -1,0 +1,151 @@
+"""`study detection`, and the options that say what the studies of detection listen to."""
+
+import tempfile
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ..errors import RuleError
+from .options import Overwrite, QualityOption, Quiet, RulesOption
+from .progress import shown_progress
+from .studied import detection_table
+
+if TYPE_CHECKING:
+    from ..study.sources import Source
+
+LISTENING = "What to listen to"
+
+Fixtures = Annotated[
+    Path | None,
+    typer.Option(
+        "--fixtures",
+        metavar="DIR",
+        help="Scenes (*.toml); synthesised, then listened to.",
+        rich_help_panel=LISTENING,
+        show_default=False,
+    ),
+]
+Corpus = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--corpus",
+        metavar="DIR",
+        help="Recordings with an annotations.csv; repeatable.",
+        rich_help_panel=LISTENING,
+        show_default=False,
+    ),
+]
+MixLevels = Annotated[
+    str | None,
+    typer.Option(
+        "--mix",
+        metavar="LOW,HIGH",
+        help="Mix the corpora's shots and other sounds over their beds, peaks so many dB over the bed.",
+        rich_help_panel=LISTENING,
+        show_default=False,
+    ),
+]
+Clips = Annotated[
+    bool,
+    typer.Option(
+        "--clips",
+        help="Clips of 30 s, half of them with one shot of the corpora at -6, 0 or 6 dB, as in DCASE 2017.",
+        rich_help_panel=LISTENING,
+    ),
+]
+Fold = Annotated[
+    int | None,
+    typer.Option(
+        min=0,
+        max=3,
+        metavar="N",
+        help="Of the corpora only the sources that `study.train --hold-out N` does not learn from.",
+        rich_help_panel=LISTENING,
+        show_default=False,
+    ),
+]
+Films = Annotated[int, typer.Option(min=1, metavar="N", help="How many mixes or clips.", rich_help_panel=LISTENING)]
+Seed = Annotated[int, typer.Option(min=0, help="Which mixes or clips.", rich_help_panel=LISTENING)]
+Peers = Annotated[
+    bool,
+    typer.Option("--peers", "--peer", help="Score other onset detectors, those that are installed, on the same films."),
+]
+
+
+def detection(
+    fixtures: Fixtures = None,
+    corpus: Corpus = None,
+    mix: MixLevels = None,
+    clips: Clips = False,
+    fold: Fold = None,
+    films: Films = 24,
+    seed: Seed = 1,
+    quality: QualityOption = "standard",
+    rules: RulesOption = None,
+    peers: Peers = False,
+    excerpts: Annotated[
+        Path | None,
+        typer.Option(
+            "--excerpts", metavar="DIR", help="Write what was missed and what was false: events.csv, and a WAV of each."
+        ),
+    ] = None,
+    overwrite: Overwrite = False,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every figure, film by film, as JSON.")
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Find the shots of scenes or recordings whose truth is known, and say how many were found, and how exactly.
+
+    Example: `blastline study detection --fixtures fixtures`
+
+    Your own: `blastline study detection --corpus my-recordings --mix 6,30 --excerpts wrong`
+    """
+    import msgspec
+
+    from ..staging import staged
+    from ..study.detection import study_detection
+    from ..study.events import EVENTS, EXCERPTS, write_events
+
+    source = source_of(fixtures, corpus, mix, clips=clips, fold=fold, films=films, seed=seed)
+    with tempfile.TemporaryDirectory(prefix="blastline-") as made, shown_progress(quiet=quiet) as progress:
+        listen = partial(study_detection, source, Path(made), quality, rules, with_peers=peers, progress=progress)
+        if excerpts is None:
+            study, _ = listen()
+        else:
+            with staged(excerpts, names=[EVENTS], sets=EXCERPTS, overwrite=overwrite) as hidden:
+                study, paths = listen()
+                write_events(hidden, [(path, case.events) for path, case in zip(paths, study.cases, strict=True)])
+    if output:
+        output.write_bytes(msgspec.json.format(msgspec.json.encode(study), indent=1) + b"\n")
+    typer.echo(detection_table(study))
+
+
+def source_of(
+    fixtures: Path | None,
+    corpus: list[Path] | None,
+    mix: str | None,
+    *,
+    clips: bool,
+    fold: int | None,
+    films: int,
+    seed: int,
+) -> "Source":
+    """Return what the options ask to listen to; RuleError for levels that are none."""
+    from ..study.sources import Source
+
+    levels_db = None if mix is None else _levels(mix)
+    return Source(fixtures, tuple(corpus or ()), levels_db, clips=clips, fold=fold, films=films, seed=seed)
+
+
+def _levels(text: str) -> tuple[float, float]:
+    """Return the lowest and the highest level of an option such as 6,30."""
+    try:
+        low, high = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise RuleError(f"--mix {text}: expected two levels in dB, such as 6,30") from error
+    if not -60.0 <= low <= high <= 80.0:
+        raise RuleError(f"--mix {text}: expected the lower level first, both between -60 and 80 dB")
+    return low, high

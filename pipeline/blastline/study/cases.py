@@ -1,0 +1,89 @@
+"""Films with a known truth, as the studies of detection listen to them: scenes and annotated recordings."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import RuleError
+from ..synth import Truth, synthesise
+from .corpus import Recording
+from .matching import Times
+
+LONGEST_GAP_MS, FEWEST_SHOTS = 160.0, 3
+"""Annotated onsets no farther apart are a burst, where there are so many: 133 ms are 450 rounds a minute."""
+
+Bursts = tuple[tuple[int, ...], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A sound file with a known truth: its shots, their levels, and where else each may be said to begin.
+
+    `snr_db` is NaN where it is not known. At `forgiven_ms` a detection is neither right nor wrong. Of shots that are
+    not `timed` the truth is unsure by some milliseconds. `bursts` are indices into `true_ms`.
+    """
+
+    name: str
+    path: Path
+    true_ms: Times
+    snr_db: Times
+    timed: NDArray[np.bool_]
+    bursts: Bursts = ()
+    alternatives_ms: tuple[tuple[float, ...], ...] = ()
+    forgiven_ms: tuple[float, ...] = ()
+
+
+def scenes(folder: Path, into: Path) -> Iterator[Case]:
+    """Synthesise each scene of a folder into another one and yield it; RuleError where there is none."""
+    files = sorted(folder.glob("*.toml"))
+    if not files:
+        raise RuleError(f"{folder}: no scene (*.toml) in it")
+    for file in files:
+        made = into / file.stem
+        truth = synthesise(file, made)
+        yield _scene(file.stem, made / f"{truth.scene}.wav", truth)
+
+
+def recordings(found: Iterable[Recording]) -> Iterator[Case]:
+    """Yield each recording as a film of its own; levels are unknown."""
+    for recording in found:
+        onsets_ms = np.array(recording.onsets_s) * 1000.0
+        yield Case(
+            name=f"{recording.source}/{recording.path.stem}",
+            path=recording.path,
+            true_ms=onsets_ms,
+            snr_db=np.full(onsets_ms.size, np.nan),
+            timed=np.full(onsets_ms.size, recording.timed),
+            bursts=near_each_other(onsets_ms),
+        )
+
+
+def near_each_other(true_ms: Times) -> Bursts:
+    """Return the bursts among ascending onsets: runs of at least three with no gap over 160 ms.
+
+    >>> near_each_other(np.array([0.0, 100.0, 200.0, 900.0, 1000.0]))
+    ((0, 1, 2),)
+    """
+    breaks = np.flatnonzero(np.diff(true_ms) > LONGEST_GAP_MS) + 1
+    runs = np.split(np.arange(true_ms.size), breaks)
+    return tuple(tuple(run.tolist()) for run in runs if run.size >= FEWEST_SHOTS)
+
+
+def _scene(name: str, path: Path, truth: Truth) -> Case:
+    members: dict[int, list[int]] = {}
+    for index, shot in enumerate(truth.shots):
+        if shot.burst is not None:
+            members.setdefault(shot.burst, []).append(index)
+    return Case(
+        name=name,
+        path=path,
+        true_ms=np.array([shot.onset_s * 1000.0 for shot in truth.shots]),
+        snr_db=np.array([shot.snr_db for shot in truth.shots]),
+        timed=np.ones(len(truth.shots), bool),
+        bursts=tuple(tuple(burst) for burst in members.values()),
+        alternatives_ms=tuple(tuple(at * 1000.0 / truth.rate_hz for at in shot.accept_samples) for shot in truth.shots),
+        forgiven_ms=tuple(each.at_s * 1000.0 for each in truth.negatives if each.kind == "explosion"),
+    )

@@ -1,0 +1,139 @@
+"""Film-like sounds made of recordings, to measure on: mixes at given levels, and clips as DCASE 2017 asked for.
+
+Each film has a seed of its own, so that the same recordings always give the same films. Shots and other sounds are as
+they were recorded: no variants, nothing synthetic, but for a bed or other sounds where the recordings have none.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import RuleError
+from ..synth import random_bed, random_negative
+from ..units import gain_from_db, samples_from_ms
+from .cases import Case, near_each_other
+from .corpus import Recording, load_sound
+from .lessons import MIX_S, RATE_HZ, SHORTEST_BED_S, SOUNDS_PER_MIX, by_source, drawn, recorded_bed
+from .mixes import Sound, as_16_bit, mix
+
+Samples = NDArray[np.float64]
+
+GUN_FREE_EVERY = 4
+"""One mix in so many has no shot, so that false alarms can be counted where there is no gun."""
+CLIP_S = 30.0
+CLIP_LEVELS_DB = (-6.0, 0.0, 6.0)
+_LONGEST_S = 6.0
+_LEAD_MS, _TAIL_MS, _FADE_MS = 5.0, 2000.0, 20.0
+_LONG_ENOUGH = 0.95
+
+
+@dataclass(frozen=True)
+class Stock:
+    """Recordings sorted for mixing: shots and other sounds by source, and what can be a bed."""
+
+    shots: list[list[Recording]]
+    others: list[list[Recording]]
+    beds: list[Recording]
+
+
+def stock(found: Sequence[Recording]) -> Stock:
+    """Return recordings sorted for mixing; RuleError where there is no shot among them."""
+    shots = by_source(each for each in found if each.gunshot and each.onsets_s)
+    if not shots:
+        raise RuleError("study: no recording of a gunshot with onsets; mixes and clips are made of shots over beds")
+    others = [each for each in found if not each.gunshot]
+    return Stock(shots, by_source(others), [each for each in others if each.duration_s >= SHORTEST_BED_S])
+
+
+def film_mixes(sounds: Stock, into: Path, *, films: int, levels_db: tuple[float, float], seed: int) -> Iterator[Case]:
+    """Yield minutes of film-like sound, as many shots as other sounds, their peaks at a level over the bed's rms."""
+    for number in range(films):
+        rng = np.random.default_rng([seed, number])
+        gun_free = number % GUN_FREE_EVERY == GUN_FREE_EVERY - 1
+        placed = [_sound(sounds, rng, shot=not gun_free and bool(rng.random() < 0.5)) for _ in range(SOUNDS_PER_MIX)]
+        made = mix(_bed(sounds, rng, MIX_S), placed, rng=rng, rate_hz=RATE_HZ, levels_db=levels_db)
+        true_ms = made.onsets.astype(np.float64) * (1000.0 / RATE_HZ)
+        yield Case(
+            name=f"mix-{number:03d}",
+            path=_written(into / f"mix-{number:03d}.wav", made.samples),
+            true_ms=true_ms,
+            snr_db=made.level_db,
+            timed=~np.isin(made.onsets, made.unsure),
+            bursts=near_each_other(true_ms),
+        )
+
+
+def one_shot_clips(sounds: Stock, into: Path, *, clips: int, seed: int) -> Iterator[Case]:
+    """Yield clips of 30 s over a bed, every other one with a single shot at -6, 0 or 6 dB: its rms over the bed's.
+
+    As in task 2 of DCASE 2017, but of other recordings: scores are not to be compared with its own.
+    """
+    for number in range(clips):
+        rng = np.random.default_rng([seed, number, 1])
+        samples = _bed(sounds, rng, CLIP_S)
+        onsets, levels_db, timed = [], [], []
+        if number % 2 == 0:
+            recording = drawn(sounds.shots, rng)
+            shot, lead = _single(recording)
+            level_db = CLIP_LEVELS_DB[(number // 2) % len(CLIP_LEVELS_DB)]
+            at = int(rng.integers(RATE_HZ, samples.size - shot.size - RATE_HZ))
+            background = float(np.sqrt(np.mean(samples[at : at + shot.size] ** 2)))
+            samples[at : at + shot.size] += shot * (background * gain_from_db(level_db) / _event_rms(shot[lead:]))
+            onsets, levels_db, timed = [(at + lead) * 1000.0 / RATE_HZ], [level_db], [recording.timed]
+        loudest = float(np.abs(samples).max()) or 1.0
+        yield Case(
+            name=f"clip-{number:03d}",
+            path=_written(into / f"clip-{number:03d}.wav", as_16_bit(samples * (0.9 / loudest))),
+            true_ms=np.array(onsets, np.float64),
+            snr_db=np.array(levels_db, np.float64),
+            timed=np.array(timed, bool),
+        )
+
+
+def _sound(sounds: Stock, rng: np.random.Generator, *, shot: bool) -> Sound:
+    """Return a sound to place; onsets that may be off by some milliseconds are among its unsure places as well."""
+    if not shot and not sounds.others:
+        return Sound(random_negative(rng, RATE_HZ)[0])
+    recording = drawn(sounds.shots if shot else sounds.others, rng)
+    samples = load_sound(recording, RATE_HZ).astype(np.float64)
+    onsets = tuple(round(onset * RATE_HZ) for onset in recording.onsets_s if onset * RATE_HZ < samples.size - 1)
+    longest = int(_LONGEST_S * RATE_HZ)
+    if not onsets and samples.size > longest:
+        start = int(rng.integers(samples.size - longest))
+        samples = samples[start : start + longest]
+    return Sound(samples, onsets, () if recording.timed else onsets)
+
+
+def _bed(sounds: Stock, rng: np.random.Generator, seconds: float) -> Samples:
+    if sounds.beds:
+        return recorded_bed(sounds.beds, rng, seconds)
+    return np.asarray(random_bed(rng, RATE_HZ, seconds), np.float64)
+
+
+def _single(recording: Recording) -> tuple[Samples, int]:
+    """Return a recording's first shot alone, until the next one or for 2 s, and the index of its onset."""
+    samples = load_sound(recording, RATE_HZ).astype(np.float64)
+    onsets = [round(onset * RATE_HZ) for onset in recording.onsets_s]
+    start = max(0, onsets[0] - samples_from_ms(_LEAD_MS, RATE_HZ))
+    stop = min([samples.size, onsets[0] + samples_from_ms(_TAIL_MS, RATE_HZ), *onsets[1:2]])
+    shot = samples[start:stop].copy()
+    fade = min(shot.size // 4, samples_from_ms(_FADE_MS, RATE_HZ))
+    shot[shot.size - fade :] *= np.linspace(1.0, 0.0, fade)
+    return shot, onsets[0] - start
+
+
+def _event_rms(shot: Samples) -> float:
+    """Return the rms of a shot up to where 95 % of its energy has gone by."""
+    energy = np.cumsum(shot**2)
+    stop = int(np.searchsorted(energy, _LONG_ENOUGH * energy[-1])) + 1
+    return float(np.sqrt(energy[stop - 1] / stop)) or 1.0
+
+
+def _written(path: Path, samples: NDArray[np.float32]) -> Path:
+    import soundfile
+
+    soundfile.write(path, samples, RATE_HZ, subtype="PCM_16")
+    return path

@@ -1,0 +1,139 @@
+"""What rendering costs and how much of a shot it makes felt, setting by setting, over the same true shots."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from itertools import islice
+
+import msgspec
+import numpy as np
+
+from ..errors import RuleError
+from ..ruleset import ActuatorProfile, QualityRules
+from .cases import Case
+from .cost import read_cpu_s
+from .detection import Progress, unwatched
+from .drives import DRIVES, Drive, FeltShot, WindowRow, judged, setting_for, windows_of
+from .drives import Setting as RenderedAs
+from .settings import Setting
+from .tally import Cost
+from .truth import TrueScene, true_scene
+
+BEST = "the best there is"
+_BEST_RENDER = {"solver_rate_hz": 48_000, "iterations": 60, "polish_iterations": 2, "tolerance": 1e-6}
+
+
+class RenderingPoint(msgspec.Struct, frozen=True):
+    """A setting or a conversion: means over the weak shots of what is felt against what is to be felt.
+
+    `lost` is the energy of their difference as a part of that of the target, `above_best` what of it the best drive
+    within the limit would not lose. The cost is that of all windows.
+    """
+
+    name: str
+    ratio: float
+    correlation: float
+    lost: float
+    above_best: float
+    cpu_s_per_window_s: float
+    cost: Cost
+
+
+class RenderingSweep(msgspec.Struct, frozen=True):
+    """All settings over the same weak shots: those felt at less than half in direct conversion, whose compensator
+    needs more than the actuator's limit.
+    """
+
+    shots: int
+    weak: int
+    window_s: float
+    points: tuple[RenderingPoint, ...]
+
+
+Key = tuple[str, float]
+"""A shot: its film, and the second in it."""
+
+
+@dataclass
+class _Tally:
+    felt: dict[Key, FeltShot] = field(default_factory=dict)
+    cpu_s: float = 0.0
+
+
+def sweep_rendering(
+    cases: Sequence[Case],
+    settings: Sequence[Setting],
+    profile: ActuatorProfile,
+    *,
+    repeats: int = 1,
+    progress: Progress = unwatched,
+) -> RenderingSweep:
+    """Render the true shots of films with every setting, and in the other ways there are with the first.
+
+    The processor time of a window is the least of so many repeats, after one that does not count. Raises RuleError
+    where no shot is weak.
+    """
+    best = _best(settings[0].tier)
+    tiers = [*((each.name, each.tier) for each in settings), (BEST, best)]
+    others = [drive for drive in DRIVES if drive != "constrained"]
+    tallies = {name: _Tally() for name in (*others, *(name for name, _ in tiers))}
+    weak: list[Key] = []
+    shots, window_s, film_s, read_s = 0, 0.0, 0.0, 0.0
+    fired = [case for case in cases if case.true_ms.size]
+    for index, case in enumerate(fired):
+        progress("rendering", index, len(fired))
+        with true_scene(case.name, case.path, (case.true_ms / 1000.0).tolist(), settings[0].tier) as scene:
+            film_s += scene.frames / scene.track.rate_hz
+            read_s += read_cpu_s(case.path)
+            for name, tier in tiers:
+                first = name == settings[0].name
+                wanted: Sequence[Drive] = DRIVES if first else ("constrained",)
+                rows = _rows(scene, setting_for(profile, scene.track.rate_hz, "causal", tier.render), wanted, repeats)
+                for row in rows:
+                    for drive in wanted:
+                        tally = tallies[drive if drive != "constrained" else name]
+                        tally.cpu_s += row.cpu_s[drive]
+                        tally.felt |= {(shot.scene, shot.onset_s): shot.felt[drive] for shot in row.shots}
+                if first:
+                    shots += sum(len(row.shots) for row in rows)
+                    window_s += sum(row.window_s for row in rows)
+                    weak += [(shot.scene, shot.onset_s) for row in rows for shot in row.shots if shot.weak]
+    if not weak:
+        raise RuleError("study: no shot that is weak in direct conversion; give films with shots that are")
+    lost = {name: float(np.mean([_lost(tally.felt[key]) for key in weak])) for name, tally in tallies.items()}
+    points = tuple(
+        RenderingPoint(
+            name=name,
+            ratio=float(np.mean([tally.felt[key].ratio for key in weak])),
+            correlation=float(np.mean([tally.felt[key].correlation for key in weak])),
+            lost=lost[name],
+            above_best=lost[name] - lost[BEST],
+            cpu_s_per_window_s=tally.cpu_s / window_s,
+            cost=Cost(tally.cpu_s / read_s, 3600.0 * tally.cpu_s / film_s),
+        )
+        for name, tally in tallies.items()
+    )
+    return RenderingSweep(shots, len(weak), window_s, points)
+
+
+def _rows(scene: TrueScene, setting: RenderedAs, wanted: Sequence[Drive], repeats: int) -> list[WindowRow]:
+    """Return the windows of a scene, each with the least processor time of some repeats for each drive."""
+    for _ in islice(windows_of(scene, setting, wanted), 1):
+        pass  # what is worked out once for a setting is not counted
+    rows = [judged(window, scene.name, setting) for window in windows_of(scene, setting, wanted)]
+    for _ in range(repeats - 1):
+        again = [window.cpu_s for window in windows_of(scene, setting, wanted)]
+        rows = [
+            replace(row, cpu_s={drive: min(spent, other[drive]) for drive, spent in row.cpu_s.items()})
+            for row, other in zip(rows, again, strict=True)
+        ]
+    return rows
+
+
+def _best(tier: QualityRules) -> QualityRules:
+    render = msgspec.structs.replace(tier.render, **_BEST_RENDER)
+    return msgspec.structs.replace(tier, render=render)
+
+
+def _lost(felt: FeltShot) -> float:
+    """Return |felt - wanted|^2 / |wanted|^2, from the ratio of their levels and their correlation."""
+    return 1.0 + felt.ratio**2 - 2.0 * felt.ratio * felt.correlation

@@ -1,0 +1,75 @@
+"""What a study listens to: scenes, recordings as they are, or film-like sounds made of recordings."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..errors import RuleError
+from .cases import Case, recordings, scenes
+from .corpus import Recording, read_corpus
+from .filmlike import CLIP_S, film_mixes, one_shot_clips, stock
+from .lessons import MIX_S
+from .train import FOLD_SEED, FOLDS, by_fold
+
+
+@dataclass(frozen=True)
+class Source:
+    """Scenes of a folder, or recordings of some corpora: as they are, in mixes at `mix_db`, or in clips.
+
+    `fold` takes only the part of the recordings' sources that training leaves out with `--hold-out`.
+    """
+
+    fixtures: Path | None = None
+    corpus: tuple[Path, ...] = ()
+    mix_db: tuple[float, float] | None = None
+    clips: bool = False
+    fold: int | None = None
+    films: int = 20
+    seed: int = 1
+
+    def cases(self, into: Path) -> Iterator[Case]:
+        """Yield the films; what has to be made is made in a folder, and stays there.
+
+        Raises RuleError where there are neither scenes nor recordings, or both.
+        """
+        if (self.fixtures is None) == (not self.corpus):
+            raise RuleError("study: give either --fixtures or --corpus")
+        if self.fixtures is not None:
+            if self.mix_db is not None or self.clips or self.fold is not None:
+                raise RuleError("study: --mix, --clips and --fold are about recordings; give --corpus, not --fixtures")
+            return scenes(self.fixtures, into)
+        found = self._recordings()
+        if self.clips:
+            return one_shot_clips(stock(found), into, clips=self.films, seed=self.seed)
+        if self.mix_db is not None:
+            return film_mixes(stock(found), into, films=self.films, levels_db=self.mix_db, seed=self.seed)
+        return recordings(found)
+
+    def _recordings(self) -> Sequence[Recording]:
+        every = read_corpus(self.corpus)
+        if self.fold is None:
+            return every
+        parts = by_fold(every, FOLDS, FOLD_SEED)
+        if self.fold >= len(parts):
+            raise RuleError(f"study: --fold {self.fold}: the recordings have only {len(parts)} sources of a kind")
+        return parts[self.fold]
+
+    @property
+    def protocol(self) -> str:
+        """Return what is listened to, in a line."""
+        if self.clips:
+            return (
+                f"{self.films} clips of {CLIP_S:g} s, every other one with a single shot at -6, 0 or 6 dB rms, "
+                f"seed {self.seed}; as in DCASE 2017, no score of it{self._part}"
+            )
+        if self.mix_db is not None:
+            low, high = self.mix_db
+            return (
+                f"{self.films} mixes of {MIX_S:g} s, peaks {low:g} to {high:g} dB over the bed, one in four without "
+                f"a shot, seed {self.seed}{self._part}"
+            )
+        return "scenes" if self.fixtures else f"recordings as they are{self._part}"
+
+    @property
+    def _part(self) -> str:
+        return "" if self.fold is None else f", fold {self.fold} of the sources"

@@ -1,0 +1,168 @@
+"""What the studies of detection listen to: mixes and clips of recordings, and peers that listen along."""
+
+import importlib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+
+from blastline.errors import RuleError
+from blastline.study.cases import Case
+from blastline.study.corpus import read_corpus
+from blastline.study.filmlike import CLIP_S, GUN_FREE_EVERY, film_mixes, one_shot_clips, stock
+from blastline.study.peer_scores import PeerTally, opened
+from blastline.study.peers import PEERS, Peer, installed
+from blastline.study.sources import Source
+from blastline.study.train import FOLD_SEED, FOLDS, by_fold
+
+RATE_HZ = 48_000
+
+
+def bang(onset: int, frames: int, seed: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    samples = np.zeros(frames)
+    length = frames - onset
+    samples[onset:] = 0.8 * np.random.default_rng(seed).standard_normal(length) * np.exp(-np.arange(length) / 1500.0)
+    return np.clip(samples, -1.0, 1.0)
+
+
+@pytest.fixture(scope="module")
+def corpus(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return two recordings of shots, one of them unsure, a knock, and a quiet bed."""
+    made = tmp_path_factory.mktemp("corpus")
+    rng = np.random.default_rng(1)
+    sounds = {
+        "sure.wav": bang(12_000, 48_000, 1),
+        "unsure.wav": bang(9_600, 48_000, 2),
+        "knock.wav": bang(0, 9_600, 3) * np.cos(np.arange(9_600) / 9.0),
+        "bed.wav": 1e-2 * rng.standard_normal(6 * RATE_HZ),
+    }
+    for name, samples in sounds.items():
+        soundfile.write(made / name, samples, RATE_HZ, subtype="PCM_16")
+    rows = [
+        "path,source,label,sub_label,duration_s,onsets_s,notes",
+        "sure.wav,one,gunshot,rifle,1.0,0.25,",
+        "unsure.wav,two,gunshot,boom,1.0,0.2,slow or two-stage attack",
+        "knock.wav,three,negative,knock,0.2,,",
+        "bed.wav,four,negative,noise,6.0,,",
+    ]
+    (made / "annotations.csv").write_text("\n".join(rows))
+    return made
+
+
+def test_a_mix_is_always_the_same_and_one_in_four_has_no_shot(corpus: Path, tmp_path: Path) -> None:
+    films = 4
+    runs = []
+    for name in ("first", "second"):
+        (tmp_path / name).mkdir()
+        runs.append(
+            list(film_mixes(stock(read_corpus([corpus])), tmp_path / name, films=films, levels_db=(20.0, 30.0), seed=3))
+        )
+    for one, other in zip(*runs, strict=True):
+        assert one.path.read_bytes() == other.path.read_bytes()
+        assert np.array_equal(one.true_ms, other.true_ms)
+    assert [case.true_ms.size > 0 for case in runs[0]] == [True] * (GUN_FREE_EVERY - 1) + [False]
+    shots = runs[0][0]
+    assert ((shots.snr_db >= 20.0) & (shots.snr_db <= 30.0)).all()
+    assert 0 < shots.timed.sum() < shots.timed.size
+
+
+def test_a_mixed_shot_begins_where_it_says(corpus: Path, tmp_path: Path) -> None:
+    sounds = stock(read_corpus([corpus]))
+    knocks = [group for group in sounds.others if group[0].sub_label == "knock"]
+    (case,) = film_mixes(replace(sounds, others=knocks), tmp_path, films=1, levels_db=(40.0, 40.0), seed=3)
+    samples, rate_hz = soundfile.read(case.path)
+    assert rate_hz == RATE_HZ
+    for at_ms in case.true_ms.tolist():
+        onset = round(at_ms * RATE_HZ / 1000.0)
+        assert np.abs(samples[onset : onset + 240]).max() > 3.0 * np.abs(samples[onset - 480 : onset - 24]).max()
+
+
+def test_half_of_the_clips_have_one_shot_at_its_level(corpus: Path, tmp_path: Path) -> None:
+    cases = list(one_shot_clips(stock(read_corpus([corpus])), tmp_path, clips=6, seed=3))
+    assert [case.true_ms.size for case in cases] == [1, 0, 1, 0, 1, 0]
+    assert [float(level) for case in cases for level in case.snr_db] == [-6.0, 0.0, 6.0]
+    for case in cases[::2]:
+        samples, _ = soundfile.read(case.path)
+        assert samples.size == CLIP_S * RATE_HZ
+        onset = round(float(case.true_ms[0]) * RATE_HZ / 1000.0)
+        # the bed is even noise, and 95 % of a bang's energy lie in its first 2,250 samples
+        shot, bed = samples[onset : onset + 2250], samples[: onset - 480]
+        added = np.mean(shot**2) - np.mean(bed**2)
+        assert 10.0 * np.log10(added / np.mean(bed**2)) == pytest.approx(float(case.snr_db[0]), abs=1.0)
+
+
+@pytest.mark.parametrize(
+    ("source", "complaint"),
+    [
+        (Source(), "either --fixtures or --corpus"),
+        (Source(fixtures=Path("a"), corpus=(Path("b"),)), "either --fixtures or --corpus"),
+        (Source(fixtures=Path("a"), clips=True), "give --corpus"),
+        (Source(fixtures=Path("a"), mix_db=(0.0, 6.0)), "give --corpus"),
+        (Source(fixtures=Path("a"), fold=0), "give --corpus"),
+    ],
+)
+def test_a_source_that_is_none_is_refused(source: Source, complaint: str, tmp_path: Path) -> None:
+    with pytest.raises(RuleError, match=complaint):
+        list(source.cases(tmp_path))
+
+
+def test_folds_share_no_source_and_are_those_of_training(corpus: Path, tmp_path: Path) -> None:
+    parts = by_fold(read_corpus([corpus]), FOLDS, FOLD_SEED)
+    for fold, part in enumerate(parts):
+        cases = list(Source(corpus=(corpus,), fold=fold).cases(tmp_path))
+        assert [case.path for case in cases] == [recording.path for recording in part]
+    with pytest.raises(RuleError, match="--fold 3"):
+        list(Source(corpus=(corpus,), fold=3).cases(tmp_path))
+
+
+def test_recordings_without_a_shot_make_no_mix(corpus: Path, tmp_path: Path) -> None:
+    rows = (corpus / "annotations.csv").read_text().splitlines()
+    (tmp_path / "annotations.csv").write_text("\n".join([rows[0], *rows[3:]]))
+    with pytest.raises(RuleError, match="no recording of a gunshot"):
+        stock(read_corpus([tmp_path]))
+
+
+@pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.package)
+def test_a_peer_hears_bursts_of_noise_and_is_scored_as_we_are(peer: Peer, tmp_path: Path) -> None:
+    if not installed([peer])[0]:
+        pytest.skip(f"{peer.package} is not installed")
+    rng = np.random.default_rng(0)
+    samples = 1e-3 * rng.standard_normal(4 * RATE_HZ)
+    true_ms = np.array([500.0, 1400.0, 2600.0])
+    for at in (24_000, 67_200, 124_800):
+        samples[at : at + 4800] += 0.2 * rng.standard_normal(4800) * np.exp(-np.arange(4800) / 900.0)
+    path = tmp_path / "film.wav"
+    soundfile.write(path, samples, RATE_HZ, subtype="PCM_16")
+    case = Case("film", path, true_ms, np.full(3, 40.0), np.ones(3, bool))
+    tally = PeerTally(peer)
+    tally.warm()
+    tally.add(case, *opened(case))
+    score = tally.score(read_s=0.001, minutes=4.0 / 60.0)
+    assert score.f1_by_window_ms["50"] > 0.8
+    assert score.cost.times_read > 0.0
+    assert set(score.thresholds_by_window_ms.values()) <= set(peer.thresholds)
+
+
+def test_each_window_has_the_threshold_that_is_best_for_it() -> None:
+    """A peer that finds all shots 20 ms late at one threshold, and half of them exactly at another."""
+    true_ms = np.array([100.0, 600.0, 1100.0, 1600.0])
+    peer = Peer(
+        "made up", "none", (1.0, 2.0), lambda s, r: s, lambda s, r, t: true_ms + 20.0 if t == 1.0 else true_ms[:2]
+    )
+    case = Case("film", Path("none"), true_ms, np.full(4, 40.0), np.ones(4, bool))
+    tally = PeerTally(peer)
+    tally.add(case, np.zeros(10, np.float32), RATE_HZ, 0.0)
+    score = tally.score(read_s=1.0, minutes=1.0)
+    assert score.thresholds_by_window_ms == {"2": 2.0, "10": 2.0, "50": 1.0, "500": 1.0}
+    assert score.f1_by_window_ms["50"] == 1.0
+    assert score.f1 == pytest.approx(2 / 3)
+
+
+def test_a_peer_that_is_not_installed_is_named() -> None:
+    module = importlib.import_module("blastline.study.peers")
+    peer = Peer("made up", "no_such_package", (1.0,), module.PEERS[0].prepare, module.PEERS[0].pick)
+    there, absent = installed([*PEERS[:1], peer])
+    assert [each.package for each in there] == ["librosa"]
+    assert absent == ("no_such_package",)
