@@ -30,7 +30,7 @@ test: $(INSTALLED)
 # 1 says that a tier is not where it should be: a finding, and written down
 study: $(INSTALLED)
 	$(RUN)/python -m pip install -q --disable-pip-version-check -e ".[peers]" -c constraints.txt
-	$(RUN)/blastline study pareto --peers -o build/study --overwrite || test $$? = 1
+	$(RUN)/blastline study pareto --fixtures fixtures --random 16 --peers -o build/study --overwrite || test $$? = 1
 	$(RUN)/python benchmarks/readme.py build/study
 
 schema: $(INSTALLED)

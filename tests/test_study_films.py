@@ -9,9 +9,9 @@ import pytest
 import soundfile
 
 from blastline.errors import RuleError
-from blastline.study.cases import Case
+from blastline.study.cases import GUN_FREE_EVERY, Case, random_films
 from blastline.study.corpus import read_corpus
-from blastline.study.filmlike import CLIP_S, GUN_FREE_EVERY, film_mixes, one_shot_clips, stock
+from blastline.study.filmlike import CLIP_S, film_mixes, one_shot_clips, stock
 from blastline.study.peer_scores import PeerTally, opened
 from blastline.study.peers import PEERS, Peer, installed
 from blastline.study.sources import Source
@@ -68,6 +68,19 @@ def test_a_mix_is_always_the_same_and_one_in_four_has_no_shot(corpus: Path, tmp_
     assert 0 < shots.timed.sum() < shots.timed.size
 
 
+def test_random_films_are_always_the_same_and_one_in_four_has_no_gun(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("blastline.study.cases.FILM_S", 12.0)
+    monkeypatch.setattr("blastline.study.cases.SHOTS", (4, 8))
+    first, second = (list(random_films(tmp_path / name, films=4, seed=2)) for name in ("first", "second"))
+    for one, other in zip(first, second, strict=True):
+        assert one.path.read_bytes() == other.path.read_bytes()
+        assert np.array_equal(one.true_ms, other.true_ms)
+    assert [case.true_ms.size > 0 for case in first] == [True, True, True, False]
+    assert len({case.path.read_bytes() for case in first}) == 4
+
+
 def test_a_mixed_shot_begins_where_it_says(corpus: Path, tmp_path: Path) -> None:
     sounds = stock(read_corpus([corpus]))
     knocks = [group for group in sounds.others if group[0].sub_label == "knock"]
@@ -96,8 +109,8 @@ def test_half_of_the_clips_have_one_shot_at_its_level(corpus: Path, tmp_path: Pa
 @pytest.mark.parametrize(
     ("source", "complaint"),
     [
-        (Source(), "either --fixtures or --corpus"),
-        (Source(fixtures=Path("a"), corpus=(Path("b"),)), "either --fixtures or --corpus"),
+        (Source(), "either --fixtures or --random, or --corpus"),
+        (Source(fixtures=Path("a"), corpus=(Path("b"),)), "either --fixtures or --random, or --corpus"),
         (Source(fixtures=Path("a"), clips=True), "give --corpus"),
         (Source(fixtures=Path("a"), mix_db=(0.0, 6.0)), "give --corpus"),
         (Source(fixtures=Path("a"), fold=0), "give --corpus"),

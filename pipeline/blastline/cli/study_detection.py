@@ -27,6 +27,16 @@ Fixtures = Annotated[
         show_default=False,
     ),
 ]
+RandomFilms = Annotated[
+    int,
+    typer.Option(
+        "--random",
+        min=0,
+        metavar="N",
+        help="Random film-like scenes of a minute, one in four without a gun, that no training has heard.",
+        rich_help_panel=LISTENING,
+    ),
+]
 Corpus = Annotated[
     list[Path] | None,
     typer.Option(
@@ -67,7 +77,7 @@ Fold = Annotated[
     ),
 ]
 Films = Annotated[int, typer.Option(min=1, metavar="N", help="How many mixes or clips.", rich_help_panel=LISTENING)]
-Seed = Annotated[int, typer.Option(min=0, help="Which mixes or clips.", rich_help_panel=LISTENING)]
+Seed = Annotated[int, typer.Option(min=0, help="Which random films, mixes or clips.", rich_help_panel=LISTENING)]
 Peers = Annotated[
     bool,
     typer.Option("--peers", "--peer", help="Score other onset detectors, those that are installed, on the same films."),
@@ -76,6 +86,7 @@ Peers = Annotated[
 
 def detection(
     fixtures: Fixtures = None,
+    random: RandomFilms = 0,
     corpus: Corpus = None,
     mix: MixLevels = None,
     clips: Clips = False,
@@ -109,7 +120,7 @@ def detection(
     from ..study.detection import study_detection
     from ..study.events import EVENTS, EXCERPTS, write_events
 
-    source = source_of(fixtures, corpus, mix, clips=clips, fold=fold, films=films, seed=seed)
+    source = source_of(fixtures, corpus, mix, clips=clips, fold=fold, random=random, films=films, seed=seed)
     with tempfile.TemporaryDirectory(prefix="blastline-") as made, shown_progress(quiet=quiet) as progress:
         listen = partial(study_detection, source, Path(made), quality, rules, with_peers=peers, progress=progress)
         if excerpts is None:
@@ -130,6 +141,7 @@ def source_of(
     *,
     clips: bool,
     fold: int | None,
+    random: int,
     films: int,
     seed: int,
 ) -> "Source":
@@ -137,7 +149,9 @@ def source_of(
     from ..study.sources import Source
 
     levels_db = None if mix is None else _levels(mix)
-    return Source(fixtures, tuple(corpus or ()), levels_db, clips=clips, fold=fold, films=films, seed=seed)
+    return Source(
+        fixtures, tuple(corpus or ()), levels_db, clips=clips, fold=fold, random=random, films=films, seed=seed
+    )
 
 
 def _levels(text: str) -> tuple[float, float]:

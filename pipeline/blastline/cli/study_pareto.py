@@ -8,7 +8,7 @@ import typer
 
 from .options import ActuatorOption, Overwrite, Quiet, ResultFolder, RulesOption
 from .progress import shown_progress
-from .study_detection import Clips, Corpus, Films, Fixtures, Fold, MixLevels, Peers, Seed, source_of
+from .study_detection import Clips, Corpus, Films, Fixtures, Fold, MixLevels, Peers, RandomFilms, Seed, source_of
 
 if TYPE_CHECKING:
     from ..study.pareto import ParetoStudy
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 def pareto(
     folder: ResultFolder,
     fixtures: Fixtures = None,
+    random: RandomFilms = 0,
     corpus: Corpus = None,
     mix: MixLevels = None,
     clips: Clips = False,
@@ -47,7 +48,7 @@ def pareto(
     """Measure accuracy against cost: all tiers, single changes of them, and peers, on the same films in one run.
 
     Writes every figure (pareto.json, pareto.csv), the fronts as a picture (pareto.svg) and tables (pareto.md).
-    Without --fixtures and --corpus it listens to the scenes in ./fixtures.
+    Without --fixtures, --random and --corpus it listens to the scenes in ./fixtures.
 
     Exit code 1 where the tiers do not lie on the front, in order and well apart.
 
@@ -57,8 +58,8 @@ def pareto(
     from ..study.pareto import study_pareto
     from ..study.pareto_files import FILES, write_pareto
 
-    scenes = Path("fixtures") if fixtures is None and not corpus else fixtures
-    source = source_of(scenes, corpus, mix, clips=clips, fold=fold, films=films, seed=seed)
+    scenes = Path("fixtures") if fixtures is None and not corpus and not random else fixtures
+    source = source_of(scenes, corpus, mix, clips=clips, fold=fold, random=random, films=films, seed=seed)
     with staged(folder, names=FILES, overwrite=overwrite) as hidden, shown_progress(quiet=quiet) as progress:
         study = study_pareto(
             source,

@@ -8,12 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RuleError
-from ..synth import Truth, synthesise
+from ..synth import Truth, film_scene, synthesise, write_scene
 from .corpus import Recording
 from .matching import Times
 
 LONGEST_GAP_MS, FEWEST_SHOTS = 160.0, 3
 """Annotated onsets no farther apart are a burst, where there are so many: 133 ms are 450 rounds a minute."""
+
+FILM_S, SHOTS, OTHERS = 60.0, (1, 46), (4, 41)
+"""How long a random film is, and how many shots and other sounds it holds, drawn evenly from half-open ranges."""
+GUN_FREE_EVERY = 4
+"""One film in so many has no shot, so that false alarms can be counted where there is no gun."""
+UNSEEN = 1_000_000_000
 
 Bursts = tuple[tuple[int, ...], ...]
 
@@ -45,6 +51,21 @@ def scenes(folder: Path, into: Path) -> Iterator[Case]:
         made = into / file.stem
         truth = synthesise(file, made)
         yield _scene(file.stem, made / f"{truth.scene}.wav", truth)
+
+
+def random_films(into: Path, *, films: int, seed: int) -> Iterator[Case]:
+    """Synthesise minutes of random film-like sound and yield them; one in four has no shot.
+
+    No training comes to the seeds that they are made from.
+    """
+    for number in range(films):
+        rng = np.random.default_rng([seed, number, 2])
+        gun_free = number % GUN_FREE_EVERY == GUN_FREE_EVERY - 1
+        shots, others = int(rng.integers(*SHOTS)), int(rng.integers(*OTHERS))
+        scene = film_scene(UNSEEN + seed * 10_000 + number, FILM_S, shots, others, gun_free=gun_free)
+        made = into / scene.name
+        made.mkdir(parents=True)
+        yield _scene(scene.name, made / f"{scene.name}.wav", write_scene(scene, made))
 
 
 def recordings(found: Iterable[Recording]) -> Iterator[Case]:

@@ -14,15 +14,13 @@ from numpy.typing import NDArray
 from ..errors import RuleError
 from ..synth import random_bed, random_negative
 from ..units import gain_from_db, samples_from_ms
-from .cases import Case, near_each_other
+from .cases import GUN_FREE_EVERY, Case, near_each_other
 from .corpus import Recording, load_sound
 from .lessons import MIX_S, RATE_HZ, SHORTEST_BED_S, SOUNDS_PER_MIX, by_source, drawn, recorded_bed
 from .mixes import Sound, as_16_bit, mix
 
 Samples = NDArray[np.float64]
 
-GUN_FREE_EVERY = 4
-"""One mix in so many has no shot, so that false alarms can be counted where there is no gun."""
 CLIP_S = 30.0
 CLIP_LEVELS_DB = (-6.0, 0.0, 6.0)
 _LONGEST_S = 6.0

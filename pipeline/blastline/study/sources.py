@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 from ..errors import RuleError
-from .cases import Case, recordings, scenes
+from .cases import FILM_S, Case, random_films, recordings, scenes
 from .corpus import Recording, read_corpus
 from .filmlike import CLIP_S, film_mixes, one_shot_clips, stock
 from .lessons import MIX_S
@@ -14,7 +15,7 @@ from .train import FOLD_SEED, FOLDS, by_fold
 
 @dataclass(frozen=True)
 class Source:
-    """Scenes of a folder, or recordings of some corpora: as they are, in mixes at `mix_db`, or in clips.
+    """Scenes of a folder and so many `random` films, or recordings of some corpora: as they are, in mixes, or in clips.
 
     `fold` takes only the part of the recordings' sources that training leaves out with `--hold-out`.
     """
@@ -24,6 +25,7 @@ class Source:
     mix_db: tuple[float, float] | None = None
     clips: bool = False
     fold: int | None = None
+    random: int = 0
     films: int = 20
     seed: int = 1
 
@@ -32,12 +34,14 @@ class Source:
 
         Raises RuleError where there are neither scenes nor recordings, or both.
         """
-        if (self.fixtures is None) == (not self.corpus):
-            raise RuleError("study: give either --fixtures or --corpus")
-        if self.fixtures is not None:
+        synthetic = self.fixtures is not None or self.random > 0
+        if synthetic == bool(self.corpus):
+            raise RuleError("study: give either --fixtures or --random, or --corpus")
+        if synthetic:
             if self.mix_db is not None or self.clips or self.fold is not None:
-                raise RuleError("study: --mix, --clips and --fold are about recordings; give --corpus, not --fixtures")
-            return scenes(self.fixtures, into)
+                raise RuleError("study: --mix, --clips and --fold are about recordings; give --corpus alone")
+            made = scenes(self.fixtures, into) if self.fixtures is not None else ()
+            return chain(made, random_films(into, films=self.random, seed=self.seed))
         found = self._recordings()
         if self.clips:
             return one_shot_clips(stock(found), into, clips=self.films, seed=self.seed)
@@ -68,7 +72,11 @@ class Source:
                 f"{self.films} mixes of {MIX_S:g} s, peaks {low:g} to {high:g} dB over the bed, one in four without "
                 f"a shot, seed {self.seed}{self._part}"
             )
-        return "scenes" if self.fixtures else f"recordings as they are{self._part}"
+        if self.corpus:
+            return f"recordings as they are{self._part}"
+        kinds = ["scenes"] if self.fixtures is not None else []
+        kinds += [f"{self.random} random films of {FILM_S:g} s, seed {self.seed}"] if self.random else []
+        return " and ".join(kinds)
 
     @property
     def _part(self) -> str:

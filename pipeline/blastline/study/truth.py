@@ -34,14 +34,19 @@ def true_scenes(folder: Path, tier: QualityRules, names: Collection[str] | None 
     Onsets are those of the truth; where a shot has decayed is found as in a run. Raises RuleError where no scene
     of the folder has a shot.
     """
+    for name, path, truth in synthesised(scenes_with_shots(folder, names)):
+        with true_scene(name, path, [shot.onset_s for shot in truth.shots], tier) as scene:
+            yield scene
+
+
+def scenes_with_shots(folder: Path, names: Collection[str] | None = None) -> list[Path]:
+    """Return the scene files of a folder that have shots, or those of these names; RuleError where there is none."""
     files = [
         file for file in sorted(folder.glob("*.toml")) if (names is None or file.stem in names) and _has_shots(file)
     ]
     if not files:
         raise RuleError(f"{folder}: no scene (*.toml) with shots in it")
-    for name, path, truth in synthesised(files):
-        with true_scene(name, path, [shot.onset_s for shot in truth.shots], tier) as scene:
-            yield scene
+    return files
 
 
 @contextmanager
