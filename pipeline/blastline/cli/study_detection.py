@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import RuleError
-from .options import Overwrite, QualityOption, Quiet, RulesOption
+from .options import MESSAGES, Overwrite, QualityOption, RulesOption
 from .progress import shown_progress
 from .studied import detection_table
 
@@ -77,11 +77,14 @@ Fold = Annotated[
     ),
 ]
 Films = Annotated[int, typer.Option(min=1, metavar="N", help="How many mixes or clips.", rich_help_panel=LISTENING)]
-Seed = Annotated[int, typer.Option(min=0, help="Which random films, mixes or clips.", rich_help_panel=LISTENING)]
+Seed = Annotated[
+    int, typer.Option(min=0, metavar="N", help="Which random films, mixes or clips.", rich_help_panel=LISTENING)
+]
 Peers = Annotated[
     bool,
     typer.Option("--peers", "--peer", help="Score other onset detectors, those that are installed, on the same films."),
 ]
+NoProgress = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress.", rich_help_panel=MESSAGES)]
 
 
 def detection(
@@ -106,7 +109,7 @@ def detection(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every figure, film by film, as JSON.")
     ] = None,
-    quiet: Quiet = False,
+    quiet: NoProgress = False,
 ) -> None:
     """Find the shots of scenes or recordings whose truth is known, and say how many were found, and how exactly.
 

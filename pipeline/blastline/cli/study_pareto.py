@@ -6,9 +6,21 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .options import ActuatorOption, Overwrite, Quiet, ResultFolder, RulesOption
+from .options import ActuatorOption, Overwrite, ResultFolder, RulesOption
 from .progress import shown_progress
-from .study_detection import Clips, Corpus, Films, Fixtures, Fold, MixLevels, Peers, RandomFilms, Seed, source_of
+from .study_detection import (
+    Clips,
+    Corpus,
+    Films,
+    Fixtures,
+    Fold,
+    MixLevels,
+    NoProgress,
+    Peers,
+    RandomFilms,
+    Seed,
+    source_of,
+)
 
 if TYPE_CHECKING:
     from ..study.pareto import ParetoStudy
@@ -38,12 +50,13 @@ def pareto(
     peers: Peers = False,
     rendering: Annotated[bool, typer.Option("--rendering/--no-rendering", help="Measure the drives as well.")] = True,
     repeats: Annotated[
-        int, typer.Option(min=1, max=9, help="Listen so often to each film; the least processor time counts.")
+        int,
+        typer.Option(min=1, max=9, metavar="N", help="Listen so often to each film; the least processor time counts."),
     ] = 1,
     actuator: ActuatorOption = "crowson-t108sm",
     rules: RulesOption = None,
     overwrite: Overwrite = False,
-    quiet: Quiet = False,
+    quiet: NoProgress = False,
 ) -> int:
     """Measure accuracy against cost: all tiers, single changes of them, and peers, on the same films in one run.
 

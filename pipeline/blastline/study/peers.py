@@ -149,7 +149,7 @@ def _hop(rate_hz: int) -> int:
 
 
 PEERS: Sequence[Peer] = (
-    Peer("librosa onset_detect", "librosa", (0.02, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8), _librosa_strength, _librosa_onsets),
+    Peer("librosa onset_detect", "librosa", (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6), _librosa_strength, _librosa_onsets),
     Peer("aubio hfc", "aubio", (0.05, 0.1, 0.3, 0.6, 1.0, 2.0, 3.0), _itself, _aubio_onsets),
     Peer("obspy STA/LTA", "obspy", (4.0, 6.0, 8.0, 11.0, 14.0, 18.0, 24.0), _obspy_ratio, _obspy_onsets),
     Peer("auditok", "auditok", (40.0, 50.0, 55.0, 60.0, 65.0, 70.0, 75.0), _itself, _auditok_onsets),
