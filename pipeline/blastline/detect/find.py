@@ -4,28 +4,33 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from itertools import chain
+from itertools import chain, tee
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Clip, Rejection, Shot, Span
+from ..model import Channels, Clip, Rejection, Shot, Span
 from ..ruleset import QualityRules
 from ..units import samples_from_ms
 from .bandshape import band_levels, bandshape
 from .bursts import group_bursts, in_company, keep_apart, part_from_echoes, without_echoes
+from .direction import placed
 from .features import features
 from .neighbours import neighbourhood
 from .onset import farthest_ms, refine_onsets
 from .picture import pictures
 from .scan import candidate_steps
 from .segment import segment
+from .sides import as_heard, beside, joined
 from .tracks import Grid, Piece, pieces
 from .verify import Verifier
 
 # A piece is about half a second. Before the core: the neighbourhood of `features`; after it: the longest decay.
 LEFT_PIECES, CORE_PIECES, RIGHT_PIECES = 8, 64, 6
 _SAME_ONSET_MS = 3.0
+
+LATENCY_S = 45.0
+"""A shot is found at the latest so long after it has gone by: a core with what follows it, and some blocks."""
 
 
 @dataclass(frozen=True)
@@ -66,13 +71,21 @@ def let_all_pass(rows: NDArray[np.float64]) -> NDArray[np.bool_]:
     return np.ones(rows.shape[0], bool)
 
 
-def find_shots(blocks: Iterable[Clip], *, rate_hz: int, tier: QualityRules, verifier: Verifier) -> Detection:
-    """Return the gunshots of a film, given as blocks in order, in constant memory."""
+def find_shots(
+    blocks: Iterable[Clip], *, rate_hz: int, tier: QualityRules, verifier: Verifier, channels: Channels | None = None
+) -> Detection:
+    """Return the gunshots of a film, given as blocks in order, in constant memory.
+
+    Blocks with sides are listened to twice. `channels`, where given, tell from where the shots come.
+    """
     shots: list[Shot] = []
     rejections: list[Rejection] = []
-    for stretch in stretches(pieces(blocks, rate_hz)):
+    for stretch, sides in _with_sides(blocks, rate_hz):
         found, refused = _search(stretch, Grid(rate_hz), tier, verifier)
-        shots += found
+        if sides is not None:
+            heard = _search(sides, Grid(rate_hz), beside(tier), verifier)
+            found, refused = joined((found, refused), heard, rate_hz=rate_hz)
+        shots += placed(found, channels, rate_hz=rate_hz, rules=tier.channels)
         rejections += refused
     believed, alone = in_company(shots, rate_hz=rate_hz, rules=tier.verify)
     kept, dropped = keep_apart(believed, rate_hz=rate_hz, rules=tier.bursts)
@@ -82,6 +95,20 @@ def find_shots(blocks: Iterable[Clip], *, rate_hz: int, tier: QualityRules, veri
         shots=group_bursts(parted, rate_hz=rate_hz, rules=tier.bursts),
         rejections=tuple(sorted(chain(rejections, alone, dropped, echoes), key=lambda r: r.at_sample)),
     )
+
+
+def _with_sides(blocks: Iterable[Clip], rate_hz: int) -> Iterator[tuple[Stretch, Stretch | None]]:
+    """Yield a film's stretches, each with its sides where the blocks have any."""
+    rest = iter(blocks)
+    first = next(rest, None)
+    if first is None:
+        return
+    if first.sides is None:
+        for stretch in stretches(pieces(chain([first], rest), rate_hz)):
+            yield stretch, None
+        return
+    one, other = tee(chain([first], rest))
+    yield from zip(stretches(pieces(one, rate_hz)), stretches(pieces(map(as_heard, other), rate_hz)), strict=True)
 
 
 def stretches(film: Iterable[Piece]) -> Iterator[Stretch]:

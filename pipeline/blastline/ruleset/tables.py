@@ -81,6 +81,20 @@ class VerifyRules(Table, frozen=True):
             raise ValueError(f"report_from, company_threshold, threshold = {order}: expected ascending values")
 
 
+class ChannelRules(Table, frozen=True):
+    """What the channels of a film tell beyond its mix.
+
+    A shot's azimuth compares the `azimuth_ms` before its onset with as much after it, and is not told where the energy
+    rises by less than `azimuth_rise_db`. With `sides`, a film that has a centre channel is listened to a second time
+    without it; what is only heard there is a shot from `sides_threshold` on.
+    """
+
+    azimuth_ms: Annotated[float, Meta(ge=1.0, le=100.0)]
+    azimuth_rise_db: NonNegative
+    sides: bool
+    sides_threshold: Ratio
+
+
 class SegmentRules(Table, frozen=True):
     """Where the blast ends, what counts as a reflection, and when the decay is over."""
 
@@ -150,6 +164,7 @@ class QualityRules(Table, frozen=True):
     scan: ScanRules
     onset: OnsetRules
     verify: VerifyRules
+    channels: ChannelRules
     segment: SegmentRules
     bursts: BurstRules
     windows: WindowRules

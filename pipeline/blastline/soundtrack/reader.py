@@ -14,12 +14,14 @@ from typing import Self
 import numpy as np
 
 from ..errors import SoundtrackError
-from ..model import Clip, Source, Span
+from ..model import Channels, Clip, Source, Span
 from ..timebase import AS_FILMED, Timebase, with_timebase
 from ..timecode import time_of_start
 from .chunks import chunk_table
-from .mix import Matrix, mix_matrix, mixed
+from .loudspeakers import azimuths
+from .mix import Matrix, centre_of, mix_matrix, mixed, summing_order
 from .pcm import PcmTrack, open_pcm
+from .recent import Recent
 from .repair import mended, repair_warning
 from .spool import Spool
 from .track import PIECE, Samples, Track
@@ -42,6 +44,11 @@ class Soundtrack:
         self._frames: int | None = None
         self._started = False
         self._mended, self._first_mended = 0, 0
+        layout, channels = track.facts.layout, track.facts.channels
+        self._order = summing_order(layout, channels)
+        self._centre = centre_of(layout, channels, mix)
+        self._azimuths_deg = azimuths(layout, channels)
+        self._recent: Recent | None = None
         self.rate_hz = track.facts.rate_hz
         self.channels = track.facts.channels
         self.columns = int(matrix.shape[1])
@@ -55,20 +62,34 @@ class Soundtrack:
             return time_of_start(self.described())
         return reference
 
-    def blocks(self, frames: int = PIECE) -> Iterator[Clip]:
+    @property
+    def around(self) -> Channels | None:
+        """Return where a film's channels play and how to read them; None where it has not two that have a place.
+
+        Of a file that cannot be read twice, only what `blocks` was asked to remember can be read.
+        """
+        return None if self._azimuths_deg is None else Channels(self._azimuths_deg, self._channels)
+
+    def blocks(self, frames: int = PIECE, *, sides: bool = False, remembered_s: float = 0.0) -> Iterator[Clip]:
         """Yield the mixed sound from its first sample to its last, float32; this is the one decoding pass.
 
-        Every block has `frames` frames but the last. Raises SoundtrackError where the file proves to be unreadable,
-        OutputError where the disk has no room for the decoded sound.
+        Every block has `frames` frames but the last. With `sides`, a film with a centre channel is also given without
+        it. The channels of the last `remembered_s` seconds can be read `around` what has come by. Raises
+        SoundtrackError where the file proves to be unreadable, OutputError where the disk has no room for the decoded
+        sound.
         """
         if frames < 1:
             raise ValueError(f"a block must have at least 1 frame, not {frames}")
         if self._started:
             raise ValueError("the sound track has been decoded already; use cut()")
         self._started = True
+        with_sides = sides and self._centre is not None
+        if remembered_s and self._azimuths_deg is not None and not isinstance(self._track, PcmTrack):
+            self._recent = Recent(frames + round(remembered_s * self.rate_hz))
         start = 0
-        for samples in _rechunked(self._mixed_pieces(), frames):
-            yield Clip(samples, self.rate_hz, start)
+        for samples in _rechunked(self._mixed_pieces(with_sides=with_sides), frames):
+            mix, beside = (samples[:, :-1], samples[:, -1]) if with_sides else (samples, None)
+            yield Clip(mix, self.rate_hz, start, beside)
             start += samples.shape[0]
         if start == 0:
             raise SoundtrackError(f"{self._path}: holds no sound")
@@ -82,9 +103,7 @@ class Soundtrack:
         if self._frames is None or span.start < 0 or span.stop > self._frames:
             raise ValueError(f"{span} is not inside what was decoded: {self._frames} frames")
         if isinstance(self._track, PcmTrack):
-            with _naming(self._path):
-                raw = self._track.read(span.start, len(span))
-            samples = mixed(raw if self._track.facts.is_integer else mended(raw)[0], self._matrix)
+            samples = mixed(self._read(self._track, span), self._matrix, self._order)
         else:
             assert self._spool is not None
             samples = self._spool.read(span)
@@ -114,13 +133,29 @@ class Soundtrack:
         """Close it."""
         self.close()
 
-    def _mixed_pieces(self) -> Iterator[Samples]:
+    def _read(self, track: PcmTrack, span: Span) -> Samples:
+        with _naming(self._path):
+            raw = track.read(span.start, len(span))
+        return raw if track.facts.is_integer else mended(raw)[0]
+
+    def _channels(self, span: Span) -> Samples | None:
+        if isinstance(self._track, PcmTrack):
+            return self._read(self._track, span)
+        return None if self._recent is None else self._recent.read(span)
+
+    def _mixed_pieces(self, *, with_sides: bool) -> Iterator[Samples]:
+        """Yield the columns of the mix; with sides, these are a further one."""
         start = 0
         with _naming(self._path):
             for raw in self._track.pieces():
-                columns = mixed(raw if self._track.facts.is_integer else self._mend(raw, start), self._matrix)
+                samples = raw if self._track.facts.is_integer else self._mend(raw, start)
+                columns = mixed(samples, self._matrix, self._order)
                 if self._spool is not None:
                     self._spool.append(columns)
+                if self._recent is not None:
+                    self._recent.append(samples)
+                if with_sides:
+                    columns = np.column_stack([columns, columns[:, 0] - samples[:, self._centre]])
                 yield columns
                 start += raw.shape[0]
         if self._spool is not None:
