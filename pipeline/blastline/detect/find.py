@@ -84,10 +84,10 @@ def find_shots(
         found, refused = _search(stretch, Grid(rate_hz), tier, verifier)
         if sides is not None:
             heard = _search(sides, Grid(rate_hz), beside(tier), verifier)
-            found, refused = joined((found, refused), heard, rate_hz=rate_hz)
+            found, refused = joined((found, refused), heard, rate_hz=rate_hz, sure=tier.verify.threshold)
         shots += placed(found, channels, rate_hz=rate_hz, rules=tier.channels)
         rejections += refused
-    believed, alone = in_company(shots, rate_hz=rate_hz, rules=tier.verify)
+    believed, alone = in_company(shots, rate_hz=rate_hz, rules=tier.verify, channels=tier.channels)
     kept, dropped = keep_apart(believed, rate_hz=rate_hz, rules=tier.bursts)
     fired, echoes = without_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
     parted = part_from_echoes(fired, rate_hz=rate_hz, rules=tier.bursts)

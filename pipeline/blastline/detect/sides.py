@@ -12,6 +12,9 @@ from ..model import Clip, Rejection, Shot
 from ..ruleset import QualityRules
 from ..units import samples_from_ms
 
+Heard = tuple[list[Shot], list[Rejection]]
+"""What was found in one mix, and what was refused."""
+
 _SAME_MS = 5.0
 """Two mixes of one sound begin that near to each other; no gun fires twice in it."""
 
@@ -23,32 +26,43 @@ def as_heard(clip: Clip) -> Clip:
 
 
 def beside(tier: QualityRules) -> QualityRules:
-    """Return the rules by which the sides are judged: what is only heard there has to be surer."""
-    threshold = tier.channels.sides_threshold
-    verify = msgspec.structs.replace(tier.verify, threshold=threshold, company_threshold=threshold)
+    """Return the rules by which the sides are searched: what is only heard there has to be surer."""
+    own, asked = tier.channels, tier.verify
+    verify = msgspec.structs.replace(
+        asked,
+        threshold=own.sides_threshold,
+        company_threshold=own.sides_company_threshold,
+        report_from=min(asked.report_from, own.sides_company_threshold),
+    )
     return msgspec.structs.replace(tier, verify=verify)
 
 
-def joined(
-    mains: tuple[Sequence[Shot], Sequence[Rejection]],
-    sides: tuple[Sequence[Shot], Sequence[Rejection]],
-    *,
-    rate_hz: int,
-) -> tuple[list[Shot], list[Rejection]]:
+def joined(mains: Heard, sides: Heard, *, rate_hz: int, sure: float) -> Heard:
     """Return the shots and rejections of both mixes, each sound once.
 
-    A shot that both heard keeps its parts in the mains, with the larger of the two confidences.
+    A shot that both heard keeps its parts in the mains. Where they are not `sure` of it, it is judged by the mix that
+    is surer.
     """
     near = samples_from_ms(_SAME_MS, rate_hz)
-    shots, more = list(mains[0]), []
-    for shot in sides[0]:
-        same = min(range(len(shots)), key=lambda i: abs(shots[i].onset - shot.onset), default=None)
-        if same is None or abs(shots[same].onset - shot.onset) > near:
-            more.append(msgspec.structs.replace(shot, heard_in="sides"))
-        elif shot.confidence > shots[same].confidence:
-            shots[same] = msgspec.structs.replace(shots[same], confidence=shot.confidence, heard_in="sides")
-    shots += more
-    refused = list(mains[1])
-    taken = [shot.onset for shot in shots]
-    refused = [each for each in refused if all(abs(each.at_sample - onset) > near for onset in taken)]
+    shots, beside_it = list(mains[0]), sides[0]
+    for index, shot in enumerate(shots):
+        there = max((s.confidence for s in beside_it if abs(s.onset - shot.onset) <= near), default=0.0)
+        if shot.confidence < min(sure, there):
+            shots[index] = msgspec.structs.replace(shot, confidence=there, heard_in="sides")
+    known = [shot.onset for shot in shots]
+    shots += [
+        msgspec.structs.replace(shot, heard_in="sides") for shot in beside_it if not _any_near(known, shot.onset, near)
+    ]
+    known = [shot.onset for shot in shots]
+    refused = [each for each in mains[1] if not _any_near(known, each.at_sample, near)]
+    known += [each.at_sample for each in refused]
+    refused += [
+        Rejection(each.at_sample, f"{each.reason}, without the centre", each.evidence)
+        for each in sides[1]
+        if not _any_near(known, each.at_sample, near)
+    ]
     return shots, refused
+
+
+def _any_near(places: Sequence[int], at: int, near: int) -> bool:
+    return any(abs(place - at) <= near for place in places)

@@ -86,13 +86,20 @@ class ChannelRules(Table, frozen=True):
 
     A shot's azimuth compares the `azimuth_ms` before its onset with as much after it, and is not told where the energy
     rises by less than `azimuth_rise_db`. With `sides`, a film that has a centre channel is listened to a second time
-    without it; what is only heard there is a shot from `sides_threshold` on.
+    without it; what is only heard there has thresholds of its own, as [verify] has for the mains.
     """
 
     azimuth_ms: Annotated[float, Meta(ge=1.0, le=100.0)]
     azimuth_rise_db: NonNegative
     sides: bool
     sides_threshold: Ratio
+    sides_company_threshold: Ratio
+
+    def __post_init__(self) -> None:
+        """Refuse thresholds out of order."""
+        if self.sides_company_threshold > self.sides_threshold:
+            order = f"{self.sides_company_threshold}, {self.sides_threshold}"
+            raise ValueError(f"sides_company_threshold, sides_threshold = {order}: expected ascending values")
 
 
 class SegmentRules(Table, frozen=True):
