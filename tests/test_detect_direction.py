@@ -47,7 +47,7 @@ def blast(length: int = 960) -> NDArray[np.float64]:
 
 
 def told(samples: NDArray[np.float64], there: tuple[float | None, ...], rise_db: float = 3.0) -> tuple[float, float]:
-    found = direction(samples, ONSET, there, rise_db=rise_db)
+    found = direction(samples, ONSET, there, rate_hz=RATE_HZ, rise_db=rise_db)
     assert found is not None
     return found
 
@@ -122,15 +122,15 @@ def test_the_low_channel_and_channels_without_a_place_tell_nothing() -> None:
 
 def test_what_does_not_stand_out_has_no_direction() -> None:
     steady = np.random.default_rng(2).standard_normal((960, 6))
-    assert direction(steady, ONSET, places("5.1"), rise_db=3.0) is None
-    assert direction(np.zeros((960, 6)), ONSET, places("5.1"), rise_db=3.0) is None
+    assert direction(steady, ONSET, places("5.1"), rate_hz=RATE_HZ, rise_db=3.0) is None
+    assert direction(np.zeros((960, 6)), ONSET, places("5.1"), rate_hz=RATE_HZ, rise_db=3.0) is None
     around = (0.0, 90.0, 180.0, -90.0)
-    assert direction(np.repeat(blast()[:, None], 4, axis=1), ONSET, around, rise_db=3.0) is None
+    assert direction(np.repeat(blast()[:, None], 4, axis=1), ONSET, around, rate_hz=RATE_HZ, rise_db=3.0) is None
 
 
 def test_a_film_that_begins_with_the_shot_has_nothing_to_subtract() -> None:
     samples = (blast()[:, None] * panned("5.1", -60.0))[ONSET:]
-    found = direction(samples, 0, places("5.1"), rise_db=3.0)
+    found = direction(samples, 0, places("5.1"), rate_hz=RATE_HZ, rise_db=3.0)
     assert found is not None
     assert found[0] == pytest.approx(-60.0, abs=0.1)
 

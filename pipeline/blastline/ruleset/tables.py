@@ -85,8 +85,8 @@ class ChannelRules(Table, frozen=True):
     """What the channels of a film tell beyond its mix.
 
     A shot's azimuth compares the `azimuth_ms` before its onset with as much after it, and is not told where the energy
-    rises by less than `azimuth_rise_db`. With `sides`, a film that has a centre channel is listened to a second time
-    without it; what is only heard there has thresholds of its own, as [verify] has for the mains.
+    of no channel rises by `azimuth_rise_db`. With `sides`, a film that has a centre channel is listened to once
+    more without it; what is only heard there has thresholds of its own, as [verify] has for the mains.
     """
 
     azimuth_ms: Annotated[float, Meta(ge=1.0, le=100.0)]
