@@ -204,7 +204,7 @@ def test_what_has_just_gone_by_can_be_read_and_what_is_long_gone_can_not() -> No
         assert around is not None
         recent = Span(max(0, block.span.stop - 24_000), block.span.stop)
         heard = around.read(recent)
-        np.testing.assert_allclose(heard, samples[recent.start : recent.stop], rtol=1e-3, atol=1e-6)
+        np.testing.assert_allclose(heard, samples[recent.start : recent.stop], rtol=2.0**-7, atol=0.0)
         if block.start >= 60_000:
             assert around.read(Span(0, 100)) is None
 

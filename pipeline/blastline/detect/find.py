@@ -21,7 +21,7 @@ from .onset import farthest_ms, refine_onsets
 from .picture import pictures
 from .scan import candidate_steps
 from .segment import segment
-from .sides import as_heard, beside, joined
+from .sides import Heard, as_heard, beside, joined
 from .tracks import Grid, Piece, pieces
 from .verify import Verifier
 
@@ -29,7 +29,7 @@ from .verify import Verifier
 LEFT_PIECES, CORE_PIECES, RIGHT_PIECES = 8, 64, 6
 _SAME_ONSET_MS = 3.0
 
-LATENCY_S = 45.0
+LATENCY_S = 40.0
 """A shot is found at the latest so long after it has gone by: a core with what follows it, and some blocks."""
 
 
@@ -80,11 +80,7 @@ def find_shots(
     """
     shots: list[Shot] = []
     rejections: list[Rejection] = []
-    for stretch, sides in _with_sides(blocks, rate_hz):
-        found, refused = _search(stretch, Grid(rate_hz), tier, verifier)
-        if sides is not None:
-            heard = _search(sides, Grid(rate_hz), beside(tier), verifier)
-            found, refused = joined((found, refused), heard, rate_hz=rate_hz, sure=tier.verify.threshold)
+    for found, refused in _heard(blocks, Grid(rate_hz), tier, verifier):
         shots += placed(found, channels, rate_hz=rate_hz, rules=tier.channels)
         rejections += refused
     believed, alone = in_company(shots, rate_hz=rate_hz, rules=tier.verify, channels=tier.channels)
@@ -97,18 +93,39 @@ def find_shots(
     )
 
 
-def _with_sides(blocks: Iterable[Clip], rate_hz: int) -> Iterator[tuple[Stretch, Stretch | None]]:
-    """Yield a film's stretches, each with its sides where the blocks have any."""
+def _heard(blocks: Iterable[Clip], grid: Grid, tier: QualityRules, verifier: Verifier) -> Iterator[Heard]:
+    """Yield what is found in each of a film's stretches, with what their sides add where the blocks have any."""
     rest = iter(blocks)
     first = next(rest, None)
     if first is None:
         return
+    film = chain([first], rest)
+    search = partial(_search, grid=grid, tier=tier, verifier=verifier)
     if first.sides is None:
-        for stretch in stretches(pieces(chain([first], rest), rate_hz)):
-            yield stretch, None
+        yield from map(search, stretches(pieces(film, grid.rate_hz)))
         return
-    one, other = tee(chain([first], rest))
-    yield from zip(stretches(pieces(one, rate_hz)), stretches(pieces(map(as_heard, other), rate_hz)), strict=True)
+    mains, sides = _side_by_side(film, grid.rate_hz)
+    search_beside = partial(_search, grid=grid, tier=beside(tier), verifier=verifier)
+    # map, unlike a loop, lets go of one stretch before it asks for the other
+    for found, there in zip(map(search, mains), map(search_beside, sides), strict=True):
+        yield joined(found, there, rate_hz=grid.rate_hz, sure=tier.verify.threshold)
+
+
+def _side_by_side(film: Iterable[Clip], rate_hz: int) -> tuple[Iterator[Stretch], Iterator[Stretch]]:
+    """Return the stretches of the mains and of the sides, which have to be taken in turns."""
+    one, other = tee(film)
+    waiting: deque[Piece] = deque()
+
+    def mains() -> Iterator[Piece]:
+        for piece, beside_it in zip(pieces(one, rate_hz), pieces(map(as_heard, other), rate_hz), strict=True):
+            waiting.append(beside_it)
+            yield piece
+
+    def sides() -> Iterator[Piece]:
+        while waiting:
+            yield waiting.popleft()
+
+    return stretches(mains()), stretches(sides())
 
 
 def stretches(film: Iterable[Piece]) -> Iterator[Stretch]:
@@ -181,7 +198,7 @@ def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
     return order[np.diff(onsets[order], prepend=-apart) >= apart]
 
 
-def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier) -> tuple[list[Shot], list[Rejection]]:
+def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier) -> Heard:
     screen = partial(verifier.screen.lets_pass, at_least=tier.verify.look_from)
     found = described(stretch, grid, tier, gate=verifier.gate.lets_pass, screen=screen)
     surety = verifier.probabilities(found.rows, pictures(stretch.samples, found.onsets, grid.rate_hz))
