@@ -76,6 +76,26 @@ def test_a_voice_that_goes_on_in_the_centre_does_not_pull(azimuth_deg: float) ->
     assert told(samples, places("5.1"))[0] == pytest.approx(azimuth_deg, abs=3.0)
 
 
+@pytest.mark.parametrize("azimuth_deg", [-110.0, 75.0, 150.0])
+def test_a_voice_that_begins_with_the_shot_does_not_pull_where_the_shot_was_heard_without_it(
+    azimuth_deg: float,
+) -> None:
+    voice = np.zeros(960)
+    voice[ONSET:] = np.random.default_rng(8).standard_normal(480) * np.linspace(0.0, 1.0, 480)
+    samples = blast()[:, None] * panned("5.1", azimuth_deg)
+    samples[:, 2] += voice
+    there = places("5.1")
+    with_voice, _ = told(samples, there)
+    found = direction(samples, ONSET, there, rate_hz=RATE_HZ, rise_db=3.0, doubtful=2)
+    assert found is not None
+    assert abs(found[0] - azimuth_deg) <= 6.0 < abs(with_voice - azimuth_deg)
+
+
+def test_a_shot_in_the_centre_alone_is_in_front_whoever_doubts_it() -> None:
+    samples = blast()[:, None] * panned("5.1", 0.0)
+    assert direction(samples, ONSET, places("5.1"), rate_hz=RATE_HZ, rise_db=3.0, doubtful=2) == (0.0, 1.0)
+
+
 def test_unlike_sounds_from_two_sides_meet_in_the_middle() -> None:
     rng = np.random.default_rng(7)
     samples = np.zeros((960, 6))

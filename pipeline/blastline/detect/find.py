@@ -80,8 +80,8 @@ def find_shots(
     """
     shots: list[Shot] = []
     rejections: list[Rejection] = []
-    for found, refused in _heard(blocks, Grid(rate_hz), tier, verifier):
-        shots += placed(found, channels, rate_hz=rate_hz, rules=tier.channels)
+    for found, refused in _heard(blocks, Grid(rate_hz), tier, verifier, channels):
+        shots += found
         rejections += refused
     believed, alone = in_company(shots, rate_hz=rate_hz, rules=tier.verify, channels=tier.channels)
     kept, dropped = keep_apart(believed, rate_hz=rate_hz, rules=tier.bursts)
@@ -93,7 +93,9 @@ def find_shots(
     )
 
 
-def _heard(blocks: Iterable[Clip], grid: Grid, tier: QualityRules, verifier: Verifier) -> Iterator[Heard]:
+def _heard(
+    blocks: Iterable[Clip], grid: Grid, tier: QualityRules, verifier: Verifier, channels: Channels | None
+) -> Iterator[Heard]:
     """Yield what is found in each of a film's stretches, with what their sides add where the blocks have any."""
     rest = iter(blocks)
     first = next(rest, None)
@@ -101,14 +103,17 @@ def _heard(blocks: Iterable[Clip], grid: Grid, tier: QualityRules, verifier: Ver
         return
     film = chain([first], rest)
     search = partial(_search, grid=grid, tier=tier, verifier=verifier)
+    place = partial(placed, channels=channels, rate_hz=grid.rate_hz, rules=tier.channels)
     if first.sides is None:
-        yield from map(search, stretches(pieces(film, grid.rate_hz)))
+        for found, refused in map(search, stretches(pieces(film, grid.rate_hz))):
+            yield place(found), refused
         return
     mains, sides = _side_by_side(film, grid.rate_hz)
     search_beside = partial(_search, grid=grid, tier=beside(tier), verifier=verifier)
     # map, unlike a loop, lets go of one stretch before it asks for the other
-    for found, there in zip(map(search, mains), map(search_beside, sides), strict=True):
-        yield joined(found, there, rate_hz=grid.rate_hz, sure=tier.verify.threshold)
+    for here, there in zip(map(search, mains), map(search_beside, sides), strict=True):
+        found, refused = joined(here, there, rate_hz=grid.rate_hz, sure=tier.verify.threshold)
+        yield place(found, beside=[shot.onset for shot in there[0]]), refused
 
 
 def _side_by_side(film: Iterable[Clip], rate_hz: int) -> tuple[Iterator[Stretch], Iterator[Stretch]]:

@@ -15,7 +15,7 @@ from ..units import samples_from_ms
 Heard = tuple[list[Shot], list[Rejection]]
 """What was found in one mix, and what was refused."""
 
-_SAME_MS = 5.0
+SAME_MS = 5.0
 """Two mixes of one sound begin that near to each other; no gun fires twice in it."""
 
 
@@ -43,7 +43,7 @@ def joined(mains: Heard, sides: Heard, *, rate_hz: int, sure: float) -> Heard:
     A shot that both heard keeps its parts in the mains. Where they are not `sure` of it, it is judged by the mix that
     is surer.
     """
-    near = samples_from_ms(_SAME_MS, rate_hz)
+    near = samples_from_ms(SAME_MS, rate_hz)
     shots, beside_it = list(mains[0]), sides[0]
     for index, shot in enumerate(shots):
         there = max((s.confidence for s in beside_it if abs(s.onset - shot.onset) <= near), default=0.0)

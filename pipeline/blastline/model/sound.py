@@ -93,10 +93,12 @@ class Channels:
     """The channels of a film as they were before they were mixed.
 
     `azimuths_deg` says of each where its loudspeaker stands, 0 in front and positive to the right; None has no place.
+    `centre` is the channel that the sides of a clip leave out.
     `read` returns a span, shape (frames, channels), or None where it can no longer be had.
     """
 
     azimuths_deg: tuple[float | None, ...]
+    centre: int | None
     read: Callable[[Span], NDArray[Any] | None]
 
 

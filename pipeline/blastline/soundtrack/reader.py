@@ -68,7 +68,7 @@ class Soundtrack:
 
         Of a file that cannot be read twice, only what `blocks` was asked to remember can be read.
         """
-        return None if self._azimuths_deg is None else Channels(self._azimuths_deg, self._channels)
+        return None if self._azimuths_deg is None else Channels(self._azimuths_deg, self._centre, self._channels)
 
     def blocks(self, frames: int = PIECE, *, sides: bool = False, remembered_s: float = 0.0) -> Iterator[Clip]:
         """Yield the mixed sound from its first sample to its last, float32; this is the one decoding pass.
