@@ -6,7 +6,6 @@ file ──► track (sample file or film) ──► mend ──► mix ──�
 
 import hashlib
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -18,6 +17,7 @@ from ..model import Channels, Clip, Source, Span
 from ..timebase import AS_FILMED, Timebase, with_timebase
 from ..timecode import time_of_start
 from .chunks import chunk_table
+from .files import naming, require_file
 from .loudspeakers import azimuths
 from .mix import Matrix, centre_of, mix_matrix, mixed, summing_order
 from .pcm import PcmTrack, open_pcm
@@ -134,7 +134,7 @@ class Soundtrack:
         self.close()
 
     def _read(self, track: PcmTrack, span: Span) -> Samples:
-        with _naming(self._path):
+        with naming(self._path):
             raw = track.read(span.start, len(span))
         return raw if track.facts.is_integer else mended(raw)[0]
 
@@ -146,7 +146,7 @@ class Soundtrack:
     def _mixed_pieces(self, *, with_sides: bool) -> Iterator[Samples]:
         """Yield the columns of the mix; with sides, these are a further one."""
         start = 0
-        with _naming(self._path):
+        with naming(self._path):
             for raw in self._track.pieces():
                 samples = raw if self._track.facts.is_integer else self._mend(raw, start)
                 columns = mixed(samples, self._matrix, self._order)
@@ -211,8 +211,8 @@ def open_soundtrack(
     `timebase` is what the user knows better about its timecode. Raises SoundtrackError where the file cannot be read
     or has no such track or channel, RuleError where the time base does not go with the film.
     """
-    with _naming(path):
-        _require_file(path)
+    with naming(path):
+        require_file(path)
         track = _open_track(path, stream)
         try:
             facts = track.facts
@@ -227,36 +227,6 @@ def open_soundtrack(
             track.close()
             raise
     return opened
-
-
-@contextmanager
-def _naming(path: Path) -> Iterator[None]:
-    """Put the file's name before what is wrong with it."""
-    try:
-        yield
-    except SoundtrackError as error:
-        raise SoundtrackError(f"{path}: {error}") from error
-
-
-def _require_file(path: Path) -> None:
-    try:
-        str(path).encode("utf-8")  # what the libraries that open sound expect of a name
-    except UnicodeEncodeError as error:
-        raise SoundtrackError("the name is not valid UTF-8; rename the file") from error
-    try:
-        if path.is_dir():
-            raise SoundtrackError("is a folder; expected an audio file or a film")
-        if not path.exists():
-            raise SoundtrackError("no such file")
-        if not path.is_file():
-            raise SoundtrackError("is not a regular file")
-        if path.stat().st_size == 0:
-            raise SoundtrackError("is empty (0 bytes)")
-        path.open("rb").close()
-    except OSError as error:
-        if isinstance(error, SoundtrackError):
-            raise
-        raise SoundtrackError(f"cannot be read: {error.strerror}") from error
 
 
 def _open_track(path: Path, stream: int | None) -> Track:
