@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from blastline.detect.direction import direction
+from blastline.detect.direction import direction, placed
+from blastline.model import Channels, Shot, Span
+from blastline.ruleset import load_rules
 from blastline.soundtrack.loudspeakers import azimuths
 
 RATE_HZ = 48_000
@@ -89,6 +91,34 @@ def test_a_voice_that_begins_with_the_shot_does_not_pull_where_the_shot_was_hear
     found = direction(samples, ONSET, there, rate_hz=RATE_HZ, rise_db=3.0, doubtful=2)
     assert found is not None
     assert abs(found[0] - azimuth_deg) <= 6.0 < abs(with_voice - azimuth_deg)
+
+
+def test_what_goes_on_where_the_shot_plays_as_well_is_taken_off() -> None:
+    rng = np.random.default_rng(12)
+    bed = 0.5 * np.sqrt(np.mean(np.diff(blast(960)[ONSET:]) ** 2)) * rng.standard_normal(960)
+    samples = blast()[:, None] * panned("5.1", 70.0)
+    samples[:, 1] += bed
+    found, _ = told(samples, places("5.1"), rise_db=1.0)
+    assert found == pytest.approx(70.0, abs=4.0)
+
+
+def test_a_shot_that_is_heard_beside_the_centre_is_placed_without_its_voice() -> None:
+    voice = np.zeros(960)
+    voice[ONSET:] = np.random.default_rng(8).standard_normal(480) * np.linspace(0.0, 1.0, 480)
+    samples = blast()[:, None] * panned("5.1", -75.0)
+    samples[:, 2] += voice
+    span = Span(ONSET, 960)
+    shot = Shot(ONSET, 0.95, -6.0, 20.0, span, (), span, heard_in="sides")
+    channels = Channels(places("5.1"), 2, lambda asked: samples[asked.start : asked.stop])
+    rules = load_rules("standard").tier.channels
+    [pulled] = placed([shot], channels, rate_hz=RATE_HZ, rules=rules)
+    [found] = placed([shot], channels, rate_hz=RATE_HZ, rules=rules, beside=[ONSET + 100])
+    assert pulled.azimuth_deg is not None
+    assert found.azimuth_deg is not None
+    assert abs(found.azimuth_deg + 75.0) <= 6.0 < abs(pulled.azimuth_deg + 75.0)
+    assert placed([shot], None, rate_hz=RATE_HZ, rules=rules) == [shot]
+    gone = Channels(places("5.1"), 2, lambda asked: None)
+    assert placed([shot], gone, rate_hz=RATE_HZ, rules=rules) == [shot]
 
 
 def test_a_shot_in_the_centre_alone_is_in_front_whoever_doubts_it() -> None:
