@@ -4,7 +4,8 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from itertools import chain, tee
+from itertools import chain
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,7 @@ from .verify import Verifier
 # A piece is about half a second. Before the core: the neighbourhood of `features`; after it: the longest decay.
 LEFT_PIECES, CORE_PIECES, RIGHT_PIECES = 8, 64, 6
 _SAME_ONSET_MS = 3.0
+_T = TypeVar("_T")
 
 LATENCY_S = 40.0
 """A shot is found at the latest so long after it has gone by: a core with what follows it, and some blocks."""
@@ -118,19 +120,28 @@ def _heard(
 
 def _side_by_side(film: Iterable[Clip], rate_hz: int) -> tuple[Iterator[Stretch], Iterator[Stretch]]:
     """Return the stretches of the mains and of the sides, which have to be taken in turns."""
-    one, other = tee(film)
-    waiting: deque[Piece] = deque()
+    clips: deque[Clip] = deque()
+    beside_them: deque[Piece] = deque()
+    sides = pieces(map(as_heard, _taken_from(clips)), rate_hz)
 
     def mains() -> Iterator[Piece]:
-        for piece, beside_it in zip(pieces(one, rate_hz), pieces(map(as_heard, other), rate_hz), strict=True):
-            waiting.append(beside_it)
+        for piece, beside_it in zip(pieces(_kept_in(clips, film), rate_hz), sides, strict=True):
+            beside_them.append(beside_it)
             yield piece
 
-    def sides() -> Iterator[Piece]:
-        while waiting:
-            yield waiting.popleft()
+    return stretches(mains()), stretches(_taken_from(beside_them))
 
-    return stretches(mains()), stretches(sides())
+
+def _kept_in(queue: deque[_T], items: Iterable[_T]) -> Iterator[_T]:
+    """Yield the items and leave each in the queue, from which another takes as many."""
+    for item in items:
+        queue.append(item)
+        yield item
+
+
+def _taken_from(queue: deque[_T]) -> Iterator[_T]:
+    while queue:
+        yield queue.popleft()
 
 
 def stretches(film: Iterable[Piece]) -> Iterator[Stretch]:

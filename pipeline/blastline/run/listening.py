@@ -71,6 +71,7 @@ def listen(track: Soundtrack, rules: Rules, progress: Progress, meter: OverviewM
     blocks = told(decoded, progress, track.expected_frames)
     heard = meter.watch(blocks) if meter else blocks
     found = find_shots(heard, rate_hz=track.rate_hz, tier=rules.tier, verifier=verifier, channels=track.around)
+    track.forget()
     source = track.source()
     windows = plan_windows(found.shots, frames=source.frames, rate_hz=source.sample_rate_hz, rules=rules.tier.windows)
     return Listened(track, source, found, windows, tuple(Mark(event_id(index)) for index in range(len(found.shots))))

@@ -109,6 +109,10 @@ class Soundtrack:
             samples = self._spool.read(span)
         return Clip(samples.astype(np.float64), self.rate_hz, span.start)
 
+    def forget(self) -> None:
+        """Let go of what `blocks` was asked to remember."""
+        self._recent = None
+
     def source(self) -> Source:
         """Return what was read, with the digest of the whole file, once all blocks have been taken."""
         if self._frames is None:
