@@ -3,7 +3,8 @@
 Synthesises a mono 16-bit film with 2.5 shots a minute (kept in build/bench), reads it with soundfile in float32 blocks,
 then runs `render`, and prints the CPU time of both, their ratio and the peak memory. Both run in processes of their
 own; start-up and imports are not counted. `--ac3` makes 5.1 sound of it, as WAV and as AC-3 in a film
-container, and compares the onsets found in the two.
+container, and compares the onsets found in the two. `--sides` compares what it costs to listen to the two
+once, and once more without the centre.
 """
 
 import argparse
@@ -29,6 +30,13 @@ def render(path, report):
     out = Path(path).parent / "out"
     options = run.RenderOptions(quality=QUALITY, report=report, overwrite=True)
     return run.render(Path(path), out, options)
+"""
+DETECT = """
+import sys, time
+from pathlib import Path
+from blastline import run
+def detect(path, rules):
+    return run.detect(Path(path), quality=QUALITY, rules=Path(rules))
 """
 MEASURE = """
 import json
@@ -116,13 +124,33 @@ def compare_codecs(minutes: float, quality: str) -> None:
     print(f"onsets apart: largest {max(near, default=0.0):.3f} ms; within 1 ms: {sum(e <= 1.0 for e in near)}")
 
 
+def compare_listenings(minutes: float, quality: str) -> None:
+    """Print what finding the shots of a 5.1 film costs, heard once and twice."""
+    print("| sound | heard | detect, CPU s | peak MB |")
+    print("| --- | --- | --- | --- |")
+    setup = DETECT.replace("QUALITY", repr(quality))
+    wav, short = made(f"surround{minutes:g}", minutes, "5.1"), made("film1", 1)
+    for path in (wav, encoded(wav)):
+        for heard, sides in (("once", "false"), ("twice", "true")):
+            rules = BENCH / heard / "quality"
+            rules.mkdir(parents=True, exist_ok=True)
+            (rules / f"{quality}.toml").write_text(f"[channels]\nsides = {sides}\n", encoding="utf-8")
+            calls = [f"detect({str(each)!r}, {str(rules.parent)!r})" for each in (path, short)]
+            spent = timed(setup, calls[0], calls[1])
+            print(f"| {path.suffix[1:]} | {heard} | {spent['cpu_s']:.2f} | {spent['peak_mb']:.0f} |", flush=True)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--minutes", type=float, nargs="+", default=[10.0, 120.0])
     parser.add_argument("--quality", default="standard")
     parser.add_argument("--report", action="store_true")
     parser.add_argument("--ac3", action="store_true")
+    parser.add_argument("--sides", action="store_true")
     options = parser.parse_args()
+    if options.sides:
+        compare_listenings(options.minutes[0], options.quality)
+        return
     if options.ac3:
         compare_codecs(options.minutes[0], options.quality)
         return

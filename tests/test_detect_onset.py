@@ -314,7 +314,7 @@ def test_an_unsure_shot_needs_the_company_of_a_sure_one() -> None:
         *shots_at(20_000 - reach_ms, 20_000 + reach_ms, confidence=unsure),
         *shots_at(20_000 + reach_ms + 1, confidence=unsure),
     ]
-    kept, alone = in_company(shots, rate_hz=RATE_HZ, rules=TIER.verify)
+    kept, alone = in_company(shots, rate_hz=RATE_HZ, rules=TIER.verify, channels=TIER.channels)
     assert [s.onset for s in kept] == [48 * round(ms) for ms in (20_000 - reach_ms, 20_000, 20_000 + reach_ms)]
     assert [r.at_sample for r in alone] == [48 * round(20_000 + reach_ms + 1)]
 

@@ -40,7 +40,8 @@ def test_the_table_reads_back_to_the_last_bit(tmp_path: Path, original: Timeline
             event.window.stop / RATE_HZ,
         )
         assert row["reflections"] == len(event.reflections)
-        for key in ("burst", "shot_in_burst"):
+        assert row["heard_in"] == event.heard_in
+        for key in ("burst", "shot_in_burst", "azimuth_deg", "azimuth_focus"):
             value = getattr(event, key)
             assert pandas.isna(row[key]) if value is None else row[key] == value
         if event.drive is None:

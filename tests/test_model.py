@@ -112,7 +112,8 @@ def test_the_files_keys_are_those_that_were_promised() -> None:
     assert list(plain) == [*promised, "phase", "background", "level_db", "edits"]
     shot = plain["events"][0]
     assert list(shot)[:7] == ["id", "onset_sample", "onset_s", "timecode", "confidence", "burst", "shot_in_burst"]
-    assert list(shot)[7:] == ["peak_dbfs", "snr_db", "blast", "reflections", "window", "drive", "origin", "gain_db"]
+    assert list(shot)[7:15] == ["peak_dbfs", "snr_db", "blast", "reflections", "window", "drive", "origin", "gain_db"]
+    assert list(shot)[15:] == ["heard_in", "azimuth_deg", "azimuth_focus"]
     assert plain["edits"] is None
     source = {"name", "sha256", "sample_rate_hz", "frames", "channels", "start_timecode", "frame_rate"}
     assert source <= set(plain["source"])

@@ -56,6 +56,8 @@ def other_values(value: Any) -> list[Any]:
     """Return values near a given one; some may be out of range."""
     if isinstance(value, str):
         return [value + " and so on"]
+    if isinstance(value, bool):
+        return [not value]
     if isinstance(value, int):
         return [value + 1, value - 1]
     return [value * 1.01, value * 0.99, value + 0.01, value - 0.01]

@@ -32,6 +32,8 @@ SHOT = Event(
     reflections=(Reflection(49_001, 49_200, 1000 / 48, -6.5), Reflection(52_001, 52_300, 4000 / 48, -12.0)),
     window=Window(47_713, 72_000, 240, 1920),
     drive=DriveInfo("filter", "peak 0.7 within the limit", 0.7071067811865476, 11.3, 0.97),
+    azimuth_deg=-29.7,
+    azimuth_focus=0.993,
 )
 BURST_SHOT = Event(
     id="shot-0002",
@@ -90,6 +92,9 @@ def any_event(draw: st.DrawFn, identity: str) -> Event:
         reflections=tuple(reflections),
         window=Window(max(0, onset - draw(_LENGTH)), onset + draw(_LENGTH), draw(_LENGTH), draw(_LENGTH)),
         drive=draw(st.none() | st.builds(DriveInfo, _models(), _TEXT, _NUMBER, _NUMBER, _NUMBER)),
+        heard_in=draw(st.sampled_from(["mains", "sides"])),
+        azimuth_deg=draw(st.none() | st.floats(-180.0, 180.0)),
+        azimuth_focus=draw(st.none() | _RATIO),
     )
 
 

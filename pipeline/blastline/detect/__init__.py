@@ -6,11 +6,13 @@ A cheap scan over the whole film (`tracks`, `scan`) names candidates; everything
 """
 
 from .bursts import group_bursts, part_from_echoes
-from .find import Detection, find_shots
+from .direction import placed
+from .find import LATENCY_S, Detection, find_shots
 from .given import audio_around, shot_at
 from .verify import Verifier, load_verifier
 
 __all__ = [
+    "LATENCY_S",
     "Detection",
     "Verifier",
     "audio_around",
@@ -18,5 +20,6 @@ __all__ = [
     "group_bursts",
     "load_verifier",
     "part_from_echoes",
+    "placed",
     "shot_at",
 ]

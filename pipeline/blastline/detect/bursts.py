@@ -6,18 +6,19 @@ import msgspec
 import numpy as np
 
 from ..model import Rejection, Shot
-from ..ruleset import BurstRules, VerifyRules
+from ..ruleset import BurstRules, ChannelRules, VerifyRules
 from ..units import samples_from_ms, samples_from_s
 
 _SAME_ECHO_MS = 1.0  # two shots that hear an echo this close hear the same one
 
 
 def in_company(
-    shots: Iterable[Shot], *, rate_hz: int, rules: VerifyRules
+    shots: Iterable[Shot], *, rate_hz: int, rules: VerifyRules, channels: ChannelRules
 ) -> tuple[tuple[Shot, ...], tuple[Rejection, ...]]:
     """Return the shots that are sure or near to a sure one, and the rest: films fire in scenes."""
     ordered = sorted(shots, key=lambda s: s.onset)
-    sure = np.array([shot.onset for shot in ordered if shot.confidence >= rules.threshold])
+    needed = {"mains": rules.threshold, "sides": channels.sides_threshold}
+    sure = np.array([shot.onset for shot in ordered if shot.confidence >= needed[shot.heard_in]])
     reach = samples_from_s(rules.company_s, rate_hz)
     believed = [bool(np.any(np.abs(sure - shot.onset) <= reach)) for shot in ordered]
     alone = (

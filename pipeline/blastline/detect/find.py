@@ -5,27 +5,34 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Clip, Rejection, Shot, Span
+from ..model import Channels, Clip, Rejection, Shot, Span
 from ..ruleset import QualityRules
 from ..units import samples_from_ms
 from .bandshape import band_levels, bandshape
 from .bursts import group_bursts, in_company, keep_apart, part_from_echoes, without_echoes
+from .direction import placed
 from .features import features
 from .neighbours import neighbourhood
 from .onset import farthest_ms, refine_onsets
 from .picture import pictures
 from .scan import candidate_steps
 from .segment import segment
+from .sides import Heard, as_heard, beside, joined
 from .tracks import Grid, Piece, pieces
 from .verify import Verifier
 
 # A piece is about half a second. Before the core: the neighbourhood of `features`; after it: the longest decay.
 LEFT_PIECES, CORE_PIECES, RIGHT_PIECES = 8, 64, 6
 _SAME_ONSET_MS = 3.0
+_T = TypeVar("_T")
+
+LATENCY_S = 40.0
+"""A shot is found at the latest so long after it has gone by: a core with what follows it, and some blocks."""
 
 
 @dataclass(frozen=True)
@@ -66,15 +73,19 @@ def let_all_pass(rows: NDArray[np.float64]) -> NDArray[np.bool_]:
     return np.ones(rows.shape[0], bool)
 
 
-def find_shots(blocks: Iterable[Clip], *, rate_hz: int, tier: QualityRules, verifier: Verifier) -> Detection:
-    """Return the gunshots of a film, given as blocks in order, in constant memory."""
+def find_shots(
+    blocks: Iterable[Clip], *, rate_hz: int, tier: QualityRules, verifier: Verifier, channels: Channels | None = None
+) -> Detection:
+    """Return the gunshots of a film, given as blocks in order, in constant memory.
+
+    Blocks with sides are listened to twice. `channels`, where given, tell from where the shots come.
+    """
     shots: list[Shot] = []
     rejections: list[Rejection] = []
-    for stretch in stretches(pieces(blocks, rate_hz)):
-        found, refused = _search(stretch, Grid(rate_hz), tier, verifier)
+    for found, refused in _heard(blocks, Grid(rate_hz), tier, verifier, channels):
         shots += found
         rejections += refused
-    believed, alone = in_company(shots, rate_hz=rate_hz, rules=tier.verify)
+    believed, alone = in_company(shots, rate_hz=rate_hz, rules=tier.verify, channels=tier.channels)
     kept, dropped = keep_apart(believed, rate_hz=rate_hz, rules=tier.bursts)
     fired, echoes = without_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
     parted = part_from_echoes(fired, rate_hz=rate_hz, rules=tier.bursts)
@@ -82,6 +93,55 @@ def find_shots(blocks: Iterable[Clip], *, rate_hz: int, tier: QualityRules, veri
         shots=group_bursts(parted, rate_hz=rate_hz, rules=tier.bursts),
         rejections=tuple(sorted(chain(rejections, alone, dropped, echoes), key=lambda r: r.at_sample)),
     )
+
+
+def _heard(
+    blocks: Iterable[Clip], grid: Grid, tier: QualityRules, verifier: Verifier, channels: Channels | None
+) -> Iterator[Heard]:
+    """Yield what is found in each of a film's stretches, with what their sides add where the blocks have any."""
+    rest = iter(blocks)
+    first = next(rest, None)
+    if first is None:
+        return
+    film = chain([first], rest)
+    search = partial(_search, grid=grid, tier=tier, verifier=verifier)
+    place = partial(placed, channels=channels, rate_hz=grid.rate_hz, rules=tier.channels)
+    if first.sides is None:
+        for found, refused in map(search, stretches(pieces(film, grid.rate_hz))):
+            yield place(found), refused
+        return
+    mains, sides = _side_by_side(film, grid.rate_hz)
+    search_beside = partial(_search, grid=grid, tier=beside(tier), verifier=verifier)
+    # map, unlike a loop, lets go of one stretch before it asks for the other
+    for here, there in zip(map(search, mains), map(search_beside, sides), strict=True):
+        found, refused = joined(here, there, rate_hz=grid.rate_hz, sure=tier.verify.threshold)
+        yield place(found, beside=[shot.onset for shot in there[0]]), refused
+
+
+def _side_by_side(film: Iterable[Clip], rate_hz: int) -> tuple[Iterator[Stretch], Iterator[Stretch]]:
+    """Return the stretches of the mains and of the sides, which have to be taken in turns."""
+    clips: deque[Clip] = deque()
+    beside_them: deque[Piece] = deque()
+    sides = pieces(map(as_heard, _taken_from(clips)), rate_hz)
+
+    def mains() -> Iterator[Piece]:
+        for piece, beside_it in zip(pieces(_kept_in(clips, film), rate_hz), sides, strict=True):
+            beside_them.append(beside_it)
+            yield piece
+
+    return stretches(mains()), stretches(_taken_from(beside_them))
+
+
+def _kept_in(queue: deque[_T], items: Iterable[_T]) -> Iterator[_T]:
+    """Yield the items and leave each in the queue, from which another takes as many."""
+    for item in items:
+        queue.append(item)
+        yield item
+
+
+def _taken_from(queue: deque[_T]) -> Iterator[_T]:
+    while queue:
+        yield queue.popleft()
 
 
 def stretches(film: Iterable[Piece]) -> Iterator[Stretch]:
@@ -154,7 +214,7 @@ def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
     return order[np.diff(onsets[order], prepend=-apart) >= apart]
 
 
-def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier) -> tuple[list[Shot], list[Rejection]]:
+def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier) -> Heard:
     screen = partial(verifier.screen.lets_pass, at_least=tier.verify.look_from)
     found = described(stretch, grid, tier, gate=verifier.gate.lets_pass, screen=screen)
     surety = verifier.probabilities(found.rows, pictures(stretch.samples, found.onsets, grid.rate_hz))

@@ -94,6 +94,7 @@ def _marker(marker: Marker, timeline: Timeline, scale: FrameScale, shift: int) -
         "burst": event.burst,
         "shot_in_burst": event.shot_in_burst,
         "peak_dbfs": event.peak_dbfs,
+        "azimuth_deg": event.azimuth_deg,
         "drive_model": event.drive.model if event.drive else None,
     }
     return schema.Marker(

@@ -32,10 +32,23 @@ def note(event: Event, offset_s: Fraction) -> str:
     if event.burst is not None:
         said.append(f"burst {event.burst} shot {event.shot_in_burst}")
     said.append(f"peak {event.peak_dbfs:.1f} dBFS")
+    if event.azimuth_deg is not None:
+        said.append(f"azimuth {azimuth_text(event.azimuth_deg)}")
     if event.drive is not None:
         said.append(f"drive {event.drive.model}")
     said.append(f"sub-frame {offset_text(offset_s)}")
     return ", ".join(said)
+
+
+def azimuth_text(azimuth_deg: float) -> str:
+    """Return a direction in whole degrees and in words that need no convention.
+
+    >>> azimuth_text(-110.0), azimuth_text(0.2), azimuth_text(180.0)
+    ('110 deg left', '0 deg', '180 deg')
+    """
+    whole = round(abs(azimuth_deg))
+    side = "" if whole in (0, 180) else " left" if azimuth_deg < 0.0 else " right"
+    return f"{whole} deg{side}"
 
 
 def offset_text(offset_s: Fraction) -> str:

@@ -7,7 +7,7 @@ Conventions
 """
 
 from .scene import SceneEvidence
-from .sound import Clip, Cutter, SoundFile, Span
+from .sound import Channels, Clip, Cutter, SoundFile, Span
 from .timeline import (
     SCHEMA,
     ActuatorRef,
@@ -18,6 +18,7 @@ from .timeline import (
     DriveModel,
     Edits,
     Event,
+    HeardIn,
     Index,
     Origin,
     Phase,
@@ -37,6 +38,7 @@ __all__ = [
     "SCHEMA",
     "ActuatorRef",
     "Background",
+    "Channels",
     "Check",
     "Clip",
     "Cutter",
@@ -45,6 +47,7 @@ __all__ = [
     "DriveModel",
     "Edits",
     "Event",
+    "HeardIn",
     "Index",
     "Origin",
     "Phase",

@@ -1,6 +1,6 @@
 """Spans of time, pieces of sound, and the files that they are cut from."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, Final, Protocol
 
@@ -55,12 +55,14 @@ class Clip:
     """A piece of sound that knows its place in the film.
 
     `samples` is (frames, columns), floating point; `start` is the film's sample index of its first frame. A mixed
-    soundtrack has one column, or two where the drive is made from other channels than detection listens to.
+    soundtrack has one column, or two where the drive is made from other channels than detection listens to. `sides`,
+    shape (frames,), is what detection hears but for the centre channel; None where nobody asked or there is no centre.
     """
 
     samples: NDArray[Any]
     rate_hz: int
     start: int = 0
+    sides: NDArray[Any] | None = None
 
     @property
     def span(self) -> Span:
@@ -81,7 +83,23 @@ class Clip:
         """Return the part inside `span`, which must lie within the clip."""
         if span.start < self.start or span.stop > self.span.stop:
             raise ValueError(f"{span} does not lie within {self.span}")
-        return Clip(self.samples[span.start - self.start : span.stop - self.start], self.rate_hz, span.start)
+        inside = slice(span.start - self.start, span.stop - self.start)
+        sides = None if self.sides is None else self.sides[inside]
+        return Clip(self.samples[inside], self.rate_hz, span.start, sides)
+
+
+@dataclass(frozen=True)
+class Channels:
+    """The channels of a film as they were before they were mixed.
+
+    `azimuths_deg` says of each where its loudspeaker stands, 0 in front and positive to the right; None has no place.
+    `centre` is the channel that the sides of a clip leave out.
+    `read` returns a span, shape (frames, channels), or None where it can no longer be had.
+    """
+
+    azimuths_deg: tuple[float | None, ...]
+    centre: int | None
+    read: Callable[[Span], NDArray[Any] | None]
 
 
 class Cutter(Protocol):

@@ -15,9 +15,11 @@ Quality = Literal["draft", "standard", "reference"]
 Phase = Literal["causal", "zero"]
 Background = Literal["mute", "direct"]
 Origin = Literal["found", "moved", "added"]
+HeardIn = Literal["mains", "sides"]
 
 Index = Annotated[int, Meta(ge=0)]
 Ratio = Annotated[float, Meta(ge=0.0, le=1.0)]
+Azimuth = Annotated[float, Meta(ge=-180.0, le=180.0)]
 
 
 class Source(msgspec.Struct, frozen=True):
@@ -94,7 +96,10 @@ class DriveInfo(msgspec.Struct, frozen=True):
 
 
 class Shot(msgspec.Struct, frozen=True):
-    """A gunshot as detection found it; `span` runs from the onset to where its decay has ended."""
+    """A gunshot as detection found it; `span` runs from the onset to where its decay has ended.
+
+    The last three are as in `Event`.
+    """
 
     onset: Index
     confidence: Ratio
@@ -105,13 +110,18 @@ class Shot(msgspec.Struct, frozen=True):
     span: Span
     burst: int | None = None
     shot_in_burst: int | None = None
+    heard_in: HeardIn = "mains"
+    azimuth_deg: Azimuth | None = None
+    azimuth_focus: Ratio | None = None
 
 
 class Event(msgspec.Struct, frozen=True):
     """A gunshot in the timeline, with its window and its drive. `burst` is None for a single shot.
 
     `origin` says whether detection put its onset where it is or somebody who edited the timeline. `gain_db` is how much
-    stronger than usual the drive was asked to be.
+    stronger than usual the drive was asked to be. `heard_in` says whether it was found in the mains, or in them without
+    the centre. `azimuth_deg` is where it comes from, 0 in front, 90 on the right, 180 behind, None where nothing tells;
+    `azimuth_focus` is 1 where one loudspeaker plays it, and less the wider it is spread.
     """
 
     id: str
@@ -129,6 +139,9 @@ class Event(msgspec.Struct, frozen=True):
     drive: DriveInfo | None = None
     origin: Origin = "found"
     gain_db: float = 0.0
+    heard_in: HeardIn = "mains"
+    azimuth_deg: Azimuth | None = None
+    azimuth_focus: Ratio | None = None
 
 
 class Rejection(msgspec.Struct, frozen=True):

@@ -174,6 +174,7 @@ def _numbers(event: Event, rate_hz: int) -> str:
         "Confidence": fixed(event.confidence, 2),
         "Peak": f"{fixed(event.peak_dbfs, 1)} dBFS",
         "Over background": f"{fixed(event.snr_db, 1)} dB",
+        **_direction(event),
         "Blast": f"{figure(1000.0 * len(event.blast) / rate_hz, 1)} ms",
         "Reflections": _echoes(event),
     }
@@ -187,6 +188,16 @@ def _numbers(event: Event, rate_hz: int) -> str:
         facts["Peak of the drive"] = f"{figure(event.drive.peak, 3)} of the limit"
     items = "".join(f"<div><dt>{name}</dt><dd>{safe(value)}</dd></div>" for name, value in facts.items())
     return f'<dl class="numbers">{items}</dl>'
+
+
+def _direction(event: Event) -> dict[str, str]:
+    """Return from where a shot comes and where it was heard, as far as that is worth a word."""
+    facts = {}
+    if event.azimuth_deg is not None and event.azimuth_focus is not None:
+        facts["Azimuth"] = f"{fixed(event.azimuth_deg, 0)}°, focus {fixed(event.azimuth_focus, 2)}"
+    if event.heard_in == "sides":
+        facts["Heard in"] = "the mains without the centre"
+    return facts
 
 
 def _echoes(event: Event) -> str:

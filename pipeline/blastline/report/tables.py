@@ -18,6 +18,7 @@ def shots_table(events: Sequence[Event], *, failed: Mapping[str, int], linked: C
         ("Sure", "n"),
         ("Peak, dBFS", "n"),
         ("SNR, dB", "n"),
+        ("Azimuth, °", "n"),
         ("Echoes", "n"),
         ("Burst", "n"),
         ("Drive", ""),
@@ -41,6 +42,7 @@ def _shot_row(event: Event, failed: int, *, linked: bool) -> str:
         (fixed(event.confidence, 2), repr(event.confidence), "n"),
         (fixed(event.peak_dbfs, 1), repr(event.peak_dbfs), "n"),
         (fixed(event.snr_db, 1), repr(event.snr_db), "n"),
+        (_azimuth(event.azimuth_deg), repr(-999.0 if event.azimuth_deg is None else event.azimuth_deg), "n"),
         (str(len(event.reflections)), str(len(event.reflections)), "n"),
         (burst, str(-1 if event.burst is None else event.burst * 1000 + (event.shot_in_burst or 0)), "n"),
         (drive.model if drive else "–", drive.model if drive else "", ""),
@@ -55,6 +57,10 @@ def _shot_row(event: Event, failed: int, *, linked: bool) -> str:
     ]
     body = "".join(f'<td class="{kind}" data-v="{value}">{shown}</td>' for shown, value, kind in cells)
     return f'<tr id="row-{name}" data-failed="{failed}">{body}</tr>'
+
+
+def _azimuth(azimuth_deg: float | None) -> str:
+    return "–" if azimuth_deg is None else fixed(azimuth_deg, 0)
 
 
 def checks_tables(checks: Sequence[Check], *, linked: Collection[str]) -> str:

@@ -81,6 +81,27 @@ class VerifyRules(Table, frozen=True):
             raise ValueError(f"report_from, company_threshold, threshold = {order}: expected ascending values")
 
 
+class ChannelRules(Table, frozen=True):
+    """What the channels of a film tell beyond its mix.
+
+    A shot's azimuth compares the `azimuth_ms` before its onset with as much after it, and is not told where the energy
+    of no channel rises by `azimuth_rise_db`. With `sides`, a film that has a centre channel is listened to once
+    more without it; what is only heard there has thresholds of its own, as [verify] has for the mains.
+    """
+
+    azimuth_ms: Annotated[float, Meta(ge=1.0, le=100.0)]
+    azimuth_rise_db: NonNegative
+    sides: bool
+    sides_threshold: Ratio
+    sides_company_threshold: Ratio
+
+    def __post_init__(self) -> None:
+        """Refuse thresholds out of order."""
+        if self.sides_company_threshold > self.sides_threshold:
+            order = f"{self.sides_company_threshold}, {self.sides_threshold}"
+            raise ValueError(f"sides_company_threshold, sides_threshold = {order}: expected ascending values")
+
+
 class SegmentRules(Table, frozen=True):
     """Where the blast ends, what counts as a reflection, and when the decay is over."""
 
@@ -150,6 +171,7 @@ class QualityRules(Table, frozen=True):
     scan: ScanRules
     onset: OnsetRules
     verify: VerifyRules
+    channels: ChannelRules
     segment: SegmentRules
     bursts: BurstRules
     windows: WindowRules

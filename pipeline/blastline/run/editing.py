@@ -9,7 +9,7 @@ from pathlib import Path
 
 import msgspec
 
-from ..detect import Detection, audio_around, group_bursts, part_from_echoes, shot_at
+from ..detect import Detection, audio_around, group_bursts, part_from_echoes, placed, shot_at
 from ..errors import TimelineError
 from ..export import read_timeline
 from ..export.edits import EditedFile, Wanted, Wish, match, read_edits
@@ -150,7 +150,8 @@ def _shots(wishes: Sequence[Wish], track: Soundtrack, source: Source, rules: Rul
         span = audio_around(wish.onset, frames=source.frames, rate_hz=rate_hz, tier=tier)
         confidence = _SURE if wish.confidence is None else wish.confidence
         heard.append(shot_at(wish.onset, track.cut(span), confidence=confidence, tier=tier))
-    parted = part_from_echoes(heard, rate_hz=rate_hz, rules=tier.bursts)
+    toward = placed(heard, track.around, rate_hz=rate_hz, rules=tier.channels)
+    parted = part_from_echoes(toward, rate_hz=rate_hz, rules=tier.bursts)
     kept = [
         _as_it_was(shot, wish.was) if wish.unmoved and wish.was is not None else shot
         for wish, shot in zip(wishes, parted, strict=True)
@@ -160,7 +161,14 @@ def _shots(wishes: Sequence[Wish], track: Soundtrack, source: Source, rules: Rul
 
 def _as_it_was(shot: Shot, was: Event) -> Shot:
     return msgspec.structs.replace(
-        shot, peak_dbfs=was.peak_dbfs, snr_db=was.snr_db, blast=was.blast, reflections=was.reflections
+        shot,
+        peak_dbfs=was.peak_dbfs,
+        snr_db=was.snr_db,
+        blast=was.blast,
+        reflections=was.reflections,
+        heard_in=was.heard_in,
+        azimuth_deg=was.azimuth_deg,
+        azimuth_focus=was.azimuth_focus,
     )
 
 

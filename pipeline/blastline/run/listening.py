@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .. import __version__
-from ..detect import Detection, find_shots, load_verifier
+from ..detect import LATENCY_S, Detection, find_shots, load_verifier
 from ..model import SCHEMA, ActuatorRef, DriveInfo, Event, Origin, Quality, Source, Timeline
 from ..render import PlannedWindow, plan_windows
 from ..report import OverviewMeter
@@ -67,9 +67,11 @@ def listen(track: Soundtrack, rules: Rules, progress: Progress, meter: OverviewM
     verifier = load_verifier(
         rules_path(f"verifier/{rules.tier.verify.model}", rules.overlay), networks=rules.tier.verify.networks
     )
-    blocks = told(track.blocks(BLOCK), progress, track.expected_frames)
+    decoded = track.blocks(BLOCK, sides=rules.tier.channels.sides, remembered_s=LATENCY_S)
+    blocks = told(decoded, progress, track.expected_frames)
     heard = meter.watch(blocks) if meter else blocks
-    found = find_shots(heard, rate_hz=track.rate_hz, tier=rules.tier, verifier=verifier)
+    found = find_shots(heard, rate_hz=track.rate_hz, tier=rules.tier, verifier=verifier, channels=track.around)
+    track.forget()
     source = track.source()
     windows = plan_windows(found.shots, frames=source.frames, rate_hz=source.sample_rate_hz, rules=rules.tier.windows)
     return Listened(track, source, found, windows, tuple(Mark(event_id(index)) for index in range(len(found.shots))))
@@ -96,6 +98,9 @@ def assemble(heard: Listened, rules: Rules, drives: Mapping[int, DriveInfo], act
             drive=drives.get(index),
             origin=mark.origin,
             gain_db=mark.gain_db,
+            heard_in=shot.heard_in,
+            azimuth_deg=shot.azimuth_deg,
+            azimuth_focus=shot.azimuth_focus,
         )
         for index, (shot, mark) in enumerate(zip(heard.found.shots, heard.marks, strict=True))
     )

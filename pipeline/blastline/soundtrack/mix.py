@@ -29,6 +29,9 @@ _OTHER_WEIGHT = 0.5
 _LOW = frozenset({"LFE", "LFE2"})
 _NOT_MIXED = frozenset({"DL", "DR"})  # a ready-made stereo version of the channels beside it
 
+_FEWEST_WITH_SIDES = 3
+"""Left, right and centre: a film with fewer main channels has no sides beside its centre."""
+
 _USUAL_ORDER = {
     1: ("FC",),
     2: ("FL", "FR"),
@@ -49,8 +52,8 @@ def mix_matrix(layout: Sequence[str] | None, channels: int, mix: str) -> Matrix:
     """
     if mix not in ("mains", "lfe", "center", "all"):
         return _mean_of(_indices(mix, channels), channels)
-    names = tuple(layout) if layout else _USUAL_ORDER.get(channels, ())
-    if len(names) != channels:
+    names = names_of(layout, channels)
+    if not names:
         raise SoundtrackError(
             f"mix {mix!r}: the file does not say what its {channels} channels are; "
             f"choose channels by number, 0 to {channels - 1}"
@@ -65,13 +68,41 @@ def mix_matrix(layout: Sequence[str] | None, channels: int, mix: str) -> Matrix:
     return np.stack([mains, low if mix == "lfe" else mains + low], axis=1)
 
 
+def names_of(layout: Sequence[str] | None, channels: int) -> tuple[str, ...]:
+    """Return what the channels are called; those of the usual order where the file does not say, else nothing."""
+    names = tuple(layout) if layout else _USUAL_ORDER.get(channels, ())
+    return names if len(names) == channels else ()
+
+
+def summing_order(layout: Sequence[str] | None, channels: int) -> tuple[int, ...]:
+    """Return the channels in the order in which they are summed: by name, so that no other order is another sound."""
+    names = names_of(layout, channels)
+    known = [*_USUAL_ORDER[8], *_WEIGHTS]
+    if len(set(names)) < channels:
+        return tuple(range(channels))
+    ranks = [(known.index(name) if name in known else len(known), name) for name in names]
+    return tuple(sorted(range(channels), key=ranks.__getitem__))
+
+
+def centre_of(layout: Sequence[str] | None, channels: int, mix: str) -> int | None:
+    """Return the centre channel, None where a film has no other main channels or the mix says what to listen to.
+
+    The centre's weight in the mains is 1, so that the mains without it are the mains less that channel.
+    """
+    names = names_of(layout, channels)
+    mains = [name for name in names if name not in _LOW | _NOT_MIXED]
+    if mix not in ("mains", "lfe", "all") or "FC" not in names or len(mains) < _FEWEST_WITH_SIDES:
+        return None
+    return names.index("FC")
+
+
 def is_identity(matrix: Matrix) -> bool:
     """Return whether the mix would change nothing: one channel, taken as it is."""
     return matrix.shape == (1, 1) and bool(matrix[0, 0] == 1.0)
 
 
-def mixed(samples: NDArray[np.float32], matrix: Matrix) -> NDArray[np.float32]:
-    """Return the columns, shape (frames, columns).
+def mixed(samples: NDArray[np.float32], matrix: Matrix, order: Sequence[int] | None = None) -> NDArray[np.float32]:
+    """Return the columns, shape (frames, columns); channels are summed in the given order, else as they come.
 
     Each sample is summed in the same order whatever the block is, which a matrix product does not promise: so a block
     and a cut agree to the bit.
@@ -80,7 +111,7 @@ def mixed(samples: NDArray[np.float32], matrix: Matrix) -> NDArray[np.float32]:
         return samples
     columns = np.empty((samples.shape[0], matrix.shape[1]), dtype=np.float32)
     for total, weights in zip(columns.T, matrix.T, strict=True):
-        first, *others = np.flatnonzero(weights)
+        first, *others = np.flatnonzero(weights) if order is None else [c for c in order if weights[c]]
         np.multiply(samples[:, first], weights[first], out=total)
         for channel in others:
             total += samples[:, channel] * weights[channel]

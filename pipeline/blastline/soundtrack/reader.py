@@ -6,7 +6,6 @@ file ──► track (sample file or film) ──► mend ──► mix ──�
 
 import hashlib
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -14,12 +13,15 @@ from typing import Self
 import numpy as np
 
 from ..errors import SoundtrackError
-from ..model import Clip, Source, Span
+from ..model import Channels, Clip, Source, Span
 from ..timebase import AS_FILMED, Timebase, with_timebase
 from ..timecode import time_of_start
 from .chunks import chunk_table
-from .mix import Matrix, mix_matrix, mixed
+from .files import naming, require_file
+from .loudspeakers import azimuths
+from .mix import Matrix, centre_of, mix_matrix, mixed, summing_order
 from .pcm import PcmTrack, open_pcm
+from .recent import Recent
 from .repair import mended, repair_warning
 from .spool import Spool
 from .track import PIECE, Samples, Track
@@ -42,6 +44,11 @@ class Soundtrack:
         self._frames: int | None = None
         self._started = False
         self._mended, self._first_mended = 0, 0
+        layout, channels = track.facts.layout, track.facts.channels
+        self._order = summing_order(layout, channels)
+        self._centre = centre_of(layout, channels, mix)
+        self._azimuths_deg = azimuths(layout, channels)
+        self._recent: Recent | None = None
         self.rate_hz = track.facts.rate_hz
         self.channels = track.facts.channels
         self.columns = int(matrix.shape[1])
@@ -55,20 +62,34 @@ class Soundtrack:
             return time_of_start(self.described())
         return reference
 
-    def blocks(self, frames: int = PIECE) -> Iterator[Clip]:
+    @property
+    def around(self) -> Channels | None:
+        """Return where a film's channels play and how to read them; None where it has not two that have a place.
+
+        Of a file that cannot be read twice, only what `blocks` was asked to remember can be read.
+        """
+        return None if self._azimuths_deg is None else Channels(self._azimuths_deg, self._centre, self._channels)
+
+    def blocks(self, frames: int = PIECE, *, sides: bool = False, remembered_s: float = 0.0) -> Iterator[Clip]:
         """Yield the mixed sound from its first sample to its last, float32; this is the one decoding pass.
 
-        Every block has `frames` frames but the last. Raises SoundtrackError where the file proves to be unreadable,
-        OutputError where the disk has no room for the decoded sound.
+        Every block has `frames` frames but the last. With `sides`, a film with a centre channel is also given without
+        it. The channels of the last `remembered_s` seconds can be read `around` what has come by. Raises
+        SoundtrackError where the file proves to be unreadable, OutputError where the disk has no room for the decoded
+        sound.
         """
         if frames < 1:
             raise ValueError(f"a block must have at least 1 frame, not {frames}")
         if self._started:
             raise ValueError("the sound track has been decoded already; use cut()")
         self._started = True
+        with_sides = sides and self._centre is not None
+        if remembered_s and self._azimuths_deg is not None and not isinstance(self._track, PcmTrack):
+            self._recent = Recent(frames + round(remembered_s * self.rate_hz))
         start = 0
-        for samples in _rechunked(self._mixed_pieces(), frames):
-            yield Clip(samples, self.rate_hz, start)
+        for samples in _rechunked(self._mixed_pieces(with_sides=with_sides), frames):
+            mix, beside = (samples[:, :-1], samples[:, -1]) if with_sides else (samples, None)
+            yield Clip(mix, self.rate_hz, start, beside)
             start += samples.shape[0]
         if start == 0:
             raise SoundtrackError(f"{self._path}: holds no sound")
@@ -82,13 +103,15 @@ class Soundtrack:
         if self._frames is None or span.start < 0 or span.stop > self._frames:
             raise ValueError(f"{span} is not inside what was decoded: {self._frames} frames")
         if isinstance(self._track, PcmTrack):
-            with _naming(self._path):
-                raw = self._track.read(span.start, len(span))
-            samples = mixed(raw if self._track.facts.is_integer else mended(raw)[0], self._matrix)
+            samples = mixed(self._read(self._track, span), self._matrix, self._order)
         else:
             assert self._spool is not None
             samples = self._spool.read(span)
         return Clip(samples.astype(np.float64), self.rate_hz, span.start)
+
+    def forget(self) -> None:
+        """Let go of what `blocks` was asked to remember."""
+        self._recent = None
 
     def source(self) -> Source:
         """Return what was read, with the digest of the whole file, once all blocks have been taken."""
@@ -114,13 +137,29 @@ class Soundtrack:
         """Close it."""
         self.close()
 
-    def _mixed_pieces(self) -> Iterator[Samples]:
+    def _read(self, track: PcmTrack, span: Span) -> Samples:
+        with naming(self._path):
+            raw = track.read(span.start, len(span))
+        return raw if track.facts.is_integer else mended(raw)[0]
+
+    def _channels(self, span: Span) -> Samples | None:
+        if isinstance(self._track, PcmTrack):
+            return self._read(self._track, span)
+        return None if self._recent is None else self._recent.read(span)
+
+    def _mixed_pieces(self, *, with_sides: bool) -> Iterator[Samples]:
+        """Yield the columns of the mix; with sides, these are a further one."""
         start = 0
-        with _naming(self._path):
+        with naming(self._path):
             for raw in self._track.pieces():
-                columns = mixed(raw if self._track.facts.is_integer else self._mend(raw, start), self._matrix)
+                samples = raw if self._track.facts.is_integer else self._mend(raw, start)
+                columns = mixed(samples, self._matrix, self._order)
                 if self._spool is not None:
                     self._spool.append(columns)
+                if self._recent is not None:
+                    self._recent.append(samples)
+                if with_sides:
+                    columns = np.column_stack([columns, columns[:, 0] - samples[:, self._centre]])
                 yield columns
                 start += raw.shape[0]
         if self._spool is not None:
@@ -176,8 +215,8 @@ def open_soundtrack(
     `timebase` is what the user knows better about its timecode. Raises SoundtrackError where the file cannot be read
     or has no such track or channel, RuleError where the time base does not go with the film.
     """
-    with _naming(path):
-        _require_file(path)
+    with naming(path):
+        require_file(path)
         track = _open_track(path, stream)
         try:
             facts = track.facts
@@ -192,36 +231,6 @@ def open_soundtrack(
             track.close()
             raise
     return opened
-
-
-@contextmanager
-def _naming(path: Path) -> Iterator[None]:
-    """Put the file's name before what is wrong with it."""
-    try:
-        yield
-    except SoundtrackError as error:
-        raise SoundtrackError(f"{path}: {error}") from error
-
-
-def _require_file(path: Path) -> None:
-    try:
-        str(path).encode("utf-8")  # what the libraries that open sound expect of a name
-    except UnicodeEncodeError as error:
-        raise SoundtrackError("the name is not valid UTF-8; rename the file") from error
-    try:
-        if path.is_dir():
-            raise SoundtrackError("is a folder; expected an audio file or a film")
-        if not path.exists():
-            raise SoundtrackError("no such file")
-        if not path.is_file():
-            raise SoundtrackError("is not a regular file")
-        if path.stat().st_size == 0:
-            raise SoundtrackError("is empty (0 bytes)")
-        path.open("rb").close()
-    except OSError as error:
-        if isinstance(error, SoundtrackError):
-            raise
-        raise SoundtrackError(f"cannot be read: {error.strerror}") from error
 
 
 def _open_track(path: Path, stream: int | None) -> Track:

@@ -19,7 +19,7 @@ from .bed_loop import BedLoop, bed_loop
 from .beds import BedKind
 from .chance import chance, generator
 from .cues import cues, voice_of
-from .layouts import CHANNELS, LFE, bed_feeds, mains, sound_gains
+from .layouts import CHANNELS, LFE, WITH_LFE, bed_feeds, mains, sound_gains
 from .master import limited
 from .negatives import random_negative
 from .scene import BedItem, NegativeItem, Scene, ShotItem
@@ -113,6 +113,7 @@ class SceneAudio:
                     snr_db=db_from_gain(top) - db_from_gain(background),
                     burst=cue.burst,
                     shot_in_burst=cue.shot_in_burst,
+                    azimuth_deg=None if self.channels == 1 else cue.item.azimuth_deg,
                 )
 
     def negative_truths(self, span: Span) -> Iterator[NegativeTruth]:
@@ -157,7 +158,7 @@ class SceneAudio:
         cue = self.cues[index]
         item = cue.item
         rng = generator(self.scene.seed, cue.name)
-        gains = sound_gains(generator(self.scene.seed, "pan", cue.family), self.scene.layout)
+        gains = sound_gains(generator(self.scene.seed, "pan", cue.family), self.scene.layout, item.azimuth_deg)
         if isinstance(item, ShotItem):
             samples, truth = fire(rng, self.rate_hz, self._voice(item, cue.family))
             lead = truth.onset_sample
@@ -191,7 +192,7 @@ def _add(total: Samples, sound: Sound, start: int, *, rate_hz: int) -> None:
         return
     part = sound.samples[low - sound.start : high - sound.start]
     total[low - start : high - start] += part[:, None] * sound.gains
-    if total.shape[1] == CHANNELS["5.1"]:
+    if total.shape[1] in WITH_LFE:
         low_end = lowpass(sound.samples, 110.0, rate_hz=rate_hz, order=2)
         total[low - start : high - start, LFE] += 0.7 * low_end[low - sound.start : high - sound.start]
 

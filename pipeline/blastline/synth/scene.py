@@ -29,7 +29,7 @@ from .negatives import NegativeKind
 from .rooms import Environment
 from .weapons import WeaponName
 
-Layout = Literal["mono", "stereo", "5.1"]
+Layout = Literal["mono", "stereo", "5.1", "7.1"]
 Seconds = Annotated[float, Meta(ge=0.0, le=86_400.0)]
 LevelDb = Annotated[float, Meta(ge=-120.0, le=40.0)]
 Peak = Annotated[float, Meta(ge=-100.0, le=0.0)]
@@ -59,11 +59,15 @@ class BurstItem(Item, frozen=True, kw_only=True):
 
 
 class SoundItem(Item, frozen=True, kw_only=True):
-    """Something that starts at `at_s`, with one of the two ways to say how loud."""
+    """Something that starts at `at_s`, with one of the two ways to say how loud.
+
+    `azimuth_deg` is where it comes from, 0 in front and positive to the right; drawn where it is left out.
+    """
 
     at_s: Seconds
     snr_db: LevelDb | None = None
     peak_dbfs: Peak | None = None
+    azimuth_deg: Annotated[float, Meta(ge=-180.0, le=180.0)] | None = None
 
 
 class ShotItem(SoundItem, frozen=True, kw_only=True):

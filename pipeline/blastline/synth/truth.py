@@ -15,6 +15,7 @@ class ShotTruth(msgspec.Struct, frozen=True):
     places that may be called the onset (the shock of the bullet). `blast` ends where blast wave, gas jet and second
     pulse have fallen to -20 dB of their peak for good. `peak_dbfs` is the shot's own peak within 50 ms of the onset,
     `snr_db` that peak over the rms of everything but the shots of its own burst in the 200 ms before the onset.
+    `azimuth_deg` is where it comes from, where the scene says.
     """
 
     onset_sample: int
@@ -31,6 +32,7 @@ class ShotTruth(msgspec.Struct, frozen=True):
     accept_samples: tuple[int, ...] = ()
     burst: int | None = None
     shot_in_burst: int | None = None
+    azimuth_deg: float | None = None
 
 
 class NegativeTruth(msgspec.Struct, frozen=True):

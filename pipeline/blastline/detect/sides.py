@@ -1,0 +1,68 @@
+"""A second listening without the centre: what dialogue drowns in the mains may be clear beside it.
+
+mains  ──► shots ─┐
+sides  ──► shots ─┴► one onset, one shot
+"""
+
+from collections.abc import Sequence
+
+import msgspec
+
+from ..model import Clip, Rejection, Shot
+from ..ruleset import QualityRules
+from ..units import samples_from_ms
+
+Heard = tuple[list[Shot], list[Rejection]]
+"""What was found in one mix, and what was refused."""
+
+SAME_MS = 5.0
+"""Two mixes of one sound begin that near to each other; no gun fires twice in it."""
+
+
+def as_heard(clip: Clip) -> Clip:
+    """Return a clip whose sides are what is heard."""
+    assert clip.sides is not None
+    return Clip(clip.sides[:, None], clip.rate_hz, clip.start)
+
+
+def beside(tier: QualityRules) -> QualityRules:
+    """Return the rules by which the sides are searched: what is only heard there has to be surer."""
+    own, asked = tier.channels, tier.verify
+    verify = msgspec.structs.replace(
+        asked,
+        threshold=own.sides_threshold,
+        company_threshold=own.sides_company_threshold,
+        report_from=min(asked.report_from, own.sides_company_threshold),
+    )
+    return msgspec.structs.replace(tier, verify=verify)
+
+
+def joined(mains: Heard, sides: Heard, *, rate_hz: int, sure: float) -> Heard:
+    """Return the shots and rejections of both mixes, each sound once.
+
+    A shot that both heard keeps its parts in the mains. Where they are not `sure` of it, it is judged by the mix that
+    is surer.
+    """
+    near = samples_from_ms(SAME_MS, rate_hz)
+    shots, beside_it = list(mains[0]), sides[0]
+    for index, shot in enumerate(shots):
+        there = max((s.confidence for s in beside_it if abs(s.onset - shot.onset) <= near), default=0.0)
+        if shot.confidence < min(sure, there):
+            shots[index] = msgspec.structs.replace(shot, confidence=there, heard_in="sides")
+    known = [shot.onset for shot in shots]
+    shots += [
+        msgspec.structs.replace(shot, heard_in="sides") for shot in beside_it if not _any_near(known, shot.onset, near)
+    ]
+    known = [shot.onset for shot in shots]
+    refused = [each for each in mains[1] if not _any_near(known, each.at_sample, near)]
+    known += [each.at_sample for each in refused]
+    refused += [
+        Rejection(each.at_sample, f"{each.reason}, without the centre", each.evidence)
+        for each in sides[1]
+        if not _any_near(known, each.at_sample, near)
+    ]
+    return shots, refused
+
+
+def _any_near(places: Sequence[int], at: int, near: int) -> bool:
+    return any(abs(place - at) <= near for place in places)
