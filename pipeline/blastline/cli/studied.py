@@ -1,4 +1,4 @@
-"""The table of `study rendering`."""
+"""The tables of `study rendering` and `study segmentation`."""
 
 from typing import TYPE_CHECKING, Final, get_args
 
@@ -6,6 +6,7 @@ from ..model import Phase
 
 if TYPE_CHECKING:
     from ..study.rendering import RenderingScore
+    from ..study.segmentation import Interval, SegmentationScore
 
 _DRIVES: Final = ("direct", "clipped", "scaled", "constrained")
 
@@ -31,3 +32,22 @@ def rendering_table(score: "RenderingScore") -> str:
             cells = "".join(f" {each.ratio:6.3f} {each.correlation:6.3f}" for each in means)
             lines.append(f"{scene or 'all':<29}{cells} {means[-1].lag_ms:7.3f}")
     return "\n".join([*lines, "", *map(str, score.bars)])
+
+
+def segmentation_table(score: "SegmentationScore") -> str:
+    """Return how the reflections were found at true and at found onsets, and the bars."""
+
+    def drawn(figure: "Interval") -> str:
+        return f"{figure.value:.3f} ({figure.low:.3f}-{figure.high:.3f})"
+
+    lines = [f"quality {score.quality}, {score.films} films; reflections at 2 ms, 8-500 ms after the onset", ""]
+    lines += [f"{'':<16} {'heard':>6} {'precision':>10} {'recall':>8}  F1 and 95 % of draws"]
+    for name, at in (("true onsets", score.at_true), ("found onsets", score.at_found)):
+        strong = f"{at.asked:6d} {at.precision:10.3f} {at.recall:8.3f}  {drawn(at.f1)}"
+        every = f"{at.every_asked:6d} {at.every_precision:10.3f} {at.every_recall:8.3f}  {drawn(at.every_f1)}"
+        lines += [f"{name}, {at.shots} shots", f"{'  from -12 dB on':<16} {strong}", f"{'  every':<16} {every}"]
+    lines += [
+        "",
+        f"{score.echoes_as_shots} of {score.echoes_heard} echoes are among the {score.found_shots} found shots",
+    ]
+    return "\n".join([*lines, "", *(str(bar) for bar in score.bars)])

@@ -1,4 +1,4 @@
-"""`study detection`, `rendering`, `stability` and `conform`."""
+"""`study detection`, `segmentation`, `rendering`, `stability` and `conform`."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from .options import ActuatorOption, QualityOption, RulesOption
-from .studied import rendering_table
+from .studied import rendering_table, segmentation_table
 
 if TYPE_CHECKING:
     from ..study.detection import DetectionScore
@@ -59,6 +59,42 @@ def detection(
         best = best_librosa_score(heard(again), WINDOWS_MS, best_at_ms=50.0)
         f1 = ", ".join(f"{counts.f1:.3f} at {window_ms:g} ms" for window_ms, counts in best.counts.items())
         typer.echo(f"librosa at its best threshold ({best.threshold:g}): F1 {f1}")
+
+
+@group.command()
+def segmentation(
+    fixtures: Annotated[
+        Path | None, typer.Option("--fixtures", metavar="DIR", help="Scenes (*.toml); synthesised, then listened to.")
+    ] = None,
+    films: Annotated[
+        int, typer.Option("--films", metavar="N", min=0, help="So many random films of a minute as well.")
+    ] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="The first film's seed; the others follow.")] = 1,
+    quality: QualityOption = "standard",
+    rules: RulesOption = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every figure as JSON.")
+    ] = None,
+) -> int:
+    """Part the shots of synthetic films into blast and reflections, and compare with what is heard in them.
+
+    Exit code 1 where a bar is missed. Example: `blastline study segmentation --fixtures fixtures`
+    """
+    from itertools import chain
+
+    import msgspec
+
+    from ..errors import RuleError
+    from ..study.segmentation import random_films, scene_films, score
+
+    if fixtures is None and films == 0:
+        raise RuleError("study segmentation: give --fixtures, --films or both")
+    made = chain(scene_films(fixtures) if fixtures else (), random_films(range(seed, seed + films)))
+    result = score(made, quality, rules)
+    if output:
+        output.write_bytes(msgspec.json.format(msgspec.json.encode(result), indent=1) + b"\n")
+    typer.echo(segmentation_table(result))
+    return 0 if all(bar.met for bar in result.bars) else 1
 
 
 @group.command()

@@ -32,18 +32,23 @@ def true_scenes(folder: Path, tier: QualityRules, names: Collection[str] | None 
     Onsets are those of the truth; where a shot has decayed is found as in a run. Raises RuleError where no scene
     of the folder has a shot.
     """
-    files = [
-        file for file in sorted(folder.glob("*.toml")) if (names is None or file.stem in names) and _has_shots(file)
-    ]
-    if not files:
-        raise RuleError(f"{folder}: no scene (*.toml) with shots in it")
-    for name, path, truth in synthesised(files):
+    for name, path, truth in synthesised(scenes_with_shots(folder, names)):
         with open_soundtrack(path) as track:
             for _ in track.blocks():
                 pass
             shots = tuple(_parted(track, truth.frames, shot.onset_sample, tier) for shot in truth.shots)
             windows = plan_windows(shots, frames=truth.frames, rate_hz=track.rate_hz, rules=tier.windows)
             yield TrueScene(name, path, track, truth.frames, shots, windows)
+
+
+def scenes_with_shots(folder: Path, names: Collection[str] | None = None) -> list[Path]:
+    """Return the scene files of a folder that have shots, or those of these names; RuleError where there is none."""
+    files = [
+        file for file in sorted(folder.glob("*.toml")) if (names is None or file.stem in names) and _has_shots(file)
+    ]
+    if not files:
+        raise RuleError(f"{folder}: no scene (*.toml) with shots in it")
+    return files
 
 
 def synthesised(files: Iterable[Path]) -> Iterator[tuple[str, Path, Truth]]:
