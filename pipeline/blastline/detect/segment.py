@@ -15,14 +15,13 @@ from numpy.typing import NDArray
 from ..model import Reflection, Shot, Span
 from ..ruleset import SegmentRules
 from ..units import db_from_gain, gain_from_db, ms_from_samples, samples_from_ms
+from .reflections import discrete_reflections
 
 BACKGROUND_MS = 200.0
 PEAK_MS = 20.0
 _SMOOTH_MS = 25.0  # a period of the lowest boom that a film puts under a shot
 _RISE_AGAIN = 2.0  # the decay is over where the level, once 12 dB down, doubles: something else has begun
 _DECAYED = 0.25
-_NEIGHBOURHOOD_MS = 15.0
-_REFLECTION_APART_MS = 3.0
 # A Friedlander blast stays below a tenth of its peak for two thirds of its positive phase where it crosses zero: a peak
 # held a little longer does not take the crossing for the end.
 _HOLD_PER_PHASE = 0.8
@@ -85,31 +84,13 @@ def _blast_length(wave: NDArray[np.float64], peak: float, *, rate_hz: int, rules
 def _reflections(
     wave: NDArray[np.float64], blast: int, *, at: int, rate_hz: int, rules: SegmentRules
 ) -> tuple[Reflection, ...]:
-    from scipy.ndimage import uniform_filter1d
-    from scipy.signal import correlate, find_peaks
-
-    earliest = max(blast, samples_from_ms(rules.earliest_reflection_ms, rate_hz))
-    latest = min(wave.shape[0] - blast, samples_from_ms(rules.latest_reflection_ms, rate_hz))
-    steep = np.diff(wave[: latest + blast], prepend=0.0)
-    template = steep[:blast]
-    energy = float(template @ template)
-    if latest <= earliest or energy <= 0.0:
-        return ()
-    product = np.abs(correlate(steep, template, mode="valid", method="fft"))
-    sums = np.concatenate([[0.0], np.cumsum(steep**2)])
-    likeness = product / np.sqrt(energy * np.maximum(sums[blast:] - sums[:-blast], 1e-30))
-    around = max(1, samples_from_ms(_NEIGHBOURHOOD_MS, rate_hz))
-    prominence = product / np.sqrt(np.maximum(uniform_filter1d(product**2, around), 1e-30))
-    stands_out = (likeness >= rules.reflection_likeness) & (prominence >= rules.reflection_prominence)
-    stands_out[:earliest] = False
-    gain = np.where(stands_out, product / energy, 0.0)
-    apart = max(1, samples_from_ms(_REFLECTION_APART_MS, rate_hz))
-    lags, _ = find_peaks(gain, height=gain_from_db(rules.reflection_level_db), distance=apart)
-    found: list[Reflection] = []
-    for lag in map(int, lags):
-        level_db = db_from_gain(float(gain[lag]))
-        found.append(Reflection(at + lag, at + lag + blast, ms_from_samples(lag, rate_hz), level_db))
-    return tuple(found)
+    found = zip(*discrete_reflections(wave, rate_hz=rate_hz, rules=rules), strict=True)
+    levels = [(int(lag), db_from_gain(float(gain))) for lag, gain in found]
+    return tuple(
+        Reflection(at + lag, at + lag + blast, ms_from_samples(lag, rate_hz), level_db)
+        for lag, level_db in levels
+        if level_db >= rules.reflection_level_db
+    )
 
 
 def _decay_length(

@@ -3,8 +3,9 @@
 Conventions
     Once at the true onsets, which judges the parting alone, and once as a run finds the shots. A reflection is right
     within 2 ms of one that is heard, none is used twice. Asked for are the heard ones of at least -12 dB, 8-500 ms
-    after the onset; a found one that claims as much and is near none that is heard, however weak, is wrong. `every`
-    asks for all that are heard at those delays, and counts all that are found there.
+    after the onset, by what is said to have -15 dB or more; of those claims, what is near none that is heard, however
+    weak, is wrong. `every` asks for all that are heard at those delays, and counts all that are found there. A blast
+    that is heard for longer than the rules let one be (`longest_blast_ms`) counts as that long.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
@@ -29,7 +30,7 @@ from .truth import scenes_with_shots, synthesised
 WINDOW_MS, ONSET_WINDOW_MS, START_WINDOW_MS = 2.0, 10.0, 10.0
 """A reflection is right within the first, a shot is found within the second, starts are compared within the third."""
 
-DELAYS_MS, LEAST_DB = (8.0, 500.0), -12.0
+DELAYS_MS, LEAST_DB, LEVEL_TOLERANCE_DB = (8.0, 500.0), -12.0, 3.0
 FILM_S, FILM_SHOTS, FILM_NEGATIVES = 60.0, 30, 20
 _DRAWS = 1000
 Echo = TypeVar("Echo", bound=Reflection)
@@ -64,6 +65,7 @@ class Parting(msgspec.Struct, frozen=True):
     every_precision: float
     every_recall: float
     every_f1: Interval
+    blasts_cut: int
     blast_median_ms: float | None
     blast_p95_ms: float | None
     start_median_ms: float | None
@@ -118,7 +120,8 @@ def score(films: Iterable[Film], quality: Quality, rules: Path | None = None) ->
     read = load_rules(quality, rules)
     asked = read.tier.verify
     verifier = load_verifier(rules_path(f"verifier/{asked.model}", rules), networks=asked.networks)
-    at_true, at_found = _Tally(), _Tally()
+    longest_ms = read.tier.segment.longest_blast_ms
+    at_true, at_found = _Tally(longest_ms), _Tally(longest_ms)
     count, echoes, mistaken, found_shots = 0, 0, 0, 0
     for film in films:
         count += 1
@@ -163,6 +166,8 @@ def _heard_starts_ms(truth: Truth) -> NDArray[np.float64]:
 class _Tally:
     """Counts of each shot, and errors."""
 
+    longest_ms: float
+    cut: int = 0
     asked: list[Counts] = field(default_factory=list)
     every: list[Counts] = field(default_factory=list)
     blast_ms: list[float] = field(default_factory=list)
@@ -178,15 +183,17 @@ class _Tally:
             found_ms = np.array([echo.delay_ms for echo in found]) + late_ms
             pairs = match(found_ms, heard_ms, WINDOW_MS)
             self.every.append(Counts(len(pairs), found_ms.size - len(pairs), heard_ms.size - len(pairs)))
-            strong = [index for index, echo in enumerate(heard) if echo.level_db >= LEAST_DB]
-            hits = len({true for _, true in pairs} & set(strong))
-            right = {index for index, _ in pairs}
-            false = sum(echo.level_db >= LEAST_DB for index, echo in enumerate(found) if index not in right)
-            self.asked.append(Counts(hits, false, len(strong) - hits))
+            strong = {index for index, echo in enumerate(heard) if echo.level_db >= LEAST_DB}
+            claims = {index for index, echo in enumerate(found) if echo.level_db >= LEAST_DB - LEVEL_TOLERANCE_DB}
+            hits = sum(index in claims and true in strong for index, true in pairs)
+            self.asked.append(Counts(hits, len(claims - {index for index, _ in pairs}), len(strong) - hits))
             starts = match(found_ms, heard_ms, START_WINDOW_MS)
             self.start_ms += [abs(float(found_ms[index] - heard_ms[true])) for index, true in starts]
             if truth.heard_blast is not None:
-                self.blast_ms.append(abs(shot.blast.stop - truth.heard_blast.stop) * 1000.0 / rate_hz)
+                blast_ms = (truth.heard_blast.stop - truth.onset_sample) * 1000.0 / rate_hz
+                self.cut += blast_ms > self.longest_ms
+                found_stop_ms = (shot.blast.stop - truth.onset_sample) * 1000.0 / rate_hz
+                self.blast_ms.append(abs(found_stop_ms - min(blast_ms, self.longest_ms)))
 
     def parting(self) -> Parting:
         """Return the figures of everything that was added."""
@@ -201,6 +208,7 @@ class _Tally:
             every_precision=every.precision,
             every_recall=every.recall,
             every_f1=_f1_drawn(self.every),
+            blasts_cut=self.cut,
             blast_median_ms=_percentile(self.blast_ms, 50.0),
             blast_p95_ms=_percentile(self.blast_ms, 95.0),
             start_median_ms=_percentile(self.start_ms, 50.0),

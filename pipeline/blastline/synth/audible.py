@@ -2,8 +2,8 @@
 
     echo   heard where, in its first 3 ms and in some octave, it is as strong as everything else there together: bed,
            tail, decaying blast, other echoes, other sounds. The level then doubles.
-    blast  heard until it has fallen by 20 dB, until everything else is stronger than it, or until the first
-           reflection that is heard.
+    blast  heard until what comes straight from the weapon has fallen by 20 dB or everything else is stronger, or until
+           the first reflection that is heard.
 
 Three milliseconds is about what hearing resolves in time (the shortest gap heard in noise, Plomp 1964), and a sound
 masks another in its own band (Fletcher 1940). Echoes that start within two milliseconds of a stronger one are heard as
@@ -36,14 +36,14 @@ _FAINTEST = 1e-6  # -60 dB: less is not worth a figure
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """What a shot was made of, before the recording chain: the whole, the direct blast, its echoes.
+    """What a shot was made of, before the recording chain: the whole, what came straight, its echoes.
 
-    `whole` begins `lead` samples before the onset, `blast` at it.
+    `whole` begins `lead` samples before the onset, `direct` at it.
     """
 
     whole: Samples
     lead: int
-    blast: Samples
+    direct: Samples
     echoes: tuple[HeardEcho, ...]
     colour: Colour
 
@@ -88,8 +88,8 @@ def audible(parts: Parts, alone: Samples, everything: Samples, *, lead: int, rat
     heard = [leader == row and margins[row] >= MARGIN_DB for row, leader in enumerate(leaders)]
     near = samples_from_ms(BLAST_FUSED_MS, rate_hz)
     direct = heads.together(np.flatnonzero(np.array(heads.delays) < near), 0, after.size)
-    blast = filtered(parts.blast, parts.colour, rate_hz=rate_hz)[: after.size]
-    direct[: blast.size] += blast * gains[: blast.size]
+    straight = filtered(parts.direct, parts.colour, rate_hz=rate_hz)[: after.size]
+    direct[: straight.size] += straight * gains[: straight.size]
     ends = [delay for delay, yes in zip(heads.delays, heard, strict=True) if yes and delay >= near]
     ends.append(_blast_length(direct, after - direct, samples_from_ms(_GRAIN_MS, rate_hz), rounding=rounding))
     return Audible(tuple(margins), tuple(heard), max(1, min(ends)))

@@ -15,14 +15,14 @@ SMEAR_SPREAD = 3.8
 """How long a smeared echo is, in times of its `smear_ms`."""
 
 
-HEAD_S = 0.006
+HEAD_S = 0.016
 
 
 @dataclass(frozen=True, eq=False)
 class HeardEcho:
     """An echo as it came out: where it starts after the direct sound, and its peak against that of the direct one.
 
-    `head` are its first 6 ms.
+    `head` are its first 16 ms.
     """
 
     delay: int

@@ -40,13 +40,13 @@ class Fired:
 
 @dataclass(frozen=True, eq=False)
 class _Direct:
-    """What comes straight from the weapon, with a peak of 1: all of it, the blast alone and where it ends.
+    """What comes straight from the weapon, with a peak of 1, and where its blast ends, the roar left out.
 
-    `pulse` is a second pulse that comes when the blast is over, if there is one.
+    `pulse` is a second pulse that comes when the blast is over, if there is one, and `first` what comes without it.
     """
 
     samples: Samples
-    blast: Samples
+    first: Samples
     stop: int
     pulse: HeardEcho | None
 
@@ -84,7 +84,8 @@ def fire_apart(rng: np.random.Generator, rate_hz: int, voice: Voice) -> Fired:
     truth = _truth(this, direct.stop, echoes, lead=lead, accept=accept, rate_hz=rate_hz)
     first = max(0, lead - math.ceil(LEAD_S * rate_hz))
     near = whole[first : lead + math.ceil(HEARD_S * rate_hz)].copy()
-    return Fired(heard, truth, Parts(near, lead - first, direct.blast, echoes, this.colour))
+    straight = direct.first[: math.ceil(HEARD_S * rate_hz)].copy()
+    return Fired(heard, truth, Parts(near, lead - first, straight, echoes, this.colour))
 
 
 def _direct(rng: np.random.Generator, rate_hz: int, voice: Voice) -> _Direct:
@@ -110,12 +111,14 @@ def _direct(rng: np.random.Generator, rate_hz: int, voice: Voice) -> _Direct:
     roar = air(overlaid(_roars(rng, rate_hz, voice)), distance_m, rate_hz=rate_hz, muffle=muffle)
     sound = overlaid([(0, blast), (0, roar)])
     top, pulse = peak(sound), None
+    first = sound
     for delay, again in pulses:
         alone = air(overlaid(parts), distance_m, rate_hz=rate_hz, muffle=muffle)
         if _last_loud(alone) < delay:
-            blast, later = alone, air(again, distance_m, rate_hz=rate_hz, muffle=muffle) / top
+            blast, first = alone, overlaid([(0, alone), (0, roar)])
+            later = air(again, distance_m, rate_hz=rate_hz, muffle=muffle) / top
             pulse = HeardEcho(delay, peak(later), later[: math.ceil(HEAD_S * rate_hz)])
-    return _Direct(np.asarray(sound / top, dtype=np.float64), blast / top, _last_loud(blast) + 1, pulse)
+    return _Direct(np.asarray(sound / top, dtype=np.float64), first / top, _last_loud(blast) + 1, pulse)
 
 
 def _last_loud(blast: Samples) -> int:

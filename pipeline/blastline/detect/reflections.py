@@ -1,0 +1,92 @@
+"""A shot's discrete reflections: where the sound after the blast answers to the blast as a mirror would.
+
+    answer  the cross-spectrum of sound and blast over the sound's own smoothed power, back in time: a matched filter in
+            which every frequency weighs alike, so that a copy of the blast is a spike however long the blast rolls on
+    z       its envelope over the mean of what is 1.5 to 8 ms around: a tail full of overlapping echoes, noise and
+            music lie near 1, a discrete echo stands out
+
+Once in a wide band and once in the low one that is left of an echo off something soft; the clearer one counts.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..ruleset import SegmentRules
+from ..units import samples_from_ms
+
+_BANDS_HZ = ((400.0, 12_000.0), (300.0, 3_000.0))
+_SMOOTH_HZ = 300.0
+_AROUND_MS, _GUARD_MS = 8.0, 1.5
+_APART_MS = 3.0
+_FADE_MS = 6.0
+_FAINTEST = 1e-30
+
+
+def discrete_reflections(
+    wave: NDArray[np.float64], *, rate_hz: int, rules: SegmentRules
+) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """Return the reflections' lags in samples, ascending, and their gains; `wave` begins with the onset."""
+    from scipy.fft import ifft, next_fast_len, rfft
+    from scipy.signal import find_peaks
+
+    template = wave[: samples_from_ms(rules.longest_blast_ms, rate_hz)]
+    latest = min(samples_from_ms(rules.latest_reflection_ms, rate_hz), wave.shape[0] - template.shape[0])
+    earliest = samples_from_ms(rules.earliest_reflection_ms, rate_hz)
+    if latest <= earliest or not template.any():
+        return np.zeros(0, np.intp), np.zeros(0)
+    heard = wave[: latest + template.shape[0]]
+    size = next_fast_len(heard.shape[0] + template.shape[0], real=True)
+    whole = rfft(_faded(heard, rate_hz), size)
+    first = rfft(_faded(template, rate_hz), size)
+    bands = [_bins(band, size, rate_hz) for band in _BANDS_HZ]
+    length = max(band.stop - band.start for band in bands)
+    step = size / length  # samples from one value of the answer to the next
+    count = int(latest / step) + 1
+    clearest, gain = np.zeros(count), np.zeros(count)
+    for band in bands:
+        weight = 1.0 / (_running_mean(np.abs(whole[band]) ** 2, max(1, int(_SMOOTH_HZ * size / rate_hz))) + _FAINTEST)
+        answer = np.abs(ifft(whole[band] * np.conj(first[band]) * weight, length))[:count]
+        answer *= length / max(float(np.sum(np.abs(first[band]) ** 2 * weight)), _FAINTEST)
+        z = answer / (_around(answer, rate_hz / step) + _FAINTEST)
+        gain = np.where(z > clearest, answer, gain)
+        clearest = np.maximum(clearest, z)
+    clearest[: int(np.ceil(earliest / step))] = 0.0
+    apart = max(1, int(samples_from_ms(_APART_MS, rate_hz) / step))
+    peaks, _ = find_peaks(clearest, height=rules.reflection_prominence, distance=apart)
+    lags = np.round((peaks + _vertex(gain, peaks)) * step).astype(np.intp)
+    return lags, gain[peaks]
+
+
+def _faded(wave: NDArray[np.float64], rate_hz: int) -> NDArray[np.float64]:
+    """Return a sound that ends in half a cosine, of 6 ms or half its length."""
+    fade = min(samples_from_ms(_FADE_MS, rate_hz), wave.shape[0] // 2)
+    faded = wave.copy()
+    faded[wave.shape[0] - fade :] *= np.cos(np.linspace(0.0, 0.5 * np.pi, fade)) ** 2
+    return faded
+
+
+def _bins(band_hz: tuple[float, float], size: int, rate_hz: int) -> slice:
+    low_hz, high_hz = band_hz
+    return slice(int(low_hz * size / rate_hz), int(min(high_hz, 0.45 * rate_hz) * size / rate_hz))
+
+
+def _around(answer: NDArray[np.float64], values_per_s: float) -> NDArray[np.float64]:
+    """Return the mean of what lies around each value, itself and its nearest left out."""
+    outer, inner = (2 * int(reach_ms * 1e-3 * values_per_s) + 1 for reach_ms in (_AROUND_MS, _GUARD_MS))
+    sums = outer * _running_mean(answer, outer) - inner * _running_mean(answer, inner)
+    return np.maximum(sums, 0.0) / (outer - inner)
+
+
+def _running_mean(values: NDArray[np.float64], width: int) -> NDArray[np.float64]:
+    """Return the mean of so many values around each; what lies beyond the ends mirrors what is before."""
+    from scipy.ndimage import uniform_filter1d
+
+    return np.asarray(uniform_filter1d(values, width, mode="reflect"), np.float64)
+
+
+def _vertex(values: NDArray[np.float64], peaks: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Return how far beside each peak the parabola through it and its neighbours has its vertex."""
+    left, middle, right = (values[np.clip(peaks + by, 0, values.shape[0] - 1)] for by in (-1, 0, 1))
+    bend = left - 2.0 * middle + right
+    away = np.divide(0.5 * (left - right), bend, out=np.zeros_like(middle), where=bend < 0.0)
+    return np.clip(away, -0.5, 0.5)
