@@ -19,14 +19,17 @@ _SMOOTH_HZ = 300.0
 _AROUND_MS, _GUARD_MS = 8.0, 1.5
 _APART_MS = 3.0
 _FADE_MS = 6.0
+_USUAL, _UNUSUAL = 0.99, 1.5
 _FAINTEST = 1e-30
 
 
 def discrete_reflections(
-    wave: NDArray[np.float64], *, rate_hz: int, rules: SegmentRules
+    wave: NDArray[np.float64], before: NDArray[np.float64], *, rate_hz: int, rules: SegmentRules
 ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """Return the reflections' lags in samples, ascending, and their gains; `wave` begins with the onset."""
-    from scipy.fft import ifft, next_fast_len, rfft
+    """Return the reflections' lags in samples, ascending, and their gains.
+
+    `wave` begins with the onset, and `before` is what lies directly before it.
+    """
     from scipy.signal import find_peaks
 
     template = wave[: samples_from_ms(rules.longest_blast_ms, rate_hz)]
@@ -34,27 +37,42 @@ def discrete_reflections(
     earliest = samples_from_ms(rules.earliest_reflection_ms, rate_hz)
     if latest <= earliest or not template.any():
         return np.zeros(0, np.intp), np.zeros(0)
-    heard = wave[: latest + template.shape[0]]
-    size = next_fast_len(heard.shape[0] + template.shape[0], real=True)
-    whole = rfft(_faded(heard, rate_hz), size)
-    first = rfft(_faded(template, rate_hz), size)
-    bands = [_bins(band, size, rate_hz) for band in _BANDS_HZ]
-    length = max(band.stop - band.start for band in bands)
-    step = size / length  # samples from one value of the answer to the next
-    count = int(latest / step) + 1
-    clearest, gain = np.zeros(count), np.zeros(count)
-    for band in bands:
-        weight = 1.0 / (_running_mean(np.abs(whole[band]) ** 2, max(1, int(_SMOOTH_HZ * size / rate_hz))) + _FAINTEST)
-        answer = np.abs(ifft(whole[band] * np.conj(first[band]) * weight, length))[:count]
-        answer *= length / max(float(np.sum(np.abs(first[band]) ** 2 * weight)), _FAINTEST)
-        z = answer / (_around(answer, rate_hz / step) + _FAINTEST)
-        gain = np.where(z > clearest, answer, gain)
+    heard = np.concatenate([before, wave[: latest + template.shape[0]]])
+    step, answers = _answers(_faded(heard, rate_hz), _faded(template, rate_hz), rate_hz)
+    first, count = int(np.ceil(before.shape[0] / step)), int((before.shape[0] + latest) / step) + 1
+    clearest, gain = np.zeros(count - first), np.zeros(count - first)
+    for answer in answers:
+        after = answer[first:count]
+        z = after / (_around(after, rate_hz / step) + _FAINTEST)
+        usual = float(np.quantile(answer[:first], _USUAL)) if first > 1 else 0.0
+        z[after < _UNUSUAL * usual] = 0.0
+        gain = np.where(z > clearest, after, gain)
         clearest = np.maximum(clearest, z)
-    clearest[: int(np.ceil(earliest / step))] = 0.0
+    late = first * step - before.shape[0]  # the first value lies a part of a step after the onset
+    clearest[: int(np.ceil((earliest - late) / step))] = 0.0
     apart = max(1, int(samples_from_ms(_APART_MS, rate_hz) / step))
     peaks, _ = find_peaks(clearest, height=rules.reflection_prominence, distance=apart)
-    lags = np.round((peaks + _vertex(gain, peaks)) * step).astype(np.intp)
+    lags = np.round((peaks + _vertex(gain, peaks)) * step + late).astype(np.intp)
     return lags, gain[peaks]
+
+
+def _answers(
+    heard: NDArray[np.float64], template: NDArray[np.float64], rate_hz: int
+) -> tuple[float, list[NDArray[np.float64]]]:
+    """Return how many samples lie between two values of the answers, and in each band the answer to the template."""
+    from scipy.fft import ifft, next_fast_len, rfft
+
+    size = next_fast_len(heard.shape[0] + template.shape[0], real=True)
+    whole, first = rfft(heard, size), rfft(template, size)
+    bands = [_bins(band, size, rate_hz) for band in _BANDS_HZ]
+    length = next_fast_len(max(band.stop - band.start for band in bands))
+    answers = []
+    for band in bands:
+        power = _running_mean(np.abs(whole[band]) ** 2, max(1, int(_SMOOTH_HZ * size / rate_hz)))
+        weight = 1.0 / (power + _FAINTEST)
+        own = float(np.sum(np.abs(first[band]) ** 2 * weight)) / length
+        answers.append(np.abs(ifft(whole[band] * np.conj(first[band]) * weight, length)) / max(own, _FAINTEST))
+    return size / length, answers
 
 
 def _faded(wave: NDArray[np.float64], rate_hz: int) -> NDArray[np.float64]:

@@ -27,6 +27,7 @@ _DECAYED = 0.25
 _HOLD_PER_PHASE = 0.8
 _HOLD_MS = (0.1, 2.0)
 _DROWNED = 2.0
+_LOUDEST_DB = 3.0  # what is louder is no echo of this blast, were it clipped
 _GRAIN_MS, _USUAL_MS = 1.0, 5.0
 
 
@@ -50,7 +51,7 @@ def segment(
     wave -= np.mean(before) if before.size else wave[0]  # a constant is no sound
     background = float(np.std(before)) if before.size else 0.0
     peak = float(np.abs(wave[: samples_from_ms(PEAK_MS, rate_hz)]).max(initial=0.0))
-    echoes = _reflections(wave, rate_hz=rate_hz, rules=rules)
+    echoes = _reflections(wave, before - np.mean(before) if before.size else before, rate_hz=rate_hz, rules=rules)
     blast = _blast_length(wave, peak, _usual_power(before, rate_hz), rate_hz=rate_hz, rules=rules)
     blast = min([blast, *(lag for lag, _ in echoes[:1])])
     at = film_start + onset
@@ -99,11 +100,13 @@ def _usual_power(before: NDArray[np.float64], rate_hz: int) -> float:
     return float(np.median(np.mean(np.square(grains - np.mean(before)), axis=1))) if grains.size else 0.0
 
 
-def _reflections(wave: NDArray[np.float64], *, rate_hz: int, rules: SegmentRules) -> list[tuple[int, float]]:
+def _reflections(
+    wave: NDArray[np.float64], before: NDArray[np.float64], *, rate_hz: int, rules: SegmentRules
+) -> list[tuple[int, float]]:
     """Return the lags in samples and the levels in dB of the reflections that are strong enough to count."""
-    found = zip(*discrete_reflections(wave, rate_hz=rate_hz, rules=rules), strict=True)
+    found = zip(*discrete_reflections(wave, before, rate_hz=rate_hz, rules=rules), strict=True)
     levels = [(int(lag), db_from_gain(float(gain))) for lag, gain in found]
-    return [(lag, level_db) for lag, level_db in levels if level_db >= rules.reflection_level_db]
+    return [(lag, level_db) for lag, level_db in levels if rules.reflection_level_db <= level_db <= _LOUDEST_DB]
 
 
 def _decay_length(

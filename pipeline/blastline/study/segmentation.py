@@ -30,6 +30,9 @@ from .truth import scenes_with_shots, synthesised
 WINDOW_MS, ONSET_WINDOW_MS, START_WINDOW_MS = 2.0, 10.0, 10.0
 """A reflection is right within the first, a shot is found within the second, starts are compared within the third."""
 
+THERE_MS = 0.5
+"""What is found so near to an echo that is there, but masked, is neither right nor wrong."""
+
 DELAYS_MS, LEAST_DB, LEVEL_TOLERANCE_DB = (8.0, 500.0), -12.0, 3.0
 FILM_S, FILM_SHOTS, FILM_NEGATIVES = 60.0, 30, 20
 _DRAWS = 1000
@@ -182,11 +185,14 @@ class _Tally:
             heard_ms = np.array([echo.delay_ms for echo in heard])
             found_ms = np.array([echo.delay_ms for echo in found]) + late_ms
             pairs = match(found_ms, heard_ms, WINDOW_MS)
-            self.every.append(Counts(len(pairs), found_ms.size - len(pairs), heard_ms.size - len(pairs)))
+            there_ms = np.array([echo.delay_ms for echo in truth.reflections])
+            right = {index for index, _ in pairs}
+            right |= {i for i, at in enumerate(found_ms) if np.any(np.abs(there_ms - at) <= THERE_MS)}
+            self.every.append(Counts(len(pairs), found_ms.size - len(right), heard_ms.size - len(pairs)))
             strong = {index for index, echo in enumerate(heard) if echo.level_db >= LEAST_DB}
             claims = {index for index, echo in enumerate(found) if echo.level_db >= LEAST_DB - LEVEL_TOLERANCE_DB}
             hits = sum(index in claims and true in strong for index, true in pairs)
-            self.asked.append(Counts(hits, len(claims - {index for index, _ in pairs}), len(strong) - hits))
+            self.asked.append(Counts(hits, len(claims - right), len(strong) - hits))
             starts = match(found_ms, heard_ms, START_WINDOW_MS)
             self.start_ms += [abs(float(found_ms[index] - heard_ms[true])) for index, true in starts]
             if truth.heard_blast is not None:
