@@ -39,20 +39,20 @@ def discrete_reflections(
         return np.zeros(0, np.intp), np.zeros(0)
     heard = np.concatenate([before, wave[: latest + template.shape[0]]])
     step, answers = _answers(_faded(heard, rate_hz), _faded(template, rate_hz), rate_hz)
-    first, count = int(np.ceil(before.shape[0] / step)), int((before.shape[0] + latest) / step) + 1
+    first = int(np.ceil((before.shape[0] + earliest) / step))  # the blast answers to itself until then
+    count = int((before.shape[0] + latest) / step) + 1
+    silent = int(max(0, before.shape[0] - samples_from_ms(_APART_MS, rate_hz)) / step)
     clearest, gain = np.zeros(count - first), np.zeros(count - first)
     for answer in answers:
         after = answer[first:count]
         z = after / (_around(after, rate_hz / step) + _FAINTEST)
-        usual = float(np.quantile(answer[:first], _USUAL)) if first > 1 else 0.0
+        usual = float(np.quantile(answer[:silent], _USUAL)) if silent else 0.0
         z[after < _UNUSUAL * usual] = 0.0
         gain = np.where(z > clearest, after, gain)
         clearest = np.maximum(clearest, z)
-    late = first * step - before.shape[0]  # the first value lies a part of a step after the onset
-    clearest[: int(np.ceil((earliest - late) / step))] = 0.0
     apart = max(1, int(samples_from_ms(_APART_MS, rate_hz) / step))
     peaks, _ = find_peaks(clearest, height=rules.reflection_prominence, distance=apart)
-    lags = np.round((peaks + _vertex(gain, peaks)) * step + late).astype(np.intp)
+    lags = np.round((first + peaks + _vertex(gain, peaks)) * step - before.shape[0]).astype(np.intp)
     return lags, gain[peaks]
 
 
