@@ -161,7 +161,7 @@ def _running(values: Samples, width: int) -> Samples:
     """Return the sum of each value and the `width - 1` after it."""
     sums = np.concatenate([[0.0], np.cumsum(values), np.zeros(width - 1)])
     sums[values.size + 1 :] = sums[values.size]
-    return np.asarray(np.maximum(sums[width:] - sums[:-width], 0.0), np.float64)
+    return np.asarray(sums[width:] - sums[:-width], np.float64)
 
 
 def _add(total: Samples, at: int, part: Samples) -> None:
