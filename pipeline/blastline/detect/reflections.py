@@ -2,10 +2,14 @@
 
     answer  the cross-spectrum of sound and blast over the sound's own smoothed power, back in time: a matched filter in
             which every frequency weighs alike, so that a copy of the blast is a spike however long the blast rolls on
-    z       its envelope over the mean of what is 1.5 to 8 ms around: a tail full of overlapping echoes, noise and
-            music lie near 1, a discrete echo stands out
+    z       its envelope over the median of 8 ms before and after: a tail full of overlapping echoes, noise and music
+            lie near 1, a discrete echo stands out, and its neighbours do not hide it
 
-Once in a wide band and once in the low one that is left of an echo off something soft; the clearer one counts.
+Once in a wide band and once in the low one that is left of an echo off something soft; the clearer one counts. What the
+sound before the shot answers as loudly (a voice, an engine, a drum) is no echo.
+
+Echoes thin out with their lag, about as 1 / lag, while chance does not, and noise exceeds z with exp(-pi z^2 / 4)
+(Rayleigh): for the same odds z^2 has to grow by 4 / pi log(lag / 30 ms).
 """
 
 import numpy as np
@@ -16,7 +20,8 @@ from ..units import samples_from_ms
 
 _BANDS_HZ = ((400.0, 12_000.0), (300.0, 3_000.0))
 _SMOOTH_HZ = 300.0
-_AROUND_MS, _GUARD_MS = 8.0, 1.5
+_AROUND_MS, _GRAIN_MS = 8.0, 1.0
+_USUAL_LAG_MS = 30.0
 _APART_MS = 3.0
 _FADE_MS = 6.0
 _USUAL, _UNUSUAL = 0.99, 1.5
@@ -42,12 +47,15 @@ def discrete_reflections(
     first = int(np.ceil((before.shape[0] + earliest) / step))  # the blast answers to itself until then
     count = int((before.shape[0] + latest) / step) + 1
     silent = int(max(0, before.shape[0] - samples_from_ms(_APART_MS, rate_hz)) / step)
+    lag_ms = (np.arange(first, count) * step - before.shape[0]) * 1000.0 / rate_hz
+    rarer = 4.0 / np.pi * np.log(np.maximum(lag_ms / _USUAL_LAG_MS, 1.0))
     clearest, gain = np.zeros(count - first), np.zeros(count - first)
     for answer in answers:
         after = answer[first:count]
         z = after / (_around(after, rate_hz / step) + _FAINTEST)
         usual = float(np.quantile(answer[:silent], _USUAL)) if silent else 0.0
         z[after < _UNUSUAL * usual] = 0.0
+        z = np.sqrt(np.maximum(z**2 - rarer, 0.0))
         gain = np.where(z > clearest, after, gain)
         clearest = np.maximum(clearest, z)
     apart = max(1, int(samples_from_ms(_APART_MS, rate_hz) / step))
@@ -71,7 +79,8 @@ def _answers(
         power = _running_mean(np.abs(whole[band]) ** 2, max(1, int(_SMOOTH_HZ * size / rate_hz)))
         weight = 1.0 / (power + _FAINTEST)
         own = float(np.sum(np.abs(first[band]) ** 2 * weight)) / length
-        answers.append(np.abs(ifft(whole[band] * np.conj(first[band]) * weight, length)) / max(own, _FAINTEST))
+        answer = np.abs(ifft(whole[band] * np.conj(first[band]) * weight, length))
+        answers.append(answer / max(own, _FAINTEST))
     return size / length, answers
 
 
@@ -89,10 +98,13 @@ def _bins(band_hz: tuple[float, float], size: int, rate_hz: int) -> slice:
 
 
 def _around(answer: NDArray[np.float64], values_per_s: float) -> NDArray[np.float64]:
-    """Return the mean of what lies around each value, itself and its nearest left out."""
-    outer, inner = (2 * int(reach_ms * 1e-3 * values_per_s) + 1 for reach_ms in (_AROUND_MS, _GUARD_MS))
-    sums = outer * _running_mean(answer, outer) - inner * _running_mean(answer, inner)
-    return np.maximum(sums, 0.0) / (outer - inner)
+    """Return the median around each value, of the means of a millisecond each."""
+    grain = max(1, int(_GRAIN_MS * 1e-3 * values_per_s))
+    missing = -answer.shape[0] % grain
+    means = np.pad(answer, (0, missing), mode="edge").reshape(-1, grain).mean(axis=1)
+    reach = min(int(_AROUND_MS / _GRAIN_MS), means.shape[0] - 1)
+    views = np.lib.stride_tricks.sliding_window_view(np.pad(means, reach, mode="reflect"), 2 * reach + 1)
+    return np.asarray(np.repeat(np.median(views, axis=1), grain)[: answer.shape[0]], np.float64)
 
 
 def _running_mean(values: NDArray[np.float64], width: int) -> NDArray[np.float64]:
