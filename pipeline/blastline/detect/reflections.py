@@ -24,7 +24,8 @@ _AROUND_MS, _GRAIN_MS = 8.0, 1.0
 _USUAL_LAG_MS = 30.0
 _APART_MS = 3.0
 _FADE_MS = 6.0
-_USUAL, _UNUSUAL = 0.99, 1.5
+_USUAL, _UNUSUAL = 0.95, 1.2
+_OVERSAMPLING = 2  # a spike between two values is at most 0.9 dB higher than they are
 _FAINTEST = 1e-30
 
 
@@ -53,8 +54,7 @@ def discrete_reflections(
     for answer in answers:
         after = answer[first:count]
         z = after / (_around(after, rate_hz / step) + _FAINTEST)
-        usual = float(np.quantile(answer[:silent], _USUAL)) if silent else 0.0
-        z[after < _UNUSUAL * usual] = 0.0
+        z[after < _UNUSUAL * _usual(answer[:silent], rate_hz / step)] = 0.0
         z = np.sqrt(np.maximum(z**2 - rarer, 0.0))
         gain = np.where(z > clearest, after, gain)
         clearest = np.maximum(clearest, z)
@@ -73,7 +73,7 @@ def _answers(
     size = next_fast_len(heard.shape[0] + template.shape[0], real=True)
     whole, first = rfft(heard, size), rfft(template, size)
     bands = [_bins(band, size, rate_hz) for band in _BANDS_HZ]
-    length = next_fast_len(max(band.stop - band.start for band in bands))
+    length = next_fast_len(_OVERSAMPLING * max(band.stop - band.start for band in bands))
     answers = []
     for band in bands:
         power = _running_mean(np.abs(whole[band]) ** 2, max(1, int(_SMOOTH_HZ * size / rate_hz)))
@@ -105,6 +105,13 @@ def _around(answer: NDArray[np.float64], values_per_s: float) -> NDArray[np.floa
     reach = min(int(_AROUND_MS / _GRAIN_MS), means.shape[0] - 1)
     views = np.lib.stride_tricks.sliding_window_view(np.pad(means, reach, mode="reflect"), 2 * reach + 1)
     return np.asarray(np.repeat(np.median(views, axis=1), grain)[: answer.shape[0]], np.float64)
+
+
+def _usual(answer: NDArray[np.float64], values_per_s: float) -> float:
+    """Return what the peaks of one millisecond in twenty reach: knocks in a row do, an earlier shot is too rare."""
+    grain = max(1, int(_GRAIN_MS * 1e-3 * values_per_s))
+    whole = answer[answer.shape[0] % grain :].reshape(-1, grain)
+    return float(np.quantile(whole.max(axis=1), _USUAL)) if whole.size else 0.0
 
 
 def _running_mean(values: NDArray[np.float64], width: int) -> NDArray[np.float64]:
