@@ -73,7 +73,8 @@ def test_an_echo_is_found_where_it_is_and_as_strong(delay_ms: float, level_db: f
     shot = parted(film({delay_ms: level_db}, tail_db=tail_db))
     near = [echo for echo in shot.reflections if abs(echo.delay_ms - delay_ms) < 0.3]
     assert len(near) == 1
-    assert near[0].level_db == pytest.approx(level_db, abs=1.5)
+    # an echo within the 12 ms that are taken for the blast hides a part of itself
+    assert near[0].level_db == pytest.approx(level_db, abs=1.5 if delay_ms > RULES.longest_blast_ms else 2.5)
     assert len(shot.reflections) == 1
 
 

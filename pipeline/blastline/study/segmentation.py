@@ -140,6 +140,16 @@ def score(films: Iterable[Film], quality: Quality, rules: Path | None = None) ->
     return SegmentationScore(quality, count, at_true.parting(), at_found.parting(), echoes, mistaken, found_shots)
 
 
+def parting_of(
+    films: Iterable[tuple[Sequence[ShotTruth], Sequence[Shot]]], *, rate_hz: int, longest_ms: float
+) -> Parting:
+    """Return the figures of shots beside their truths, film by film; a blast counts as `longest_ms` long at most."""
+    tally = _Tally(longest_ms)
+    for truths, shots in films:
+        tally.add(truths, shots, rate_hz)
+    return tally.parting()
+
+
 def shots_at_truth(film: Film, tier: QualityRules) -> tuple[Shot, ...]:
     """Return the true shots with the parts that detection finds from their true onsets on."""
     rate_hz = film.truth.rate_hz
