@@ -70,14 +70,14 @@ def test_the_blast_lasts_until_it_has_fallen_is_drowned_or_an_echo_is_heard() ->
     assert heard({4.5: 0.9, 5.5: 0.1}).blast <= round(4.5 * 48)
 
 
-def shot_of(bed_dbfs: float, seed: int) -> ShotTruth:
+def shot_of(bed_dbfs: float, seed: int, peak_dbfs: float = -6.0) -> ShotTruth:
     plain: dict[str, Any] = {
         "schema": 1,
         "rate_hz": 24_000,
         "duration_s": 3.0,
         "seed": seed,
         "beds": [{"kind": "rain", "level_dbfs": bed_dbfs}],
-        "shots": [{"at_s": 1.0, "weapon": "rifle", "environment": "street", "peak_dbfs": -6.0}],
+        "shots": [{"at_s": 1.0, "weapon": "rifle", "environment": "street", "peak_dbfs": peak_dbfs}],
         "negatives": [],
     }
     return truth_of(render_scene(msgspec.convert(plain, Scene))).shots[0]
@@ -85,7 +85,7 @@ def shot_of(bed_dbfs: float, seed: int) -> ShotTruth:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_louder_bed_masks_more_and_hides_no_echo_from_the_list(seed: int) -> None:
-    quiet, loud, deafening = (shot_of(level_dbfs, seed) for level_dbfs in (-90.0, -20.0, 6.0))
+    quiet, loud, deafening = shot_of(-90.0, seed), shot_of(-20.0, seed), shot_of(-3.0, seed, -40.0)
     for louder in (loud, deafening):
         assert [echo.delay_ms for echo in louder.reflections] == [echo.delay_ms for echo in quiet.reflections]
     margins = [[echo.margin_db for echo in shot.reflections if echo.margin_db is not None] for shot in (quiet, loud)]
