@@ -1,4 +1,4 @@
-"""The tables of `study rendering` and `study detection`."""
+"""The tables of `study rendering`, `study detection` and `study segmentation`."""
 
 from typing import TYPE_CHECKING, Final, get_args
 
@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from ..study.detection import DetectionStudy
     from ..study.peer_scores import PeerScore
     from ..study.rendering import RenderingScore
+    from ..study.segmentation import Interval, SegmentationScore
     from ..study.tally import DetectionScore, Timing
 
 _DRIVES: Final = ("direct", "clipped", "scaled", "constrained")
@@ -103,3 +104,22 @@ def _timing_line(name: str, timing: "Timing") -> str:
         f"{name}: median {timing.median_ms:.3f} ms, 95 % within {timing.p95_ms:.3f} ms, "
         f"bias {timing.bias_ms:+.3f} ms ({timing.shots})"
     )
+
+
+def segmentation_table(score: "SegmentationScore") -> str:
+    """Return how the reflections were found at true and at found onsets, and the bars."""
+
+    def drawn(figure: "Interval") -> str:
+        return f"{figure.value:.3f} ({figure.low:.3f}-{figure.high:.3f})"
+
+    lines = [f"quality {score.quality}, {score.films} films; reflections at 2 ms, 8-500 ms after the onset", ""]
+    lines += [f"{'':<16} {'heard':>6} {'precision':>10} {'recall':>8}  F1 and 95 % of draws"]
+    for name, at in (("true onsets", score.at_true), ("found onsets", score.at_found)):
+        strong = f"{at.asked:6d} {at.precision:10.3f} {at.recall:8.3f}  {drawn(at.f1)}"
+        every = f"{at.every_asked:6d} {at.every_precision:10.3f} {at.every_recall:8.3f}  {drawn(at.every_f1)}"
+        lines += [f"{name}, {at.shots} shots", f"{'  from -12 dB on':<16} {strong}", f"{'  every':<16} {every}"]
+    lines += [
+        "",
+        f"{score.echoes_as_shots} of {score.echoes_heard} echoes are among the {score.found_shots} found shots",
+    ]
+    return "\n".join([*lines, "", *(str(bar) for bar in score.bars)])

@@ -1,4 +1,4 @@
-"""`study rendering`, `stability` and `conform`, and the group that all studies are in."""
+"""`study segmentation`, `rendering`, `stability` and `conform`, and the group that all studies are in."""
 
 from pathlib import Path
 from typing import Annotated
@@ -7,7 +7,7 @@ import typer
 
 from . import study_detection, study_pareto
 from .options import ActuatorOption, QualityOption, RulesOption
-from .studied import rendering_table
+from .studied import rendering_table, segmentation_table
 
 group = typer.Typer(help="Measure accuracy on scenes and recordings with a known truth.")
 
@@ -19,6 +19,42 @@ def describe() -> None:
 
 group.command()(study_detection.detection)
 group.command()(study_pareto.pareto)
+
+
+@group.command()
+def segmentation(
+    fixtures: Annotated[
+        Path | None, typer.Option("--fixtures", metavar="DIR", help="Scenes (*.toml); synthesised, then listened to.")
+    ] = None,
+    random: Annotated[
+        int, typer.Option("--random", metavar="N", min=0, help="So many random films of a minute as well.")
+    ] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="The first film's seed; the others follow.")] = 1,
+    quality: QualityOption = "standard",
+    rules: RulesOption = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every figure as JSON.")
+    ] = None,
+) -> int:
+    """Part the shots of synthetic films into blast and reflections, and compare with what is heard in them.
+
+    Exit code 1 where a bar is missed. Example: `blastline study segmentation --fixtures fixtures`
+    """
+    from itertools import chain
+
+    import msgspec
+
+    from ..errors import RuleError
+    from ..study.segmentation import random_films, scene_films, score
+
+    if fixtures is None and random == 0:
+        raise RuleError("study segmentation: give --fixtures, --random or both")
+    made = chain(scene_films(fixtures) if fixtures else (), random_films(range(seed, seed + random)))
+    result = score(made, quality, rules)
+    if output:
+        output.write_bytes(msgspec.json.format(msgspec.json.encode(result), indent=1) + b"\n")
+    typer.echo(segmentation_table(result))
+    return 0 if all(bar.met for bar in result.bars) else 1
 
 
 @group.command()

@@ -74,18 +74,20 @@ def without_echoes(
 def part_from_echoes(shots: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> tuple[Shot, ...]:
     """Return the shots without those reflections that are shots of their own, or reflections of later ones.
 
-    The next shot sounds like the first, and so do its echoes: what two shots claim belongs to the later.
+    The next shot sounds like the first, and so do its echoes: what two shots claim belongs to the later, and so does
+    all that sounds sooner after it than any gun fires again.
     """
-    near, same = samples_from_ms(rules.shortest_gap_ms, rate_hz) // 2, samples_from_ms(_SAME_ECHO_MS, rate_hz)
+    gap, same = samples_from_ms(rules.shortest_gap_ms, rate_hz), samples_from_ms(_SAME_ECHO_MS, rate_hz)
     onsets = np.array([shot.onset for shot in shots])
     claimed = np.zeros(0, np.intp)
     parted: list[Shot] = []
     for shot in reversed(shots):
-        others = onsets[onsets != shot.onset]
+        later = onsets[onsets > shot.onset]
         echoes = tuple(
             echo
             for echo in shot.reflections
-            if not (np.any(np.abs(others - echo.start) < near) or np.any(np.abs(claimed - echo.start) <= same))
+            if not np.any((echo.start > later - gap // 2) & (echo.start < later + gap))
+            and not np.any(np.abs(claimed - echo.start) <= same)
         )
         claimed = np.concatenate([claimed, np.array([echo.start for echo in echoes], np.intp)])
         parted.append(msgspec.structs.replace(shot, reflections=echoes))

@@ -4,9 +4,9 @@ r"""A shot's parts: the blast, its discrete reflections, and where the decay is 
     | \  /\    .-.           reflections: copies of the blast, later, weaker
     |  \/  \__/   \__        decay: down to `decay_db` below its start, to the background, or to the next sound
 
-A reflection is a lag at which the sound after the blast correlates with the blast itself (a matched filter). It is
-looked for in the first difference, where a shock front is a spike and a voice or an engine hardly resembles it, and it
-has to stand out of its own neighbourhood: a tail full of overlapping echoes holds no discrete one.
+The blast is over where its envelope has fallen by `blast_decay_db`, where it is no louder than what was there before
+it, or where its first reflection begins. Reflections are lags at which the sound after the blast answers to it; they
+have to stand out of their own neighbourhood: a tail full of overlapping echoes holds no discrete one.
 """
 
 import numpy as np
@@ -15,18 +15,20 @@ from numpy.typing import NDArray
 from ..model import Reflection, Shot, Span
 from ..ruleset import SegmentRules
 from ..units import db_from_gain, gain_from_db, ms_from_samples, samples_from_ms
+from .reflections import discrete_reflections
 
 BACKGROUND_MS = 200.0
 PEAK_MS = 20.0
 _SMOOTH_MS = 25.0  # a period of the lowest boom that a film puts under a shot
 _RISE_AGAIN = 2.0  # the decay is over where the level, once 12 dB down, doubles: something else has begun
 _DECAYED = 0.25
-_NEIGHBOURHOOD_MS = 15.0
-_REFLECTION_APART_MS = 3.0
 # A Friedlander blast stays below a tenth of its peak for two thirds of its positive phase where it crosses zero: a peak
 # held a little longer does not take the crossing for the end.
 _HOLD_PER_PHASE = 0.8
 _HOLD_MS = (0.1, 2.0)
+_DROWNED = 2.0
+_LOUDEST_DB = 3.0  # what is louder is no echo of this blast, were it clipped
+_GRAIN_MS, _USUAL_MS = 1.0, 5.0
 
 
 def segment(
@@ -49,7 +51,9 @@ def segment(
     wave -= np.mean(before) if before.size else wave[0]  # a constant is no sound
     background = float(np.std(before)) if before.size else 0.0
     peak = float(np.abs(wave[: samples_from_ms(PEAK_MS, rate_hz)]).max(initial=0.0))
-    blast = _blast_length(wave, peak, rate_hz=rate_hz, rules=rules)
+    echoes = _reflections(wave, before - np.mean(before) if before.size else before, rate_hz=rate_hz, rules=rules)
+    blast = _blast_length(wave, peak, _usual_power(before, rate_hz), rate_hz=rate_hz, rules=rules)
+    blast = min([blast, *(lag for lag, _ in echoes[:1])])
     at = film_start + onset
     return Shot(
         onset=at,
@@ -57,7 +61,9 @@ def segment(
         peak_dbfs=db_from_gain(peak),
         snr_db=db_from_gain(peak / max(background, 1e-12)),
         blast=Span(at, at + blast),
-        reflections=_reflections(wave, blast, at=at, rate_hz=rate_hz, rules=rules),
+        reflections=tuple(
+            Reflection(at + lag, at + lag + blast, ms_from_samples(lag, rate_hz), level_db) for lag, level_db in echoes
+        ),
         span=Span(at, at + _decay_length(wave, peak, background, rate_hz=rate_hz, rules=rules)),
     )
 
@@ -67,49 +73,40 @@ def reach(*, rate_hz: int, rules: SegmentRules) -> int:
     return samples_from_ms(rules.longest_ms, rate_hz) + samples_from_ms(2 * _SMOOTH_MS, rate_hz)
 
 
-def _blast_length(wave: NDArray[np.float64], peak: float, *, rate_hz: int, rules: SegmentRules) -> int:
-    """Return where the envelope has fallen by `blast_decay_db` for the first time, in samples from the onset."""
+def _blast_length(wave: NDArray[np.float64], peak: float, usual: float, *, rate_hz: int, rules: SegmentRules) -> int:
+    """Return where the envelope has first fallen by `blast_decay_db` or into the usual power, in samples."""
     longest = min(wave.shape[0], samples_from_ms(rules.longest_blast_ms, rate_hz))
     if longest == 0:
         return 0
+    grain = max(1, samples_from_ms(_GRAIN_MS, rate_hz))
     near = wave[: 2 * longest]
     top = int(np.argmax(np.abs(near[:longest])))
     turned = np.flatnonzero(near[top:] * near[top] < 0.0)
     phase = top + int(turned[0]) if turned.size else longest
     shortest_hold, longest_hold = (max(1, samples_from_ms(ms, rate_hz)) for ms in _HOLD_MS)
     hold = min(max(int(_HOLD_PER_PHASE * phase), shortest_hold), longest_hold)
-    below = np.flatnonzero(_running_peak(np.abs(near), hold)[top:longest] < peak * gain_from_db(-rules.blast_decay_db))
-    return max(1, top + int(below[0]) if below.size else longest)
+    over = _running_peak(np.abs(near), hold)[top:longest] < peak * gain_from_db(-rules.blast_decay_db)
+    # both together are twice the power of either where the blast is as loud as the rest, for as long as it is measured
+    power = np.convolve(np.concatenate([near**2, np.zeros(grain)]), np.full(grain, 1.0 / grain))[grain - 1 :]
+    over |= _running_peak(power, grain)[top:longest] < _DROWNED * usual
+    found = np.flatnonzero(over)
+    return max(1, top + int(found[0]) if found.size else longest)
+
+
+def _usual_power(before: NDArray[np.float64], rate_hz: int) -> float:
+    """Return the median power of the 5 ms stretches before the onset: an earlier shot among them hides no blast."""
+    grain = max(1, samples_from_ms(_USUAL_MS, rate_hz))
+    grains = before[before.shape[0] % grain :].reshape(-1, grain)
+    return float(np.median(np.mean(np.square(grains - np.mean(before)), axis=1))) if grains.size else 0.0
 
 
 def _reflections(
-    wave: NDArray[np.float64], blast: int, *, at: int, rate_hz: int, rules: SegmentRules
-) -> tuple[Reflection, ...]:
-    from scipy.ndimage import uniform_filter1d
-    from scipy.signal import correlate, find_peaks
-
-    earliest = max(blast, samples_from_ms(rules.earliest_reflection_ms, rate_hz))
-    latest = min(wave.shape[0] - blast, samples_from_ms(rules.latest_reflection_ms, rate_hz))
-    steep = np.diff(wave[: latest + blast], prepend=0.0)
-    template = steep[:blast]
-    energy = float(template @ template)
-    if latest <= earliest or energy <= 0.0:
-        return ()
-    product = np.abs(correlate(steep, template, mode="valid", method="fft"))
-    sums = np.concatenate([[0.0], np.cumsum(steep**2)])
-    likeness = product / np.sqrt(energy * np.maximum(sums[blast:] - sums[:-blast], 1e-30))
-    around = max(1, samples_from_ms(_NEIGHBOURHOOD_MS, rate_hz))
-    prominence = product / np.sqrt(np.maximum(uniform_filter1d(product**2, around), 1e-30))
-    stands_out = (likeness >= rules.reflection_likeness) & (prominence >= rules.reflection_prominence)
-    stands_out[:earliest] = False
-    gain = np.where(stands_out, product / energy, 0.0)
-    apart = max(1, samples_from_ms(_REFLECTION_APART_MS, rate_hz))
-    lags, _ = find_peaks(gain, height=gain_from_db(rules.reflection_level_db), distance=apart)
-    found: list[Reflection] = []
-    for lag in map(int, lags):
-        level_db = db_from_gain(float(gain[lag]))
-        found.append(Reflection(at + lag, at + lag + blast, ms_from_samples(lag, rate_hz), level_db))
-    return tuple(found)
+    wave: NDArray[np.float64], before: NDArray[np.float64], *, rate_hz: int, rules: SegmentRules
+) -> list[tuple[int, float]]:
+    """Return the lags in samples and the levels in dB of the reflections that are strong enough to count."""
+    found = zip(*discrete_reflections(wave, before, rate_hz=rate_hz, rules=rules), strict=True)
+    levels = [(int(lag), db_from_gain(float(gain))) for lag, gain in found]
+    return [(lag, level_db) for lag, level_db in levels if rules.reflection_level_db <= level_db <= _LOUDEST_DB]
 
 
 def _decay_length(

@@ -110,7 +110,6 @@ class SegmentRules(Table, frozen=True):
     earliest_reflection_ms: Positive
     latest_reflection_ms: Positive
     reflection_level_db: Annotated[float, Meta(ge=-60.0, le=0.0)]
-    reflection_likeness: Ratio
     reflection_prominence: Annotated[float, Meta(ge=1.0, le=20.0)]
     decay_db: Annotated[float, Meta(gt=0.0, le=80.0)]
     shortest_ms: Positive

@@ -62,6 +62,19 @@ def record(samples: Samples, colour: Colour, *, rate_hz: int) -> Samples:
     return np.asarray(sound * (top / peak(sound)), dtype=np.float64)
 
 
+def filtered(samples: Samples, colour: Colour, *, rate_hz: int) -> Samples:
+    """Return the samples, shape (..., frames), through what is linear in the chain: what is left of each part of a sum.
+
+    Dynamics weigh all parts that sound at one time alike.
+    """
+    sound = highpass(samples, colour.highpass_hz, rate_hz=rate_hz, order=colour.highpass_order)
+    for level_db, pivot_hz in colour.tilts:
+        sound = tilt(sound, level_db, pivot_hz=pivot_hz, rate_hz=rate_hz)
+    if colour.bandwidth_hz is not None:
+        sound = lowpass(sound, colour.bandwidth_hz, rate_hz=rate_hz, order=4)
+    return sound
+
+
 def air(samples: Samples, distance_m: float, *, rate_hz: int, muffle: float = 1.0) -> Samples:
     """Return the samples as they arrive through the air: two poles at 18 kHz near by, below 1 kHz from far away.
 

@@ -1,5 +1,6 @@
 """A dry sound put into a place: its echoes and its tail added."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,12 +15,19 @@ SMEAR_SPREAD = 3.8
 """How long a smeared echo is, in times of its `smear_ms`."""
 
 
-@dataclass(frozen=True)
+HEAD_S = 0.016
+
+
+@dataclass(frozen=True, eq=False)
 class HeardEcho:
-    """An echo as it came out: where it starts after the direct sound, and its peak against that of the direct one."""
+    """An echo as it came out: where it starts after the direct sound, and its peak against that of the direct one.
+
+    `head` are its first 16 ms.
+    """
 
     delay: int
     gain: float
+    head: Samples
 
 
 def in_place(
@@ -41,7 +49,7 @@ def in_place(
         part = _smeared(rng, darker[echo.corner_hz], echo, rate_hz=rate_hz) * echo.gain
         delay = round(echo.delay_s * rate_hz)
         total[delay : delay + len(part)] += part
-        heard.append(HeardEcho(delay, peak(part) / top))
+        heard.append(HeardEcho(delay, peak(part) / top, part[: math.ceil(HEAD_S * rate_hz)].copy()))
     if place.tail is not None:
         start = round(place.tail.start_s * rate_hz)
         total = overlaid([(0, total), (start, _diffuse(fork(rng), direct, place.tail, rate_hz=rate_hz))])

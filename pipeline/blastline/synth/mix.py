@@ -13,8 +13,9 @@ from functools import lru_cache, partial
 import msgspec
 import numpy as np
 
-from ..model import Reflection, Span
+from ..model import Span
 from ..units import db_from_gain, gain_from_db, samples_from_s
+from .audible import HEARD_S, LEAD_S, Parts, audible
 from .bed_loop import BedLoop, bed_loop
 from .beds import BedKind
 from .chance import chance, generator
@@ -23,7 +24,7 @@ from .layouts import CHANNELS, LFE, WITH_LFE, bed_feeds, mains, sound_gains
 from .master import limited
 from .negatives import random_negative
 from .scene import BedItem, NegativeItem, Scene, ShotItem
-from .shots import PEAK_WITHIN_S, fire
+from .shots import PEAK_WITHIN_S, fire_apart
 from .tone import Samples, lowpass, peak, rms
 from .truth import NegativeTruth, ShotTruth, moved
 from .voices import Voice
@@ -43,12 +44,13 @@ QUIETEST_DBFS = -70.0
 
 @dataclass(frozen=True, eq=False)
 class Sound:
-    """A rendered cue: its samples in mono, where the first of them lies, the channels' gains, and its truth."""
+    """A rendered cue: its samples in mono, where the first of them lies, the channels' gains, its truth, its parts."""
 
     samples: Samples
     start: int
     gains: Samples
     truth: ShotTruth | None
+    parts: Parts | None
 
     @property
     def stop(self) -> int:
@@ -73,11 +75,7 @@ class SceneAudio:
 
     def read(self, start: int, stop: int, *, without: str | None = None) -> Samples:
         """Return the limited mix from `start` to `stop`, shape (frames, channels), without one family of cues."""
-        total = self.beds(start, stop)
-        for index in self._near(start, stop):
-            if self.cues[index].family != without:
-                _add(total, self._sound(index), start, rate_hz=self.rate_hz)
-        return limited(total, self.scene.master)
+        return limited(self._sum(start, stop, without), self.scene.master)
 
     def blocks(self, size: int) -> Iterator[tuple[int, Samples]]:
         """Yield the whole scene as (first frame, samples)."""
@@ -105,10 +103,10 @@ class SceneAudio:
         """Yield the shots whose onset lies in the span, measured in the mix."""
         for index in range(*np.searchsorted(self._onsets, [span.start, span.stop])):
             sound, cue = self._sound(index), self.cues[index]
-            if sound.truth is not None:
+            if sound.truth is not None and sound.parts is not None:
                 top, background = self._levels(index, cue.onset)
                 yield msgspec.structs.replace(
-                    _clamped(sound.truth, self.frames),
+                    _clamped(self._heard(sound.truth, sound.parts, sound), self.frames),
                     peak_dbfs=db_from_gain(top),
                     snr_db=db_from_gain(top) - db_from_gain(background),
                     burst=cue.burst,
@@ -123,6 +121,36 @@ class SceneAudio:
             if isinstance(cue.item, NegativeItem):
                 top = db_from_gain(peak(self._sound(index).samples))
                 yield NegativeTruth(cue.onset, cue.onset / self.rate_hz, cue.item.kind, min(top, 0.0))
+
+    def _sum(self, start: int, stop: int, without: str | None = None) -> Samples:
+        total = self.beds(start, stop)
+        for index in self._near(start, stop):
+            if self.cues[index].family != without:
+                _add(total, self._sound(index), start, rate_hz=self.rate_hz)
+        return total
+
+    def _heard(self, truth: ShotTruth, parts: Parts, sound: Sound) -> ShotTruth:
+        """Return the truth with what is heard of the shot in the mix, before the limiter weighs all of it alike."""
+        onset = truth.onset_sample
+        start = max(0, onset - samples_from_s(LEAD_S, self.rate_hz))
+        stop = min(self.frames, onset + samples_from_s(HEARD_S, self.rate_hz))
+        alone = np.zeros((stop - start, self.channels))
+        _add(alone, sound, start, rate_hz=self.rate_hz)
+        found = audible(
+            parts,
+            mains(alone),
+            mains(self._sum(start, stop)),
+            lead=onset - start,
+            rate_hz=self.rate_hz,
+            rounding=0.5**self.scene.master.bits,
+        )
+        judged = zip(truth.reflections, found.margins_db, found.heard, strict=False)
+        echoes = [msgspec.structs.replace(e, margin_db=margin, audible=heard) for e, margin, heard in judged]
+        return msgspec.structs.replace(
+            truth,
+            reflections=(*echoes, *truth.reflections[len(echoes) :]),
+            heard_blast=Span(onset, onset + found.blast),
+        )
 
     def _levels(self, index: int, onset: int) -> tuple[float, float]:
         """Return the peak of a shot alone, limited, and the rms before it of all but its burst, with the rounding."""
@@ -160,15 +188,16 @@ class SceneAudio:
         rng = generator(self.scene.seed, cue.name)
         gains = sound_gains(generator(self.scene.seed, "pan", cue.family), self.scene.layout, item.azimuth_deg)
         if isinstance(item, ShotItem):
-            samples, truth = fire(rng, self.rate_hz, self._voice(item, cue.family))
-            lead = truth.onset_sample
-            placed: ShotTruth | None = moved(truth, cue.onset - lead, rate_hz=self.rate_hz)
+            fired = fire_apart(rng, self.rate_hz, self._voice(item, cue.family))
+            samples, lead = fired.samples, fired.truth.onset_sample
+            placed: ShotTruth | None = moved(fired.truth, cue.onset - lead, rate_hz=self.rate_hz)
+            parts: Parts | None = fired.parts
         else:
-            (samples, lead), placed = random_negative(rng, self.rate_hz, item.kind), None
+            (samples, lead), placed, parts = random_negative(rng, self.rate_hz, item.kind), None, None
         cut = max(0, lead - samples_from_s(EARLIEST_S, self.rate_hz))
         samples = samples[cut : lead + samples_from_s(LATEST_S, self.rate_hz)]
         polarity = -1.0 if chance(generator(self.scene.seed, "polarity", cue.family), 0.5) else 1.0
-        return Sound(polarity * self._gain(item, cue.first) * samples, cue.onset - lead + cut, gains, placed)
+        return Sound(polarity * self._gain(item, cue.first) * samples, cue.onset - lead + cut, gains, placed, parts)
 
     def _gain(self, item: ShotItem | NegativeItem, onset: int) -> float:
         if item.peak_dbfs is not None:
@@ -210,9 +239,7 @@ def _fades(low: int, high: int, first: int, last: int, *, fade: int) -> Samples:
 def _clamped(truth: ShotTruth, frames: int) -> ShotTruth:
     """Return the truth without what lies after the end of the scene."""
     echoes = tuple(
-        Reflection(echo.start, min(echo.stop, frames), echo.delay_ms, echo.level_db)
-        for echo in truth.reflections
-        if echo.start < frames
+        msgspec.structs.replace(echo, stop=min(echo.stop, frames)) for echo in truth.reflections if echo.start < frames
     )
     blast = Span(truth.blast.start, min(truth.blast.stop, frames))
     return msgspec.structs.replace(truth, blast=blast, reflections=echoes)

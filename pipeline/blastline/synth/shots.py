@@ -7,27 +7,48 @@ heard  = sound through the recording chain
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
-from ..model import Reflection, Span
+from ..model import Span
 from ..units import SILENCE_DB, db_from_gain, ms_from_samples
+from .audible import BLAST_END, HEARD_S, LEAD_S, Parts
 from .chance import chance, fork, pick
 from .colour import air, record
-from .echoes import HeardEcho, in_place, overlaid
+from .echoes import HEAD_S, HeardEcho, in_place, overlaid
 from .rooms import ENVIRONMENTS
 from .tone import Samples, peak, trimmed
-from .truth import ShotTruth
+from .truth import ShotTruth, TrueReflection
 from .voices import Mechanism, Voice, draw_voice, varied
 from .waves import band_burst, boom, friedlander, n_wave
 from .weapons import WEAPONS
 
-BLAST_END = 0.1
-"""The blast is over where it stays below this part of its peak: -20 dB."""
-
 PEAK_WITHIN_S = 0.05
 FAINTEST_LISTED_DB = -30.0
 """Weaker reflections belong to the tail."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fired:
+    """A shot with a peak of 1 within 50 ms of its onset, its truth counted from its first sample, and its parts."""
+
+    samples: Samples
+    truth: ShotTruth
+    parts: Parts
+
+
+@dataclass(frozen=True, eq=False)
+class _Direct:
+    """What comes straight from the weapon, with a peak of 1, and where its blast ends, the roar left out.
+
+    `pulse` is a second pulse that comes when the blast is over, if there is one, and `first` what comes without it.
+    """
+
+    samples: Samples
+    first: Samples
+    stop: int
+    pulse: HeardEcho | None
 
 
 def random_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, int, ShotTruth]:
@@ -41,42 +62,67 @@ def random_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, int, S
 
 def fire(rng: np.random.Generator, rate_hz: int, voice: Voice) -> tuple[Samples, ShotTruth]:
     """Return one shot, with a peak of 1 within 50 ms of its onset, and its truth counted from its first sample."""
+    fired = fire_apart(rng, rate_hz, voice)
+    return fired.samples, fired.truth
+
+
+def fire_apart(rng: np.random.Generator, rate_hz: int, voice: Voice) -> Fired:
+    """Return the same shot with its parts."""
     this = varied(rng, voice)
-    direct, blast = _direct(fork(rng), rate_hz, this)
-    sound, echoes = in_place(fork(rng), direct, this.place, rate_hz=rate_hz)
+    direct = _direct(fork(rng), rate_hz, this)
+    sound, echoes = in_place(fork(rng), direct.samples, this.place, rate_hz=rate_hz)
+    if direct.pulse is not None:
+        echoes = tuple(sorted((*echoes, direct.pulse), key=lambda echo: echo.delay))
+    echoes = tuple(echo for echo in echoes if db_from_gain(echo.gain) >= FAINTEST_LISTED_DB)
     others = _mechanics(fork(rng), rate_hz, this) + _sound_design(rate_hz, this)
     shock = _shock(rate_hz, this)
     lead = max([0, *(-at for at, _ in [*others, *shock])])
-    parts = [(lead + at, part) for at, part in [(0, sound), *others, *shock]]
-    heard = trimmed(record(overlaid(parts), this.colour, rate_hz=rate_hz))
+    whole = overlaid([(lead + at, part) for at, part in [(0, sound), *others, *shock]])
+    heard = trimmed(record(whole, this.colour, rate_hz=rate_hz))
     heard = heard / peak(heard[lead : lead + math.ceil(PEAK_WITHIN_S * rate_hz)])
     accept = tuple(lead + at for at, _ in shock[:1])
-    return heard, _truth(this, blast, echoes, lead=lead, accept=accept, rate_hz=rate_hz)
+    truth = _truth(this, direct.stop, echoes, lead=lead, accept=accept, rate_hz=rate_hz)
+    first = max(0, lead - math.ceil(LEAD_S * rate_hz))
+    near = whole[first : lead + math.ceil(HEARD_S * rate_hz)].copy()
+    straight = direct.first[: math.ceil(HEARD_S * rate_hz)].copy()
+    return Fired(heard, truth, Parts(near, lead - first, straight, echoes, this.colour))
 
 
-def _direct(rng: np.random.Generator, rate_hz: int, voice: Voice) -> tuple[Samples, int]:
-    """Return the direct sound after the air, with a peak of 1, and where its blast ends; it starts with the rise.
+def _direct(rng: np.random.Generator, rate_hz: int, voice: Voice) -> _Direct:
+    """Return the direct sound after the air; it starts with the rise.
 
     The roar belongs to the sound but not to the blast, which is over long before it.
     """
-    blast = friedlander(rate_hz, positive_ms=voice.positive_ms, rise_ms=voice.rise_ms, decay=voice.decay)
+    wave = friedlander(rate_hz, positive_ms=voice.positive_ms, rise_ms=voice.rise_ms, decay=voice.decay)
     # room for the ringing of the air's low-pass
-    parts = [(0, blast), (0, np.zeros(len(blast) + round(0.005 * rate_hz)))]
+    parts = [(0, wave), (0, np.zeros(len(wave) + round(0.005 * rate_hz)))]
     if voice.jet_db > SILENCE_DB:
         attack_ms = 0.1 + voice.rise_ms
         jet = band_burst(
             fork(rng), rate_hz, band_hz=voice.jet_band_hz, attack_ms=attack_ms, decay_ms=voice.jet_decay_ms
         )
         parts.append((0, jet * 10.0 ** (voice.jet_db / 20.0)))
+    pulses = []
     if voice.second_pulse is not None:
         delay_ms, level_db = voice.second_pulse
-        parts.append((round(delay_ms * 1e-3 * rate_hz), blast * 10.0 ** (level_db / 20.0)))
+        pulses.append((round(delay_ms * 1e-3 * rate_hz), wave * 10.0 ** (level_db / 20.0)))
     distance_m, muffle = voice.place.distance_m, voice.muffle
-    core = air(overlaid(parts), distance_m, rate_hz=rate_hz, muffle=muffle)
+    blast = air(overlaid(parts + pulses), distance_m, rate_hz=rate_hz, muffle=muffle)
     roar = air(overlaid(_roars(rng, rate_hz, voice)), distance_m, rate_hz=rate_hz, muffle=muffle)
-    direct = overlaid([(0, core), (0, roar)])
-    end = int(np.flatnonzero(np.abs(core) >= BLAST_END * peak(core))[-1]) + 1
-    return np.asarray(direct / peak(direct), dtype=np.float64), end
+    sound = overlaid([(0, blast), (0, roar)])
+    top, pulse = peak(sound), None
+    first = sound
+    for delay, again in pulses:
+        alone = air(overlaid(parts), distance_m, rate_hz=rate_hz, muffle=muffle)
+        if _last_loud(alone) < delay:
+            blast, first = alone, overlaid([(0, alone), (0, roar)])
+            later = air(again, distance_m, rate_hz=rate_hz, muffle=muffle) / top
+            pulse = HeardEcho(delay, peak(later), later[: math.ceil(HEAD_S * rate_hz)])
+    return _Direct(np.asarray(sound / top, dtype=np.float64), first / top, _last_loud(blast) + 1, pulse)
+
+
+def _last_loud(blast: Samples) -> int:
+    return int(np.flatnonzero(np.abs(blast) >= BLAST_END * peak(blast))[-1])
 
 
 def _roars(rng: np.random.Generator, rate_hz: int, voice: Voice) -> list[tuple[int, Samples]]:
@@ -127,7 +173,6 @@ def _truth(
     voice: Voice, blast: int, echoes: tuple[HeardEcho, ...], *, lead: int, accept: tuple[int, ...], rate_hz: int
 ) -> ShotTruth:
     before = [lead + round(part.at_s * rate_hz) for part in voice.mechanisms if part.at_s < 0.0]
-    listed = [echo for echo in echoes if db_from_gain(echo.gain) >= FAINTEST_LISTED_DB]
     return ShotTruth(
         onset_sample=lead,
         onset_s=lead / rate_hz,
@@ -140,13 +185,13 @@ def _truth(
         peak_dbfs=0.0,
         blast=Span(lead, lead + blast),
         reflections=tuple(
-            Reflection(
+            TrueReflection(
                 lead + echo.delay,
                 lead + echo.delay + blast,
                 ms_from_samples(echo.delay, rate_hz),
                 db_from_gain(echo.gain),
             )
-            for echo in listed
+            for echo in echoes
         ),
         accept_samples=accept,
     )

@@ -7,6 +7,13 @@ import msgspec
 from ..model import Reflection, Span
 
 
+class TrueReflection(Reflection, frozen=True):
+    """A reflection that is there, and whether it is heard: `margin_db` is how far it stands out (see `audible`)."""
+
+    audible: bool = False
+    margin_db: float | None = None
+
+
 class ShotTruth(msgspec.Struct, frozen=True):
     """A shot of the scene.
 
@@ -16,6 +23,8 @@ class ShotTruth(msgspec.Struct, frozen=True):
     pulse have fallen to -20 dB of their peak for good. `peak_dbfs` is the shot's own peak within 50 ms of the onset,
     `snr_db` that peak over the rms of everything but the shots of its own burst in the 200 ms before the onset.
     `azimuth_deg` is where it comes from, where the scene says.
+    A second pulse that comes when the first has died is listed with the reflections: it sounds like one. In a scene,
+    each reflection tells whether it is heard, and `heard_blast` how long the blast is.
     """
 
     onset_sample: int
@@ -28,11 +37,12 @@ class ShotTruth(msgspec.Struct, frozen=True):
     snr_db: float
     peak_dbfs: float
     blast: Span
-    reflections: tuple[Reflection, ...]
+    reflections: tuple[TrueReflection, ...]
     accept_samples: tuple[int, ...] = ()
     burst: int | None = None
     shot_in_burst: int | None = None
     azimuth_deg: float | None = None
+    heard_blast: Span | None = None
 
 
 class NegativeTruth(msgspec.Struct, frozen=True):
@@ -59,7 +69,7 @@ class Truth(msgspec.Struct, frozen=True):
 def moved(shot: ShotTruth, by_samples: int, *, rate_hz: int) -> ShotTruth:
     """Return the shot, later by a number of samples."""
     echoes = tuple(
-        Reflection(max(0, echo.start + by_samples), max(0, echo.stop + by_samples), echo.delay_ms, echo.level_db)
+        msgspec.structs.replace(echo, start=max(0, echo.start + by_samples), stop=max(0, echo.stop + by_samples))
         for echo in shot.reflections
     )
     onset = shot.onset_sample + by_samples

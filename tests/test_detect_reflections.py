@@ -1,0 +1,171 @@
+"""Reflections: found where physics put them, nowhere else, and the same however loud, late or sampled the film is."""
+
+import msgspec
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from blastline.detect.segment import segment
+from blastline.model import Shot
+from blastline.ruleset import load_rules
+from blastline.units import gain_from_db
+
+RATE_HZ = 48_000
+ONSET_S = 0.5
+RULES = load_rules("standard").tier.segment
+
+
+def blast(rate_hz: int, *, positive_ms: float = 0.8) -> NDArray[np.float64]:
+    time_ms = np.arange(round(0.03 * rate_hz)) * 1000.0 / rate_hz
+    return np.asarray((1.0 - time_ms / positive_ms) * np.exp(-time_ms / positive_ms), np.float64)
+
+
+def film(
+    echoes: dict[float, float],
+    *,
+    rate_hz: int = RATE_HZ,
+    noise_db: float = -45.0,
+    tail_db: float | None = None,
+    corner_hz: float | None = None,
+    seed: int = 0,
+) -> NDArray[np.float64]:
+    """Return a shot at half a second with echoes as {delay in ms: level in dB}, over noise, and a tail."""
+    from scipy.signal import butter, fftconvolve, sosfilt
+
+    rng = np.random.default_rng(seed)
+    direct = blast(rate_hz)
+    samples = gain_from_db(noise_db) * rng.standard_normal(round(2.2 * rate_hz))
+    at = round(ONSET_S * rate_hz)
+    samples[at : at + direct.size] += direct
+    dull = direct if corner_hz is None else sosfilt(butter(1, corner_hz, fs=rate_hz, output="sos"), direct)
+    for delay_ms, level_db in echoes.items():
+        start = at + round(delay_ms * rate_hz / 1000.0)
+        samples[start : start + direct.size] += gain_from_db(level_db) * dull
+    if tail_db is not None:
+        time_s = np.arange(rate_hz) / rate_hz
+        tail = rng.standard_normal(rate_hz) * np.exp(-time_s / 0.15)
+        tail *= gain_from_db(tail_db) / np.sqrt(np.sum(tail**2))
+        late = fftconvolve(direct, tail)[:rate_hz]
+        samples[at + rate_hz // 100 :][: late.size] += late
+    return np.asarray(0.5 * samples, np.float64)
+
+
+def parted(samples: NDArray[np.float64], *, rate_hz: int = RATE_HZ, onset: int | None = None) -> Shot:
+    return segment(
+        samples.astype(np.float32),
+        round(ONSET_S * rate_hz) if onset is None else onset,
+        film_start=0,
+        film_stop=samples.shape[0],
+        confidence=1.0,
+        rate_hz=rate_hz,
+        rules=RULES,
+    )
+
+
+def delays_ms(shot: Shot) -> list[float]:
+    return [echo.delay_ms for echo in shot.reflections]
+
+
+@pytest.mark.parametrize("delay_ms", [8.5, 17.0, 43.0, 160.0, 480.0])
+@pytest.mark.parametrize("level_db", [-3.0, -12.0])
+@pytest.mark.parametrize("tail_db", [None, -12.0])
+def test_an_echo_is_found_where_it_is_and_as_strong(delay_ms: float, level_db: float, tail_db: float | None) -> None:
+    shot = parted(film({delay_ms: level_db}, tail_db=tail_db))
+    near = [echo for echo in shot.reflections if abs(echo.delay_ms - delay_ms) < 0.3]
+    assert len(near) == 1
+    # an echo within the 12 ms that are taken for the blast hides a part of itself
+    assert near[0].level_db == pytest.approx(level_db, abs=1.5 if delay_ms > RULES.longest_blast_ms else 2.5)
+    assert len(shot.reflections) == 1
+
+
+def test_a_dull_echo_is_found_hardly_later() -> None:
+    shot = parted(film({60.0: -6.0}, corner_hz=1_500.0))
+    assert delays_ms(shot) == pytest.approx([60.0], abs=0.5)
+
+
+def test_echoes_near_each_other_are_two() -> None:
+    shot = parted(film({30.0: -6.0, 36.0: -8.0, 90.0: -10.0}, tail_db=-15.0))
+    assert delays_ms(shot) == pytest.approx([30.0, 36.0, 90.0], abs=0.2)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_blast_in_the_open_has_no_echo(seed: int) -> None:
+    noise_db = (-60.0, -45.0, -32.0)[seed % 3]
+    assert parted(film({}, noise_db=noise_db, seed=seed)).reflections == ()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_tail_of_overlapping_echoes_holds_no_discrete_one(seed: int) -> None:
+    assert len(parted(film({}, tail_db=-6.0, seed=seed)).reflections) <= 1
+
+
+@pytest.mark.parametrize("gain", [0.1, 10.0, -1.0])
+def test_a_gain_changes_nothing(gain: float) -> None:
+    samples = film({20.0: -6.0, 75.0: -9.0}, tail_db=-12.0)
+    one, other = parted(samples), parted(gain * samples)
+    assert delays_ms(other) == delays_ms(one)
+    assert other.blast == one.blast
+    levels = [[echo.level_db for echo in shot.reflections] for shot in (one, other)]
+    assert levels[1] == pytest.approx(levels[0], abs=1e-3)
+
+
+@pytest.mark.parametrize("later", [1, 777, 30_001])
+def test_a_delayed_film_delays_all(later: int) -> None:
+    samples = film({20.0: -6.0, 75.0: -9.0}, tail_db=-12.0)
+    one = parted(samples)
+    other = parted(np.concatenate([np.zeros(later), samples]), onset=one.onset + later)
+    assert delays_ms(other) == delays_ms(one)
+    assert other.blast.stop == one.blast.stop + later
+
+
+@pytest.mark.parametrize("rate_hz", [44_100, 96_000])
+def test_the_sample_rate_moves_no_echo(rate_hz: int) -> None:
+    shot = parted(film({12.0: -6.0, 75.0: -9.0}, rate_hz=rate_hz), rate_hz=rate_hz)
+    assert delays_ms(shot) == pytest.approx([12.0, 75.0], abs=0.15)
+
+
+def test_what_was_there_before_the_shot_is_no_echo_of_it() -> None:
+    """A motor's knocks, alike and as sharp as the blast itself, go on through the shot."""
+    samples = film({})
+    knock = 0.1 * blast(RATE_HZ)
+    for at in range(0, samples.size - knock.size, round(0.0137 * RATE_HZ)):
+        samples[at : at + knock.size] += knock
+    assert parted(samples).reflections == ()
+
+
+def test_the_blast_is_over_where_it_has_fallen_where_it_drowns_and_where_an_echo_begins() -> None:
+    free = parted(film({}, noise_db=-70.0))
+    drowned = parted(film({}, noise_db=-14.0))
+    cut = parted(film({4.5: -3.0}, noise_db=-70.0))
+    time_ms = np.arange(1_000) * 1000.0 / RATE_HZ
+    fallen_ms = time_ms[np.flatnonzero(np.abs(blast(RATE_HZ))[:1_000] >= gain_from_db(-RULES.blast_decay_db))[-1]]
+    assert len(free.blast) * 1000.0 / RATE_HZ == pytest.approx(fallen_ms, abs=1.0)
+    assert len(drowned.blast) < len(free.blast)
+    assert len(cut.blast) * 1000.0 / RATE_HZ <= 4.6
+
+
+def test_what_is_louder_than_the_blast_is_no_echo_of_it() -> None:
+    assert parted(film({100.0: 9.0})).reflections == ()
+
+
+def test_a_shot_that_ends_with_the_film_has_the_echoes_that_are_left() -> None:
+    samples = film({20.0: -6.0, 300.0: -6.0})
+    onset = round(ONSET_S * RATE_HZ)
+    for left_ms, heard in ((1.0, 0), (60.0, 1), (450.0, 2)):
+        shot = parted(samples[: onset + round(left_ms * 48)])
+        assert len(shot.reflections) == heard
+
+
+def test_rules_decide_from_what_level_on_an_echo_counts() -> None:
+    strict = msgspec.structs.replace(RULES, reflection_level_db=-8.0)
+    samples = film({30.0: -5.0, 90.0: -12.0}).astype(np.float32)
+    shot = segment(
+        samples,
+        round(ONSET_S * RATE_HZ),
+        film_start=0,
+        film_stop=samples.size,
+        confidence=1.0,
+        rate_hz=RATE_HZ,
+        rules=strict,
+    )
+    assert delays_ms(shot) == pytest.approx([30.0], abs=0.1)
