@@ -12,7 +12,7 @@ has to stand out of its own neighbourhood: a tail full of overlapping echoes hol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Reflection, Shot, Span
+from ..model import DecayEnd, Heard, Reflection, Shot, Span
 from ..ruleset import SegmentRules
 from ..units import db_from_gain, gain_from_db, ms_from_samples, samples_from_ms
 
@@ -38,10 +38,12 @@ def segment(
     confidence: float,
     rate_hz: int,
     rules: SegmentRules,
+    screen: float | None = None,
+    networks: int = 0,
 ) -> Shot:
     """Return the shot whose blast starts at index `onset` of `samples`, a stretch that starts at `film_start`.
 
-    `film_stop` is where the film, or what is known of it, ends.
+    `film_stop` is where the film, or what is known of it, ends; `screen` and `networks` are as in `model.Heard`.
     """
     stop = min(onset + reach(rate_hz=rate_hz, rules=rules), film_stop - film_start)
     wave = samples[onset:stop].astype(np.float64)
@@ -51,14 +53,17 @@ def segment(
     peak = float(np.abs(wave[: samples_from_ms(PEAK_MS, rate_hz)]).max(initial=0.0))
     blast = _blast_length(wave, peak, rate_hz=rate_hz, rules=rules)
     at = film_start + onset
+    reflections, room = _reflections(wave, blast, at=at, rate_hz=rate_hz, rules=rules)
+    length, ended = _decay(wave, peak, background, rate_hz=rate_hz, rules=rules)
     return Shot(
         onset=at,
         confidence=confidence,
         peak_dbfs=db_from_gain(peak),
         snr_db=db_from_gain(peak / max(background, 1e-12)),
         blast=Span(at, at + blast),
-        reflections=_reflections(wave, blast, at=at, rate_hz=rate_hz, rules=rules),
-        span=Span(at, at + _decay_length(wave, peak, background, rate_hz=rate_hz, rules=rules)),
+        reflections=reflections,
+        span=Span(at, at + length),
+        heard=Heard(screen, networks, db_from_gain(room), ended),
     )
 
 
@@ -84,7 +89,11 @@ def _blast_length(wave: NDArray[np.float64], peak: float, *, rate_hz: int, rules
 
 def _reflections(
     wave: NDArray[np.float64], blast: int, *, at: int, rate_hz: int, rules: SegmentRules
-) -> tuple[Reflection, ...]:
+) -> tuple[tuple[Reflection, ...], float]:
+    """Return the reflections, and the gain that none can exceed: the loudest stretch that is as long as the blast.
+
+    Where that is too little, none is looked for: a product of two signals is at most the product of their norms.
+    """
     from scipy.ndimage import uniform_filter1d
     from scipy.signal import correlate, find_peaks
 
@@ -94,10 +103,14 @@ def _reflections(
     template = steep[:blast]
     energy = float(template @ template)
     if latest <= earliest or energy <= 0.0:
-        return ()
-    product = np.abs(correlate(steep, template, mode="valid", method="fft"))
+        return (), 0.0
     sums = np.concatenate([[0.0], np.cumsum(steep**2)])
-    likeness = product / np.sqrt(energy * np.maximum(sums[blast:] - sums[:-blast], 1e-30))
+    energies = np.maximum(sums[blast:] - sums[:-blast], 1e-30)
+    room = float(np.sqrt(energies[earliest:].max() / energy))
+    if room < gain_from_db(rules.reflection_level_db):
+        return (), room
+    product = np.abs(correlate(steep, template, mode="valid", method="fft"))
+    likeness = product / np.sqrt(energy * energies)
     around = max(1, samples_from_ms(_NEIGHBOURHOOD_MS, rate_hz))
     prominence = product / np.sqrt(np.maximum(uniform_filter1d(product**2, around), 1e-30))
     stands_out = (likeness >= rules.reflection_likeness) & (prominence >= rules.reflection_prominence)
@@ -109,25 +122,29 @@ def _reflections(
     for lag in map(int, lags):
         level_db = db_from_gain(float(gain[lag]))
         found.append(Reflection(at + lag, at + lag + blast, ms_from_samples(lag, rate_hz), level_db))
-    return tuple(found)
+    return tuple(found), room
 
 
-def _decay_length(
+def _decay(
     wave: NDArray[np.float64], peak: float, background: float, *, rate_hz: int, rules: SegmentRules
-) -> int:
-    """Return when the smoothed level falls `decay_db` under its start, to the background, or rises again."""
+) -> tuple[int, DecayEnd]:
+    """Return when the smoothed level falls `decay_db` under its start, to the background, or rises again; and which."""
     shortest, longest = samples_from_ms(rules.shortest_ms, rate_hz), samples_from_ms(rules.longest_ms, rate_hz)
     grain = max(1, samples_from_ms(_SMOOTH_MS, rate_hz))
     grains = wave[: wave.shape[0] // grain * grain].reshape(-1, grain)
     level = np.sqrt(np.mean(grains**2, axis=1))
     start = float(level[:2].max(initial=0.0))
-    over = (level < start * gain_from_db(-rules.decay_db)) | (level < 1.4 * background)
+    fallen, drowned = level < start * gain_from_db(-rules.decay_db), level < 1.4 * background
     lowest = np.minimum.accumulate(level)
-    over |= (lowest < _DECAYED * start) & (level > _RISE_AGAIN * lowest)
+    over = fallen | drowned | ((lowest < _DECAYED * start) & (level > _RISE_AGAIN * lowest))
     over &= np.arange(level.shape[0]) * grain >= shortest
     found = np.flatnonzero(over[:-1] & over[1:]) if over.size > 1 else np.empty(0, np.intp)
-    length = int(found[0]) * grain if found.size else longest
-    return max(1, min(length, longest, int(wave.shape[0])))
+    longest = min(longest, int(wave.shape[0]))
+    if not found.size or int(found[0]) * grain >= longest:
+        return max(1, longest), "longest"
+    first = int(found[0])
+    ended: DecayEnd = "fallen" if fallen[first] else "background" if drowned[first] else "next sound"
+    return max(1, first * grain), ended
 
 
 def _running_peak(magnitude: NDArray[np.float64], width: int) -> NDArray[np.float64]:

@@ -16,6 +16,9 @@ Phase = Literal["causal", "zero"]
 Background = Literal["mute", "direct"]
 Origin = Literal["found", "moved", "added"]
 
+DecayEnd = Literal["fallen", "background", "next sound", "longest"]
+Question = Literal["verifier", "reflections", "window"]
+
 Index = Annotated[int, Meta(ge=0)]
 Ratio = Annotated[float, Meta(ge=0.0, le=1.0)]
 
@@ -81,7 +84,8 @@ class DriveInfo(msgspec.Struct, frozen=True):
     `peak` is against the actuator's limit. `perceived_gain_db` is the level of the predicted perceived vibration
     against that of direct conversion. `fidelity` is the correlation of the predicted perceived vibration with
     the sound in the band of vibration. Of a constrained drive, `solver_steps` says what it took, and `explained` which
-    share of the energy that was to be felt it makes felt; None for other models.
+    share of the energy that was to be felt it makes felt; None for other models. `evidence` is what the choice of the
+    model was made from.
     """
 
     model: DriveModel
@@ -91,6 +95,30 @@ class DriveInfo(msgspec.Struct, frozen=True):
     fidelity: float
     solver_steps: Index | None = None
     explained: float | None = None
+    evidence: dict[str, float] = {}
+
+
+class Heard(msgspec.Struct, frozen=True):
+    """What detection measured of a shot before it decided how closely to look.
+
+    `screen` is the probability by the screen alone and `networks` how many judged beside it; None and 0 where somebody
+    else found the shot. No reflection is louder than `echo_room_db` against the blast, both in the first difference.
+    `decay_end` says what ended the decay.
+    """
+
+    screen: Ratio | None
+    networks: Index
+    echo_room_db: float
+    decay_end: DecayEnd
+
+
+class Decision(msgspec.Struct, frozen=True):
+    """What was decided for an event by what it requires, why, and the measured evidence."""
+
+    about: Question
+    choice: str
+    reason: str
+    evidence: dict[str, float]
 
 
 class Shot(msgspec.Struct, frozen=True):
@@ -105,13 +133,14 @@ class Shot(msgspec.Struct, frozen=True):
     span: Span
     burst: int | None = None
     shot_in_burst: int | None = None
+    heard: Heard | None = None
 
 
 class Event(msgspec.Struct, frozen=True):
     """A gunshot in the timeline, with its window and its drive. `burst` is None for a single shot.
 
     `origin` says whether detection put its onset where it is or somebody who edited the timeline. `gain_db` is how much
-    stronger than usual the drive was asked to be.
+    stronger than usual the drive was asked to be. `decisions` say how closely it was looked at, and why.
     """
 
     id: str
@@ -129,6 +158,7 @@ class Event(msgspec.Struct, frozen=True):
     drive: DriveInfo | None = None
     origin: Origin = "found"
     gain_db: float = 0.0
+    decisions: tuple[Decision, ...] = ()
 
 
 class Rejection(msgspec.Struct, frozen=True):
@@ -168,6 +198,19 @@ class Edits(msgspec.Struct, frozen=True):
     notes: tuple[str, ...] = ()
 
 
+class Budget(msgspec.Struct, frozen=True):
+    """How the quality was chosen to keep to a budget of CPU time.
+
+    `asked` is the budget in the user's words and `allowed_cpu_s` what it comes to for this film; `predicted_cpu_s` is
+    what the qualities that were weighed would take, the choosing included; `note` tells it in one line.
+    """
+
+    asked: str
+    allowed_cpu_s: float
+    predicted_cpu_s: dict[Quality, float]
+    note: str
+
+
 class Timeline(msgspec.Struct, frozen=True):
     """The whole result: source, actuator, events in order, rejections and checks.
 
@@ -188,6 +231,7 @@ class Timeline(msgspec.Struct, frozen=True):
     background: Background = "mute"
     level_db: float = 0.0
     edits: Edits | None = None
+    budget: Budget | None = None
 
 
 def schema() -> dict[str, Any]:
