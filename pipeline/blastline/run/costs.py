@@ -14,12 +14,12 @@ from time import process_time
 
 import msgspec
 
-from ..detect import Detection, audio_around, load_verifier, shot_at
-from ..model import Quality, Shot
+from ..detect import Detection, audio_around, find_shots, load_verifier, shot_at
+from ..model import Clip, Quality, Shot
 from ..render import plan_windows
 from ..report import MOST_PICTURES, OverviewMeter
 from ..ruleset import Rules, rules_path
-from ..soundtrack import open_soundtrack
+from ..soundtrack import Soundtrack, open_soundtrack
 from . import names
 from .checking import checked
 from .driving import write_drive_of
@@ -27,10 +27,10 @@ from .listening import BLOCK, Listened, Mark, assemble, event_id, listen
 from .options import RenderOptions, Setup, set_up
 from .progress import Progress, no_note, no_progress
 from .rendering import write_formats, write_report_of
-from .sampling import Sampled, sampled
+from .sampling import STRETCH_FRAMES, Sampled, sampled
 
-FEW_WINDOWS = 4
-"""So many windows of the sample are rendered, from all over it."""
+FEW_WINDOWS, FEW_PICTURES = 4, 3
+"""So many windows of the sample are rendered, from all over it, and so many pictures drawn."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +58,15 @@ class _After:
     report_s: float
 
 
+@dataclass(frozen=True, eq=False)
+class _Known:
+    """What is the same for all tiers: what is heard, and the CPU seconds of a film without shots and of a picture."""
+
+    heard: Listened
+    empty: _After
+    picture_s: float
+
+
 class Gauge:
     """Predicts what each tier takes for one film."""
 
@@ -65,7 +74,7 @@ class Gauge:
         """Take over the sample; `drives` says whether there will be a drive."""
         self._sample, self._options, self._drives = sample, options, drives
         self._report = drives and options.report
-        self._usual: tuple[_After, float] | None = None
+        self._known: _Known | None = None
 
     @property
     def film_s(self) -> float:
@@ -75,61 +84,63 @@ class Gauge:
     def cost(self, quality: Quality) -> FilmCost:
         """Return what a tier takes; the first call also measures what is the same for all of them."""
         sample, setup = self._sample, set_up(replace(self._options, quality=quality), no_progress)
-        if self._usual is None:
-            self._usual = self._same_for_all(setup)
-        empty, picture_s = self._usual
-        verifier_s = _cpu_of_loading(setup.rules)
-        heard, listen_s = self._listened(setup.rules)
-        cost = FilmCost(
-            verifier_s + sample.hash_s,
-            max(0.0, listen_s - verifier_s) / sample.seconds + sample.decode_per_s,
-            shots_per_s=max(len(heard.found.shots), 0.5) / sample.seconds,
-        )
+        if self._known is None:
+            self._known = self._same_for_all(setup)
+        known, (verifier_s, scan_per_s) = self._known, self._detecting(setup.rules)
+        cost = FilmCost(verifier_s + sample.hash_s, scan_per_s + sample.decode_per_s)
         if not self._drives:
             return cost
-        few = _with_shots(heard, self._some_shots(heard, setup.rules, FEW_WINDOWS), setup.rules)
+        few = _with_shots(known.heard, self._some_shots(known.heard, setup.rules, FEW_WINDOWS), setup.rules)
         made_s = self._after(few, setup, report=False).made_s
         return replace(
             cost,
-            fixed_s=cost.fixed_s + empty.report_s,
-            per_second=cost.per_second + empty.made_s / sample.seconds,
-            per_shot=max(0.0, made_s - empty.made_s) / len(few.found.shots),
-            per_picture=picture_s,
+            fixed_s=cost.fixed_s + known.empty.report_s,
+            per_second=cost.per_second + known.empty.made_s / sample.seconds,
+            per_shot=max(0.0, made_s - known.empty.made_s) / len(few.found.shots),
+            per_picture=known.picture_s,
+            shots_per_s=max(len(known.heard.found.shots), 0.5) / sample.seconds,
         )
 
-    def _same_for_all(self, setup: Setup) -> tuple[_After, float]:
-        """Return what a film without shots takes after the scan, and what a picture takes, once all is imported."""
-        heard, _ = self._listened(setup.rules)
+    def _same_for_all(self, setup: Setup) -> _Known:
+        """Return what is heard in the whole sample, and what a film without shots and a picture take.
+
+        Whatever has to be imported is imported by then.
+        """
+        with open_soundtrack(self._sample.path) as track:
+            heard = listen(track, setup.rules, no_progress)
         if not self._drives:
-            return _After(0.0, 0.0), 0.0
+            return _Known(heard, _After(0.0, 0.0), 0.0)
         none = _with_shots(heard, (), setup.rules)
         one = _with_shots(heard, self._some_shots(heard, setup.rules, 1)[:1], setup.rules)
-        self._after(one, setup, report=self._report)
+        self._after(one, setup, report=False)
         empty = self._after(none, setup, report=self._report)
         if not self._report:
-            return empty, 0.0
-        return empty, max(0.0, self._after(one, setup, report=True).report_s - empty.report_s)
+            return _Known(heard, empty, 0.0)
+        self._after(one, setup, report=True)
+        some = _with_shots(heard, self._some_shots(heard, setup.rules, FEW_PICTURES)[:FEW_PICTURES], setup.rules)
+        pictures_s = max(0.0, self._after(some, setup, report=True).report_s - empty.report_s)
+        return _Known(heard, empty, pictures_s / len(some.found.shots))
 
-    def _listened(self, rules: Rules) -> tuple[Listened, float]:
-        """Return what is heard in the sample and the CPU seconds it took, but for reading the sample."""
+    def _detecting(self, rules: Rules) -> tuple[float, float]:
+        """Return the CPU seconds of reading the verifier, and of finding the shots in a second of film."""
+        path, networks = rules_path(f"verifier/{rules.tier.verify.model}", rules.overlay), rules.tier.verify.networks
+        began = process_time()
+        verifier = load_verifier(path, networks=networks)
+        verifier_s = process_time() - began
         with open_soundtrack(self._sample.path) as track:
+            timed = _every(self._sample.stride, track)
+            meter = OverviewMeter(track.rate_hz)
             began = process_time()
-            for _ in track.blocks(BLOCK):
-                pass
-            track.source()
-            read_s = process_time() - began
-        with open_soundtrack(self._sample.path) as track:
-            meter = OverviewMeter(track.rate_hz) if self._report else None
-            began = process_time()
-            heard = listen(track, rules, no_progress, meter)
-            return heard, process_time() - began - read_s
+            blocks = meter.watch(timed) if self._report else timed
+            find_shots(blocks, rate_hz=track.rate_hz, tier=rules.tier, verifier=verifier)
+            return verifier_s, (process_time() - began) / (timed[-1].span.stop / track.rate_hz)
 
     def _some_shots(self, heard: Listened, rules: Rules, most: int) -> Sequence[Shot]:
         """Return the shots of windows from all over the sample; its loudest moment where there is none."""
         if heard.windows:
             chosen = heard.windows[:: -(-len(heard.windows) // most)]
             return [heard.found.shots[index] for planned in chosen for index in planned.shots]
-        at, rate_hz = self._sample.loudest, heard.track.rate_hz
+        at, rate_hz = self._sample.loudest, heard.source.sample_rate_hz
         with open_soundtrack(self._sample.path) as track:
             for _ in track.blocks(BLOCK):
                 pass
@@ -172,8 +183,17 @@ def open_gauge(
     progress("measuring", 0, None)
     with tempfile.TemporaryDirectory(prefix="blastline-") as folder:
         with open_soundtrack(film, stream=options.stream, mix=options.mix, timebase=options.timebase) as track:
-            sample = sampled(film, track, Path(folder) / "sample.wav")
+            sample = sampled(film, track, Path(folder) / "sample.wav", counted=drives)
         yield Gauge(sample, options, drives=drives)
+
+
+def _every(stride: int, track: Soundtrack) -> list[Clip]:
+    """Return every so manyth stretch of a sample, as blocks that follow one another."""
+    blocks: list[Clip] = []
+    for block in track.blocks(BLOCK):
+        if block.start // STRETCH_FRAMES % stride == stride // 2:
+            blocks.append(Clip(block.samples, block.rate_hz, blocks[-1].span.stop if blocks else 0))
+    return blocks
 
 
 def _with_shots(heard: Listened, shots: Sequence[Shot], rules: Rules) -> Listened:
@@ -182,10 +202,3 @@ def _with_shots(heard: Listened, shots: Sequence[Shot], rules: Rules) -> Listene
     windows = plan_windows(shots, frames=source.frames, rate_hz=source.sample_rate_hz, rules=rules.tier.windows)
     marks = tuple(Mark(event_id(index)) for index in range(len(shots)))
     return replace(heard, found=Detection(tuple(shots), ()), windows=windows, marks=marks)
-
-
-def _cpu_of_loading(rules: Rules) -> float:
-    """Return what reading the verifier takes."""
-    began = process_time()
-    load_verifier(rules_path(f"verifier/{rules.tier.verify.model}", rules.overlay), networks=rules.tier.verify.networks)
-    return process_time() - began

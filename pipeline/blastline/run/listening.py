@@ -8,7 +8,7 @@ import msgspec
 
 from .. import __version__, scene
 from ..detect import Detection, find_shots, load_verifier
-from ..model import SCHEMA, ActuatorRef, Budget, DriveInfo, Event, Origin, Quality, Source, Timeline
+from ..model import SCHEMA, ActuatorRef, Budget, Decision, DriveInfo, Event, Origin, Quality, Source, Timeline
 from ..render import PlannedWindow, plan_windows
 from ..report import OverviewMeter
 from ..ruleset import Rules, load_rules, rules_path
@@ -23,11 +23,12 @@ BLOCK = 65_536
 
 @dataclass(frozen=True)
 class Mark:
-    """A shot's id, origin and gain."""
+    """A shot's id, origin and gain, and what was decided for it where that is known already."""
 
     id: str
     origin: Origin = "found"
     gain_db: float = 0.0
+    decisions: tuple[Decision, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +101,7 @@ def assemble(heard: Listened, rules: Rules, drives: Mapping[int, DriveInfo], act
             drive=drives.get(index),
             origin=mark.origin,
             gain_db=mark.gain_db,
-            decisions=scene.decisions(shot, rules.tier, rate_hz=source.sample_rate_hz),
+            decisions=mark.decisions or scene.decisions(shot, rules.tier, rate_hz=source.sample_rate_hz),
         )
         for index, (shot, mark) in enumerate(zip(heard.found.shots, heard.marks, strict=True))
     )

@@ -19,8 +19,13 @@ from .listening import BLOCK
 STRETCH_FRAMES = 4 * BLOCK
 """What is taken from one place: what a decoder is asked for at a time, and long enough for a shot and its decay."""
 
-SAMPLE_SHARE, MOST_SHARE, LEAST_S, USUAL_S = 0.02, 0.1, 12.0, 72.0
-"""A fiftieth of a long film is sampled, of a shorter one 72 s, but no more than a tenth of it or 12 s."""
+TIMED_SHARE, TIMED_S = 0.1, 72.0
+"""Each tier is timed over a tenth of the film, but no more than 72 s."""
+
+COUNTED_SHARE, COUNTED_S = 0.5, 480.0
+"""What a run costs depends most on how many shots there are: they are counted, once, in half of the film or 480 s."""
+
+LEAST_S = 12.0
 
 _JOIN_MS = 20.0
 _HASHED_BYTES = 8 << 20
@@ -30,12 +35,13 @@ _HASHED_BYTES = 8 << 20
 class Sampled:
     """A sample of a film of `film_s` seconds: stretches of it in one file of so many `seconds`.
 
-    `source` is the film's; `loudest` the sample's loudest frame; `decode_per_s` the CPU seconds that decoding a second
-    of the film takes, `hash_s` those of its digest.
+    Every `stride`th of the stretches makes a shorter sample. `source` is the film's; `loudest` the sample's loudest
+    frame; `decode_per_s` the CPU seconds that decoding a second of the film takes, `hash_s` those of its digest.
     """
 
     path: Path
     seconds: float
+    stride: int
     loudest: int
     film_s: float
     source: Source
@@ -43,16 +49,17 @@ class Sampled:
     hash_s: float
 
 
-def sample_s(film_s: float) -> float:
-    """Return how many seconds of a film are sampled.
+def sample_s(film_s: float, *, counted: bool) -> float:
+    """Return how many seconds of a film are sampled, for timing or also for counting its shots.
 
-    >>> [round(sample_s(minutes * 60.0)) for minutes in (0.1, 1, 10, 30, 120)]
-    [6, 12, 60, 72, 144]
+    >>> [round(sample_s(minutes * 60.0, counted=False)) for minutes in (0.1, 1, 10, 120)]
+    [6, 12, 60, 72]
     """
-    return min(film_s, max(LEAST_S, SAMPLE_SHARE * film_s, min(USUAL_S, MOST_SHARE * film_s)))
+    share, most_s = (COUNTED_SHARE, COUNTED_S) if counted else (TIMED_SHARE, TIMED_S)
+    return min(film_s, max(LEAST_S, min(most_s, share * film_s)))
 
 
-def sampled(film: Path, track: Soundtrack, path: Path) -> Sampled:
+def sampled(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> Sampled:
     """Take stretches from the middle of equal parts of the film and write them to `path`.
 
     Raises SoundtrackError for a film that cannot be read, or whose length nothing tells.
@@ -61,11 +68,13 @@ def sampled(film: Path, track: Soundtrack, path: Path) -> Sampled:
     if not film_s:
         raise SoundtrackError(f"{film}: does not say how long it is, so no budget can be kept; give a --quality")
     stretch_s = STRETCH_FRAMES / track.rate_hz
-    parts = max(1, round(sample_s(film_s) / stretch_s))
-    middles = [(part + 0.5) * film_s / parts for part in range(parts)]
+    parts, timed = (max(1, round(sample_s(film_s, counted=each) / stretch_s)) for each in (counted, False))
     track.near(0.0, stretch_s)  # whatever is imported or set up on the way
     began = process_time()
-    stretches = [track.near(max(0.0, middle - stretch_s / 2.0), stretch_s)[:, 0] for middle in middles]
+    stretches = [
+        track.near(max(0.0, (part + 0.5) * film_s / parts - stretch_s / 2.0), stretch_s)[:STRETCH_FRAMES, 0]
+        for part in range(parts)
+    ]
     decode_s = process_time() - began
     samples = _joined([stretch for stretch in stretches if stretch.size], track.rate_hz)
     if not samples.size:
@@ -75,6 +84,7 @@ def sampled(film: Path, track: Soundtrack, path: Path) -> Sampled:
     return Sampled(
         path,
         seconds,
+        stride=-(-parts // timed),
         loudest=int(np.argmax(np.abs(samples))),
         film_s=film_s,
         source=track.described(),
