@@ -14,7 +14,7 @@ from blastline.model import Quality, Timeline
 from blastline.run.budget import BEST_FIRST, Allowance, allowance, chosen, pick, within
 from blastline.run.costs import FilmCost
 from blastline.run.options import RenderOptions
-from blastline.run.sampling import sample_s, sampled
+from blastline.run.sampling import counted_s, sampled, timed_s
 from blastline.soundtrack import open_soundtrack
 from blastline.study.codecs import encode
 from commands import RATE_HZ, blastline, write_film
@@ -72,12 +72,9 @@ def test_without_pictures_the_prediction_scales_with_the_film(cost: FilmCost, fi
     assert longer == pytest.approx(times * (plain.of(film_s) - plain.fixed_s), rel=1e-6, abs=1e-6)
 
 
-@given(SECONDS, SECONDS)
-def test_a_longer_film_is_sampled_no_less(one_s: float, other_s: float) -> None:
-    short_s, long_s = sorted((one_s, other_s))
-    for counted in (False, True):
-        assert sample_s(short_s, counted=counted) <= sample_s(long_s, counted=counted) <= long_s
-    assert sample_s(long_s, counted=False) <= sample_s(long_s, counted=True)
+@given(SECONDS)
+def test_a_sample_is_part_of_the_film_and_shots_are_counted_in_no_less_than_is_timed(film_s: float) -> None:
+    assert 0.0 < timed_s(film_s) <= counted_s(film_s) <= film_s
 
 
 @pytest.mark.parametrize("text", ["90", "90s", "90 s", "1.5min", " 1.5 min", "0.025h", ".025 h"])
@@ -194,7 +191,7 @@ def test_a_stretch_is_from_where_it_is_asked_for(tmp_path: Path, kind: str) -> N
         with open_soundtrack(path) as track:
             near = track.near(second + 0.35, 0.3)[: round(0.3 * RATE_HZ), 0]
         late_s = second - (pitch(near) / 100.0 - 2.0)
-        assert abs(late_s) < 0.1 if kind == "wav" else -0.1 < late_s < 6.0  # a film is entered where it lets itself be
+        assert abs(late_s) < 0.1
 
 
 def test_a_sample_is_taken_from_all_over_the_film(tmp_path: Path) -> None:
@@ -202,12 +199,12 @@ def test_a_sample_is_taken_from_all_over_the_film(tmp_path: Path) -> None:
 
     film = tmp_path / "long.wav"
     quiet = np.zeros(100 * RATE_HZ, np.float32)
-    quiet[80 * RATE_HZ :] = 0.25
+    quiet[60 * RATE_HZ :] = 0.25
     soundfile.write(film, quiet, RATE_HZ, subtype="PCM_16")
     with open_soundtrack(film) as track:
         sample = sampled(film, track, tmp_path / "sample.wav", counted=False)
     taken, _ = soundfile.read(sample.path)
     assert sample.film_s == pytest.approx(100.0)
     assert taken.size == round(sample.seconds * RATE_HZ)
-    assert sample.seconds == pytest.approx(sample_s(100.0, counted=False), rel=0.3)
+    assert sample.seconds == pytest.approx(timed_s(100.0), rel=0.3)
     assert 0.1 < np.mean(np.abs(taken) > 0.1) < 0.6

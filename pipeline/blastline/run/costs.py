@@ -27,9 +27,9 @@ from .listening import BLOCK, Listened, Mark, assemble, event_id, listen
 from .options import RenderOptions, Setup, set_up
 from .progress import Progress, no_note, no_progress
 from .rendering import write_formats, write_report_of
-from .sampling import STRETCH_FRAMES, Sampled, sampled
+from .sampling import TIMED_FRAMES, Sampled, sampled
 
-FEW_WINDOWS, FEW_PICTURES = 4, 3
+FEW_WINDOWS, FEW_PICTURES = 4, 2
 """So many windows of the sample are rendered, from all over it, and so many pictures drawn."""
 
 
@@ -188,10 +188,10 @@ def open_gauge(
 
 
 def _every(stride: int, track: Soundtrack) -> list[Clip]:
-    """Return every so manyth stretch of a sample, as blocks that follow one another."""
+    """Return every so manyth few seconds of a sample, as blocks that follow one another."""
     blocks: list[Clip] = []
     for block in track.blocks(BLOCK):
-        if block.start // STRETCH_FRAMES % stride == stride // 2:
+        if block.start // TIMED_FRAMES % stride == stride // 2:
             blocks.append(Clip(block.samples, block.rate_hz, blocks[-1].span.stop if blocks else 0))
     return blocks
 

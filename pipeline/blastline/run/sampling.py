@@ -16,14 +16,17 @@ from ..soundtrack import Soundtrack, write_drive
 from ..units import samples_from_ms
 from .listening import BLOCK
 
-STRETCH_FRAMES = 4 * BLOCK
-"""What is taken from one place: what a decoder is asked for at a time, and long enough for a shot and its decay."""
+STRETCH_FRAMES = 12 * BLOCK
+"""What is taken from one place: a scene rather than a moment, since shots come in company."""
 
+TIMED_FRAMES = 4 * BLOCK
 TIMED_SHARE, TIMED_S = 0.1, 72.0
-"""Each tier is timed over a tenth of the film, but no more than 72 s."""
+"""Each tier is timed over a tenth of the film, but no more than 72 s, in pieces of a few seconds from all over it."""
 
-COUNTED_SHARE, COUNTED_S = 0.5, 480.0
-"""What a run costs depends most on how many shots there are: they are counted, once, in half of the film or 480 s."""
+COUNTED_S, LEAST_COUNTED_S, LONG_S = 720.0, 360.0, 2400.0
+"""What a run costs depends most on how many shots there are: they are counted, once, in 720 s of a film.
+
+In one of 40 minutes and more, which has more of them, 360 s tell as well."""
 
 LEAST_S = 12.0
 
@@ -35,7 +38,7 @@ _HASHED_BYTES = 8 << 20
 class Sampled:
     """A sample of a film of `film_s` seconds: stretches of it in one file of so many `seconds`.
 
-    Every `stride`th of the stretches makes a shorter sample. `source` is the film's; `loudest` the sample's loudest
+    Every `stride`th few seconds of it make a shorter sample. `source` is the film's; `loudest` the sample's loudest
     frame; `decode_per_s` the CPU seconds that decoding a second of the film takes, `hash_s` those of its digest.
     """
 
@@ -49,30 +52,41 @@ class Sampled:
     hash_s: float
 
 
-def sample_s(film_s: float, *, counted: bool) -> float:
-    """Return how many seconds of a film are sampled, for timing or also for counting its shots.
+def timed_s(film_s: float) -> float:
+    """Return over how many seconds of a film each tier is timed.
 
-    >>> [round(sample_s(minutes * 60.0, counted=False)) for minutes in (0.1, 1, 10, 120)]
+    >>> [round(timed_s(minutes * 60.0)) for minutes in (0.1, 1, 10, 120)]
     [6, 12, 60, 72]
     """
-    share, most_s = (COUNTED_SHARE, COUNTED_S) if counted else (TIMED_SHARE, TIMED_S)
-    return min(film_s, max(LEAST_S, min(most_s, share * film_s)))
+    return min(film_s, max(LEAST_S, min(TIMED_S, TIMED_SHARE * film_s)))
+
+
+def counted_s(film_s: float) -> float:
+    """Return in how many seconds of a film its shots are counted.
+
+    >>> [round(counted_s(minutes * 60.0)) for minutes in (1, 10, 20, 30, 120)]
+    [60, 600, 720, 576, 360]
+    """
+    shorter_s = COUNTED_S * min(1.0, 0.5 * LONG_S / film_s)
+    return min(film_s, max(LEAST_COUNTED_S, shorter_s))
 
 
 def sampled(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> Sampled:
-    """Take stretches from the middle of equal parts of the film and write them to `path`.
+    """Take stretches from the middle of equal parts of the film, enough to time or also to count, and write them.
 
     Raises SoundtrackError for a film that cannot be read, or whose length nothing tells.
     """
     film_s = track.expected_s
     if not film_s:
         raise SoundtrackError(f"{film}: does not say how long it is, so no budget can be kept; give a --quality")
-    stretch_s = STRETCH_FRAMES / track.rate_hz
-    parts, timed = (max(1, round(sample_s(film_s, counted=each) / stretch_s)) for each in (counted, False))
+    frames = STRETCH_FRAMES if counted else TIMED_FRAMES
+    stretch_s = frames / track.rate_hz
+    wanted_s = counted_s(film_s) if counted else timed_s(film_s)
+    parts = max(1, round(wanted_s / stretch_s))
     track.near(0.0, stretch_s)  # whatever is imported or set up on the way
     began = process_time()
     stretches = [
-        track.near(max(0.0, (part + 0.5) * film_s / parts - stretch_s / 2.0), stretch_s)[:STRETCH_FRAMES, 0]
+        track.near(max(0.0, (part + 0.5) * film_s / parts - stretch_s / 2.0), stretch_s)[:frames, 0]
         for part in range(parts)
     ]
     decode_s = process_time() - began
@@ -84,7 +98,7 @@ def sampled(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> Samp
     return Sampled(
         path,
         seconds,
-        stride=-(-parts // timed),
+        stride=max(1, round(seconds / timed_s(film_s))),
         loudest=int(np.argmax(np.abs(samples))),
         film_s=film_s,
         source=track.described(),

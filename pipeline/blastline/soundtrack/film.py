@@ -61,16 +61,14 @@ class FilmTrack:
         """
         from av.error import FFmpegError
 
-        stream = self._stream
+        stream, base = self._stream, Fraction(self._stream.time_base or Fraction(1, 1_000_000))
+        start = (stream.start_time or 0) + round(Fraction(start_s) / base)
         try:
-            start = (stream.start_time or 0) + round(start_s / (stream.time_base or Fraction(1, 1_000_000)))
             self._container.seek(start, stream=stream)
         except FFmpegError as error:
             raise SoundtrackError(f"cannot be read from {start_s:.0f} s on: {error.strerror}") from error
-        left = frames
-        for samples in packed(
-            decoded(self._container, stream, Tally()), rate_hz=self.facts.rate_hz, channels=self.facts.channels
-        ):
+        heard, left = decoded(self._container, stream, Tally(), earliest_s=start * base), frames
+        for samples in packed(heard, rate_hz=self.facts.rate_hz, channels=self.facts.channels):
             yield samples
             left -= samples.shape[0]
             if left <= 0:
