@@ -208,3 +208,9 @@ def test_a_sample_is_taken_from_all_over_the_film(tmp_path: Path) -> None:
     assert taken.size == round(sample.seconds * RATE_HZ)
     assert sample.seconds == pytest.approx(timed_s(100.0), rel=0.3)
     assert 0.1 < np.mean(np.abs(taken) > 0.1) < 0.6
+
+
+def test_beyond_the_end_of_a_film_there_is_nothing(film: Path) -> None:
+    with open_soundtrack(film) as track:
+        assert track.near(13.9, 30.0).shape[0] == round(0.1 * RATE_HZ)
+        assert track.near(99.0, 1.0).shape == (0, 1)

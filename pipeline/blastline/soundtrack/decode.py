@@ -60,7 +60,8 @@ def decoded(
             packet = None
         if packet is None:
             return
-        if earliest_s is not None and packet.size and (packet.pts or 0) * (packet.time_base or 0) < earliest_s:
+        time_s = None if packet.pts is None or not packet.time_base else packet.pts * packet.time_base
+        if packet.size and earliest_s is not None and time_s is not None and time_s < earliest_s:
             continue
         if packet.size:  # the last one is empty and only empties the decoder
             if not tally.packets and packet.pts is not None and packet.time_base:

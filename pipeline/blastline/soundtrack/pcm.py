@@ -50,7 +50,7 @@ class PcmTrack:
     def near(self, start_s: float, frames: int) -> Iterator[Samples]:
         """Yield at least so many samples, if there are, from that time on."""
         start = round(start_s * self.facts.rate_hz)
-        for first in range(start, start + frames, PIECE):
+        for first in range(start, min(start + frames, self._file.frames), PIECE):
             yield self.read(first, PIECE)
 
     def read(self, start: int, frames: int) -> Samples:
