@@ -13,9 +13,10 @@ from pathlib import Path
 from time import process_time
 
 import msgspec
+import numpy as np
 
 from ..detect import Detection, audio_around, find_shots, load_verifier, shot_at
-from ..model import Clip, Quality, Shot
+from ..model import Clip, Quality, Shot, Span
 from ..render import plan_windows
 from ..report import MOST_PICTURES, OverviewMeter
 from ..ruleset import Rules, rules_path
@@ -29,8 +30,8 @@ from .progress import Progress, no_note, no_progress
 from .rendering import write_formats, write_report_of
 from .sampling import TIMED_FRAMES, Sampled, sampled
 
-FEW_WINDOWS, FEW_PICTURES = 4, 2
-"""So many windows of the sample are rendered, from all over it, and so many pictures drawn."""
+FEW_SHOTS, FEW_PICTURES = 6, 2
+"""About so many shots of the sample are rendered in each tier, from all over it, and so many pictures drawn."""
 
 
 @dataclass(frozen=True)
@@ -70,10 +71,10 @@ class _Known:
 class Gauge:
     """Predicts what each tier takes for one film."""
 
-    def __init__(self, sample: Sampled, options: RenderOptions, *, drives: bool) -> None:
-        """Take over the sample; `drives` says whether there will be a drive."""
-        self._sample, self._options, self._drives = sample, options, drives
-        self._report = drives and options.report
+    def __init__(self, sample: Sampled, track: Soundtrack, options: RenderOptions, *, drives: bool) -> None:
+        """Take over the sample and its open track; `drives` says whether there will be a drive."""
+        self._sample, self._track, self._options, self._drives = sample, track, options, drives
+        self._meter = OverviewMeter(track.rate_hz) if drives and options.report else None
         self._known: _Known | None = None
 
     @property
@@ -90,7 +91,7 @@ class Gauge:
         cost = FilmCost(verifier_s + sample.hash_s, scan_per_s + sample.decode_per_s)
         if not self._drives:
             return cost
-        few = _with_shots(known.heard, self._some_shots(known.heard, setup.rules, FEW_WINDOWS), setup.rules)
+        few = _with_shots(known.heard, self._shots(known.heard, setup.rules, FEW_SHOTS), setup.rules)
         made_s = self._after(few, setup, report=False).made_s
         return replace(
             cost,
@@ -106,18 +107,14 @@ class Gauge:
 
         Whatever has to be imported is imported by then.
         """
-        with open_soundtrack(self._sample.path) as track:
-            heard = listen(track, setup.rules, no_progress)
+        heard, report = listen(self._track, setup.rules, no_progress, self._meter), self._meter is not None
         if not self._drives:
             return _Known(heard, _After(0.0, 0.0), 0.0)
-        none = _with_shots(heard, (), setup.rules)
-        one = _with_shots(heard, self._some_shots(heard, setup.rules, 1)[:1], setup.rules)
-        self._after(one, setup, report=False)
-        empty = self._after(none, setup, report=self._report)
-        if not self._report:
+        some = _with_shots(heard, self._shots(heard, setup.rules, FEW_PICTURES)[:FEW_PICTURES], setup.rules)
+        self._after(_with_shots(heard, some.found.shots[:1], setup.rules), setup, report=report)
+        empty = self._after(_with_shots(heard, (), setup.rules), setup, report=report)
+        if not report:
             return _Known(heard, empty, 0.0)
-        self._after(one, setup, report=True)
-        some = _with_shots(heard, self._some_shots(heard, setup.rules, FEW_PICTURES)[:FEW_PICTURES], setup.rules)
         pictures_s = max(0.0, self._after(some, setup, report=True).report_s - empty.report_s)
         return _Known(heard, empty, pictures_s / len(some.found.shots))
 
@@ -127,47 +124,50 @@ class Gauge:
         began = process_time()
         verifier = load_verifier(path, networks=networks)
         verifier_s = process_time() - began
-        with open_soundtrack(self._sample.path) as track:
-            timed = _every(self._sample.stride, track)
-            meter = OverviewMeter(track.rate_hz)
-            began = process_time()
-            blocks = meter.watch(timed) if self._report else timed
-            find_shots(blocks, rate_hz=track.rate_hz, tier=rules.tier, verifier=verifier)
-            return verifier_s, (process_time() - began) / (timed[-1].span.stop / track.rate_hz)
+        timed, rate_hz = self._timed(), self._track.rate_hz
+        began = process_time()
+        blocks = timed if self._meter is None else OverviewMeter(rate_hz).watch(timed)
+        find_shots(blocks, rate_hz=rate_hz, tier=rules.tier, verifier=verifier)
+        return verifier_s, (process_time() - began) / (timed[-1].span.stop / rate_hz)
 
-    def _some_shots(self, heard: Listened, rules: Rules, most: int) -> Sequence[Shot]:
-        """Return the shots of windows from all over the sample; its loudest moment where there is none."""
-        if heard.windows:
-            chosen = heard.windows[:: -(-len(heard.windows) // most)]
-            return [heard.found.shots[index] for planned in chosen for index in planned.shots]
-        at, rate_hz = self._sample.loudest, heard.source.sample_rate_hz
-        with open_soundtrack(self._sample.path) as track:
-            for _ in track.blocks(BLOCK):
-                pass
-            sound = track.cut(audio_around(at, frames=heard.source.frames, rate_hz=rate_hz, tier=rules.tier))
+    def _timed(self) -> list[Clip]:
+        """Return every so manyth few seconds of the sample, as blocks that follow one another."""
+        frames, stride = self._track.source().frames, self._sample.stride * TIMED_FRAMES
+        starts = [at for first in range(0, frames, stride) for at in range(first, first + TIMED_FRAMES, BLOCK)]
+        blocks: list[Clip] = []
+        for start in starts:
+            if start < frames:
+                cut = self._track.cut(Span(start, min(start + BLOCK, frames)))
+                position = blocks[-1].span.stop if blocks else 0
+                blocks.append(Clip(cut.samples.astype(np.float32), cut.rate_hz, position))
+        return blocks
+
+    def _shots(self, heard: Listened, rules: Rules, most: int) -> Sequence[Shot]:
+        """Return the shots of windows from all over the sample, `most` or a few more; else its loudest moment."""
+        windows = heard.windows
+        if windows:
+            chosen: list[int] = []
+            for planned in windows[:: -(-len(windows) // most)]:
+                chosen += planned.shots if len(chosen) < most else ()
+            return [heard.found.shots[index] for index in chosen]
+        at, rate_hz = self._sample.loudest, self._track.rate_hz
+        sound = self._track.cut(audio_around(at, frames=heard.source.frames, rate_hz=rate_hz, tier=rules.tier))
         return [shot_at(at, sound, confidence=1.0, tier=rules.tier)]
 
     def _after(self, heard: Listened, setup: Setup, *, report: bool) -> _After:
         """Do all that follows detection and return what it took."""
-        sample = self._sample
-        with (
-            tempfile.TemporaryDirectory(prefix="blastline-") as made,
-            open_soundtrack(sample.path) as track,
-        ):
-            meter = OverviewMeter(track.rate_hz)
-            for _ in meter.watch(track.blocks(BLOCK)):
-                pass
+        with tempfile.TemporaryDirectory(prefix="blastline-") as made:
             folder, began = Path(made), process_time()
-            heard = replace(heard, track=track)
             drives = write_drive_of(heard, folder / names.DRIVE, setup)
-            source = msgspec.structs.replace(sample.source, frames=heard.source.frames)
+            source = msgspec.structs.replace(self._sample.source, frames=heard.source.frames)
             timeline = assemble(replace(heard, source=source), setup.rules, drives, setup.actuator)
             with open_soundtrack(folder / names.DRIVE) as drive:
-                profile, align = setup.profile, setup.rules.align
+                profile, align, track = setup.profile, setup.rules.align, self._track
                 timeline = checked(timeline, track, drive, profile=profile, rules=align, progress=no_progress)
                 written = write_formats(timeline, folder, drive, setup, no_note)
                 made_s = process_time() - began
-                if report:
+                if report and self._meter is not None:
+                    meter = self._meter
                     write_report_of(timeline, folder, written, track=track, drive=drive, meter=meter, setup=setup)
                 return _After(made_s, process_time() - began - made_s)
 
@@ -184,16 +184,8 @@ def open_gauge(
     with tempfile.TemporaryDirectory(prefix="blastline-") as folder:
         with open_soundtrack(film, stream=options.stream, mix=options.mix, timebase=options.timebase) as track:
             sample = sampled(film, track, Path(folder) / "sample.wav", counted=drives)
-        yield Gauge(sample, options, drives=drives)
-
-
-def _every(stride: int, track: Soundtrack) -> list[Clip]:
-    """Return every so manyth few seconds of a sample, as blocks that follow one another."""
-    blocks: list[Clip] = []
-    for block in track.blocks(BLOCK):
-        if block.start // TIMED_FRAMES % stride == stride // 2:
-            blocks.append(Clip(block.samples, block.rate_hz, blocks[-1].span.stop if blocks else 0))
-    return blocks
+        with open_soundtrack(sample.path) as heard:
+            yield Gauge(sample, heard, options, drives=drives)
 
 
 def _with_shots(heard: Listened, shots: Sequence[Shot], rules: Rules) -> Listened:

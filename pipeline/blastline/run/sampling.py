@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from .. import dsp
 from ..errors import SoundtrackError
-from ..model import Clip, Source
-from ..soundtrack import Soundtrack, write_drive
+from ..model import Source
+from ..soundtrack import Soundtrack, write_excerpt
 from ..units import samples_from_ms
 from .listening import BLOCK
 
@@ -94,7 +94,7 @@ def sampled(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> Samp
     if not samples.size:
         raise SoundtrackError(f"{film}: no sound could be read at any of {parts} places; give a --quality")
     seconds = samples.size / track.rate_hz
-    write_drive(path, [Clip(samples[:, None], track.rate_hz)], rate_hz=track.rate_hz, frames=samples.size)
+    write_excerpt(path, samples, track.rate_hz)
     return Sampled(
         path,
         seconds,
@@ -115,7 +115,7 @@ def _joined(stretches: Sequence[NDArray[np.float32]], rate_hz: int) -> NDArray[n
     for end in ends[(ends >= fade.size) & (ends + fade.size <= joined.size)]:
         joined[end - fade.size : end] *= fade[::-1]
         joined[end : end + fade.size] *= fade
-    return np.asarray(np.clip(joined, -1.0, 1.0), np.float32)
+    return np.asarray(joined, np.float32)
 
 
 def _cpu_of_hashing(film: Path) -> float:
