@@ -130,6 +130,7 @@ def test_the_files_keys_are_those_that_were_promised() -> None:
         "fidelity",
         "solver_steps",
         "explained",
+        "evidence",
     ]
     assert list(plain["rejections"][0]) == ["at_sample", "reason", "evidence"]
     assert list(plain["checks"][0]) == ["name", "event", "passed", "measured", "limit", "unit"]

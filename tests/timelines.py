@@ -70,7 +70,7 @@ _LENGTH = st.integers(0, 2**20)
 _NUMBER = st.floats(-1e6, 1e6)
 _RATIO = st.floats(0.0, 1.0)
 _TEXT = st.text(st.characters(exclude_categories=["Cs", "Cc"]), min_size=1, max_size=20)
-_EVIDENCE = st.dictionaries(_TEXT, _NUMBER, max_size=2)
+_EVIDENCE = st.sampled_from([{}, {"probability": 0.25}, {"level": -3.0, "a b": 1e-9}])
 
 
 @st.composite
@@ -92,7 +92,7 @@ def any_event(draw: st.DrawFn, identity: str) -> Event:
         reflections=tuple(reflections),
         window=Window(max(0, onset - draw(_LENGTH)), onset + draw(_LENGTH), draw(_LENGTH), draw(_LENGTH)),
         drive=draw(st.none() | st.builds(DriveInfo, _models(), _TEXT, _NUMBER, _NUMBER, _NUMBER, evidence=_EVIDENCE)),
-        decisions=tuple(draw(st.lists(st.builds(Decision, _questions(), _TEXT, _TEXT, _EVIDENCE), max_size=2))),
+        decisions=draw(st.sampled_from([(), (Decision("window", "ü", "<b>", {"decay_ms": 80.0}),)])),
     )
 
 
@@ -108,7 +108,3 @@ def _reflection(start: int, length: int, delay_ms: float, level_db: float) -> Re
 
 def _models() -> st.SearchStrategy[str]:
     return st.sampled_from(["direct", "filter", "constrained"])
-
-
-def _questions() -> st.SearchStrategy[str]:
-    return st.sampled_from(["verifier", "reflections", "window"])
