@@ -5,6 +5,7 @@
 What a tier takes is then a fixed amount, so much for each second of film, so much for each shot, and for each picture.
 """
 
+import gc
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -87,6 +88,7 @@ class Gauge:
         sample, setup = self._sample, set_up(replace(self._options, quality=quality), no_progress)
         if self._known is None:
             self._known = self._same_for_all(setup)
+            gc.freeze()  # or else what the pictures left behind is looked through again while a tier is timed
         known, (verifier_s, scan_per_s) = self._known, self._detecting(setup.rules)
         cost = FilmCost(verifier_s + sample.hash_s, scan_per_s + sample.decode_per_s)
         if not self._drives:
@@ -184,8 +186,11 @@ def open_gauge(
     with tempfile.TemporaryDirectory(prefix="blastline-") as folder:
         with open_soundtrack(film, stream=options.stream, mix=options.mix, timebase=options.timebase) as track:
             sample = sampled(film, track, Path(folder) / "sample.wav", counted=drives)
-        with open_soundtrack(sample.path) as heard:
-            yield Gauge(sample, heard, options, drives=drives)
+        try:
+            with open_soundtrack(sample.path) as heard:
+                yield Gauge(sample, heard, options, drives=drives)
+        finally:
+            gc.unfreeze()
 
 
 def _with_shots(heard: Listened, shots: Sequence[Shot], rules: Rules) -> Listened:
