@@ -93,16 +93,32 @@ class Gauge:
         cost = FilmCost(verifier_s + sample.hash_s, scan_per_s + sample.decode_per_s)
         if not self._drives:
             return cost
-        few = _with_shots(known.heard, self._shots(known.heard, setup.rules, FEW_SHOTS), setup.rules)
-        made_s = self._after(few, setup, report=False).made_s
+        once_s, per_shot = self._per_shot(known, setup)
         return replace(
             cost,
-            fixed_s=cost.fixed_s + known.empty.report_s,
+            fixed_s=cost.fixed_s + known.empty.report_s + once_s,
             per_second=cost.per_second + known.empty.made_s / sample.seconds,
-            per_shot=max(0.0, made_s - known.empty.made_s) / len(few.found.shots),
+            per_shot=per_shot,
             per_picture=known.picture_s,
             shots_per_s=max(len(known.heard.found.shots), 0.5) / sample.seconds,
         )
+
+    def _per_shot(self, known: _Known, setup: Setup) -> tuple[float, float]:
+        """Return what a drive and its checks take as soon as there is any shot, and what each shot adds to that.
+
+        A few are rendered, so what they take is that of as many seconds of window; all in the sample tell how long
+        windows are.
+        """
+        shots = self._shots(known.heard, setup.rules, FEW_SHOTS)
+        few, one = (_with_shots(known.heard, some, setup.rules) for some in (shots, shots[:1]))
+        one_s = self._after(one, setup, report=False).made_s
+        if len(shots) == 1:
+            return 0.0, max(0.0, one_s - known.empty.made_s)
+        per_window_s = max(0.0, self._after(few, setup, report=False).made_s - one_s) / (
+            _windows_s(few) - _windows_s(one)
+        )
+        per_shot = per_window_s * _windows_s(known.heard) / len(known.heard.found.shots)
+        return max(0.0, one_s - per_window_s * _windows_s(one) - known.empty.made_s), per_shot
 
     def _same_for_all(self, setup: Setup) -> _Known:
         """Return what is heard in the whole sample, and what a film without shots and a picture take.
@@ -191,6 +207,11 @@ def open_gauge(
                 yield Gauge(sample, heard, options, drives=drives)
         finally:
             gc.unfreeze()
+
+
+def _windows_s(heard: Listened) -> float:
+    """Return how long all windows are together, in seconds."""
+    return sum(len(planned.window.span) for planned in heard.windows) / heard.source.sample_rate_hz
 
 
 def _with_shots(heard: Listened, shots: Sequence[Shot], rules: Rules) -> Listened:
