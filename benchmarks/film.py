@@ -61,11 +61,16 @@ def scene(minutes: float, layout: str) -> str:
 
 def made(name: str, minutes: float, layout: str = "mono") -> Path:
     """Return the film, synthesised unless it is there already and no older than what makes it."""
+    return made_of(name, scene(minutes, layout))
+
+
+def made_of(name: str, text: str) -> Path:
+    """Return the film of a scene, synthesised unless it is there already and no older than what makes it."""
     path = BENCH / name / f"{name}.wav"
     changed = max(source.stat().st_mtime for source in SYNTH.glob("*.py"))
     if not path.is_file() or path.stat().st_mtime < changed:
         BENCH.mkdir(parents=True, exist_ok=True)
-        (BENCH / f"{name}.toml").write_text(scene(minutes, layout), encoding="utf-8")
+        (BENCH / f"{name}.toml").write_text(text, encoding="utf-8")
         arguments = ["synth", str(BENCH / f"{name}.toml"), "-o", str(path.parent), "--overwrite"]
         subprocess.run([sys.executable, "-m", "blastline", *arguments], check=True)
     return path

@@ -109,12 +109,13 @@ def test_a_timeline_survives_its_file(original: Timeline) -> None:
 def test_the_files_keys_are_those_that_were_promised() -> None:
     plain = json.loads(encode(timeline()))
     promised = ["schema", "version", "quality", "rules_digest", "source", "actuator", "events", "rejections", "checks"]
-    assert list(plain) == [*promised, "phase", "background", "level_db", "edits"]
+    assert list(plain) == [*promised, "phase", "background", "level_db", "edits", "budget"]
     shot = plain["events"][0]
     assert list(shot)[:7] == ["id", "onset_sample", "onset_s", "timecode", "confidence", "burst", "shot_in_burst"]
     assert list(shot)[7:15] == ["peak_dbfs", "snr_db", "blast", "reflections", "window", "drive", "origin", "gain_db"]
-    assert list(shot)[15:] == ["heard_in", "azimuth_deg", "azimuth_focus"]
+    assert list(shot)[15:] == ["heard_in", "azimuth_deg", "azimuth_focus", "decisions"]
     assert plain["edits"] is None
+    assert plain["budget"] is None
     source = {"name", "sha256", "sample_rate_hz", "frames", "channels", "start_timecode", "frame_rate"}
     assert source <= set(plain["source"])
     assert list(plain["actuator"]) == ["name", "digest"]
@@ -129,6 +130,7 @@ def test_the_files_keys_are_those_that_were_promised() -> None:
         "fidelity",
         "solver_steps",
         "explained",
+        "evidence",
     ]
     assert list(plain["rejections"][0]) == ["at_sample", "reason", "evidence"]
     assert list(plain["checks"][0]) == ["name", "event", "passed", "measured", "limit", "unit"]

@@ -10,8 +10,10 @@ import soundfile
 from numpy.typing import NDArray
 
 from blastline import run
-from blastline.model import Timeline
+from blastline.model import SceneEvidence, Timeline
+from blastline.ruleset import load_rules
 from blastline.run import listening
+from blastline.scene import choose
 from blastline.synth import Scene, render_scene
 
 RATE_HZ = 48_000
@@ -72,6 +74,24 @@ def test_a_right_file_passes_every_check(result: tuple[Timeline, NDArray[np.int3
     assert len(timeline.events) >= 4
     assert [check for check in timeline.checks if not check.passed] == []
     assert drive.size == timeline.source.frames == 12 * RATE_HZ
+
+
+def test_every_choice_follows_from_its_evidence(result: tuple[Timeline, NDArray[np.int32]]) -> None:
+    timeline, _ = result
+    rules = load_rules("standard")
+    for event in timeline.events:
+        assert event.drive is not None
+        assert choose(SceneEvidence(**event.drive.evidence), rules.scenes, "auto") == (
+            event.drive.model,
+            event.drive.reason,
+        )
+        verifier, reflections, window = event.decisions
+        assert (verifier.about, reflections.about, window.about) == ("verifier", "reflections", "window")
+        assert verifier.evidence["confidence"] == event.confidence
+        assert verifier.evidence["screen"] >= rules.tier.verify.look_from
+        assert all(echo.level_db <= reflections.evidence["echo_room_db"] + 1e-6 for echo in event.reflections)
+        decay = round(window.evidence["decay_ms"] * RATE_HZ / 1000.0)
+        assert event.onset_sample + decay <= event.window.stop - event.window.fade_out_samples
 
 
 def test_outside_the_windows_a_muted_drive_is_zero(result: tuple[Timeline, NDArray[np.int32]]) -> None:

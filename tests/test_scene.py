@@ -1,13 +1,18 @@
 import math
 from typing import get_args
 
+import msgspec
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from blastline.model import DriveChoice, DriveModel, SceneEvidence
+from blastline.detect.segment import segment
+from blastline.model import DecayEnd, DriveChoice, DriveModel, Heard, Reflection, SceneEvidence, Shot, Span
+from blastline.report.choice import reasons
 from blastline.ruleset import SceneRules, load_rules
-from blastline.scene import choose
+from blastline.scene import choose, decisions
+from timelines import SHOT
 
 RULES = SceneRules("test", 1, direct_level_db=1.0, direct_fidelity=0.9)
 
@@ -57,3 +62,104 @@ def test_a_stronger_scene_never_gets_a_lesser_model() -> None:
     order = ["direct", "filter", "constrained"]
     found = [choose(evidence(-5.0, 0.8, 0.1 * math.pow(1.3, step)), RULES, "auto")[0] for step in range(20)]
     assert [order.index(model) for model in found] == sorted(order.index(model) for model in found)
+
+
+TIER = load_rules("standard").tier
+RATE_HZ = 48_000
+ECHOES = st.lists(
+    st.builds(Reflection, st.just(2000), st.just(2100), st.floats(4.0, 500.0), st.floats(-20.0, 0.0)), max_size=3
+)
+HEARD = st.builds(
+    Heard,
+    st.none() | st.floats(0.0, 1.0),
+    st.integers(1, 2),
+    st.floats(-200.0, 40.0),
+    st.sampled_from(get_args(DecayEnd)),
+)
+
+
+def shot_of(heard: Heard | None, echoes: list[Reflection]) -> Shot:
+    return Shot(1000, 0.97, -3.0, 30.0, Span(1000, 1100), tuple(echoes), Span(1000, 25_000), heard=heard)
+
+
+@given(HEARD, ECHOES)
+def test_every_decision_is_a_function_of_its_evidence(heard: Heard, echoes: list[Reflection]) -> None:
+    shot = shot_of(heard, echoes)
+    made = decisions(shot, TIER, rate_hz=RATE_HZ)
+    elsewhere = msgspec.structs.replace(shot, onset=90, peak_dbfs=-30.0, burst=3, span=Span(90, 24_090))
+    assert decisions(elsewhere, TIER, rate_hz=RATE_HZ) == made
+    expected = [] if heard.screen is None else ["verifier"]
+    assert [each.about for each in made] == [*expected, "reflections", "window"]
+    assert all(each.choice and each.reason and each.evidence for each in made)
+
+
+def test_of_an_event_that_nobody_listened_to_nothing_is_said() -> None:
+    assert decisions(shot_of(None, []), TIER, rate_hz=RATE_HZ) == ()
+
+
+def test_more_doubt_never_asks_fewer_networks() -> None:
+    said = [decisions(shot_of(Heard(0.5, n, 0.0, "fallen"), []), TIER, rate_hz=RATE_HZ)[0].choice for n in (1, 2, 3)]
+    assert said == ["one network", "2 networks", "3 networks"]
+
+
+def heard_in(wave: np.ndarray) -> Shot:
+    return segment(
+        wave.astype(np.float32),
+        9600,
+        film_start=0,
+        film_stop=len(wave),
+        confidence=1.0,
+        rate_hz=RATE_HZ,
+        rules=TIER.segment,
+    )
+
+
+def bang(seed: int, *, decay_s: float, echo_db: float | None = None, noise: float = 1e-4) -> np.ndarray:
+    """Return two and a half seconds with a noisy bang at 0.2 s, and a copy of its blast 60 ms later."""
+    random = np.random.default_rng(seed)
+    time_s = np.arange(2 * RATE_HZ) / RATE_HZ
+    blast = (1.0 - time_s / 1e-3) * np.exp(-time_s / 1e-3)
+    wave = noise * random.normal(size=int(2.5 * RATE_HZ))
+    wave[9600 : 9600 + len(blast)] += 0.5 * blast + 0.02 * np.exp(-time_s / decay_s) * random.normal(size=len(blast))
+    if echo_db is not None:
+        wave[9600 + 2880 : 9600 + 2880 + 960] += 0.5 * 10.0 ** (echo_db / 20.0) * blast[:960]
+    return wave
+
+
+@pytest.mark.parametrize("echo_db", [-3.0, -10.0, -16.0, -30.0, None])
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_no_reflection_is_louder_than_there_is_room_for(seed: int, echo_db: float | None) -> None:
+    shot = heard_in(bang(seed, decay_s=0.002, echo_db=echo_db))
+    assert shot.heard is not None
+    assert all(echo.level_db <= shot.heard.echo_room_db + 1e-6 for echo in shot.reflections)
+    looked_for = decisions(shot, TIER, rate_hz=RATE_HZ)[0].choice
+    if echo_db is not None and echo_db >= -16.0:
+        assert looked_for == "segmented"
+    else:
+        assert (looked_for, shot.reflections) == ("none looked for", ())
+
+
+@pytest.mark.parametrize(
+    ("wave", "ended"),
+    [
+        (bang(1, decay_s=0.05), "fallen"),
+        (bang(1, decay_s=0.05, noise=0.004), "background"),
+        (bang(1, decay_s=30.0), "longest"),
+        (bang(1, decay_s=0.04) + np.roll(bang(2, decay_s=0.04), int(0.11 * RATE_HZ)), "next sound"),
+    ],
+)
+def test_the_decay_says_what_ended_it(wave: np.ndarray, ended: str) -> None:
+    shot = heard_in(wave)
+    assert shot.heard is not None
+    assert shot.heard.decay_end == ended
+
+
+def test_the_report_gives_every_reason() -> None:
+    event = msgspec.structs.replace(
+        SHOT, decisions=decisions(shot_of(Heard(0.9, 1, -30.0, "fallen"), []), TIER, rate_hz=RATE_HZ)
+    )
+    page = reasons(event)
+    assert page.count("<p") == 4
+    assert all(each.about.capitalize() in page for each in event.decisions)
+    assert event.drive is not None
+    assert event.drive.reason in page

@@ -6,6 +6,7 @@ from blastline.model import (
     SCHEMA,
     ActuatorRef,
     Check,
+    Decision,
     DriveInfo,
     Event,
     Reflection,
@@ -71,6 +72,7 @@ _LENGTH = st.integers(0, 2**20)
 _NUMBER = st.floats(-1e6, 1e6)
 _RATIO = st.floats(0.0, 1.0)
 _TEXT = st.text(st.characters(exclude_categories=["Cs", "Cc"]), min_size=1, max_size=20)
+_EVIDENCE = st.sampled_from([{}, {"probability": 0.25}, {"level": -3.0, "a b": 1e-9}])
 
 
 @st.composite
@@ -91,10 +93,11 @@ def any_event(draw: st.DrawFn, identity: str) -> Event:
         blast=Span(onset, onset + draw(_LENGTH)),
         reflections=tuple(reflections),
         window=Window(max(0, onset - draw(_LENGTH)), onset + draw(_LENGTH), draw(_LENGTH), draw(_LENGTH)),
-        drive=draw(st.none() | st.builds(DriveInfo, _models(), _TEXT, _NUMBER, _NUMBER, _NUMBER)),
+        drive=draw(st.none() | st.builds(DriveInfo, _models(), _TEXT, _NUMBER, _NUMBER, _NUMBER, evidence=_EVIDENCE)),
         heard_in=draw(st.sampled_from(["mains", "sides"])),
         azimuth_deg=draw(st.none() | st.floats(-180.0, 180.0)),
         azimuth_focus=draw(st.none() | _RATIO),
+        decisions=draw(st.sampled_from([(), (Decision("window", "ü", "<b>", {"decay_ms": 80.0}),)])),
     )
 
 

@@ -1,7 +1,25 @@
-"""What a scene requires: the cheapest drive model that is good enough, with the reason in figures."""
+"""What a scene requires: the cheapest way that is good enough, with the reason in figures.
 
-from .model import DriveChoice, DriveModel, SceneEvidence
-from .ruleset import SceneRules
+`choose`, for each window
+    drive         is direct conversion close already, does the compensator fit the limit
+`decisions`, for each event, as detection took them
+    verifier      was the candidate clear after the first network
+    reflections   can there be any that is worth a segment
+    window        how long the decay needs it to be
+"""
+
+from collections.abc import Iterator
+
+from .model import DecayEnd, Decision, DriveChoice, DriveModel, Heard, Reflection, SceneEvidence, Shot
+from .ruleset import QualityRules, SceneRules
+from .units import ms_from_samples
+
+_ENDED: dict[DecayEnd, str] = {
+    "fallen": "its level has fallen by {decay_db:g} dB by then",
+    "background": "its level has come down to the background by then",
+    "next sound": "another sound begins by then",
+    "longest": "it is still heard at the longest that is rendered, or at the film's end",
+}
 
 
 def choose(evidence: SceneEvidence, rules: SceneRules, choice: DriveChoice) -> tuple[DriveModel, str]:
@@ -25,3 +43,47 @@ def choose(evidence: SceneEvidence, rules: SceneRules, choice: DriveChoice) -> t
     if evidence.filter_peak <= 1.0:
         return "filter", f"{level} {alike}; {peak}"
     return "constrained", f"{level} {alike}; {peak}, which is too much"
+
+
+def decisions(shot: Shot, tier: QualityRules, *, rate_hz: int) -> tuple[Decision, ...]:
+    """Return how closely a shot was looked at and why; nothing for one of which that is not known."""
+    if shot.heard is None:
+        return ()
+    return (
+        *_verifier(shot.heard, shot.confidence, tier),
+        _reflections(shot.heard, shot.reflections, tier),
+        _window(shot.heard.decay_end, ms_from_samples(len(shot.span), rate_hz), tier),
+    )
+
+
+def _verifier(heard: Heard, confidence: float, tier: QualityRules) -> Iterator[Decision]:
+    """Yield how many networks judged; nothing where no screen did, because somebody else found the shot."""
+    if heard.screen is None:
+        return
+    evidence = {"screen": heard.screen, "confidence": confidence}
+    said = f"the screen gives it {heard.screen:.4g}"
+    if heard.networks == 1:
+        left = "one network is all that this quality asks" if tier.verify.networks == 1 else "a network left no doubt"
+        yield Decision("verifier", "one network", f"{said}; {left}", evidence)
+    else:
+        reason = f"{said}; the network before left room for doubt"
+        yield Decision("verifier", f"{heard.networks} networks", reason, evidence)
+
+
+def _reflections(heard: Heard, found: tuple[Reflection, ...], tier: QualityRules) -> Decision:
+    room = f"nothing as long as the blast is louder than {heard.echo_room_db:.1f} dB against it"
+    evidence = {"echo_room_db": heard.echo_room_db, "reflections": float(len(found))}
+    if heard.echo_room_db < tier.segment.reflection_level_db:
+        return Decision("reflections", "none looked for", f"{room}, too little for a reflection", evidence)
+    if not found:
+        return Decision("reflections", "none", f"{room}, but nothing that stands out copies it", evidence)
+    loudest = max(found, key=lambda echo: echo.level_db)
+    evidence |= {"level_db": loudest.level_db, "delay_ms": loudest.delay_ms}
+    many = "1 copies" if len(found) == 1 else f"{len(found)} copy"
+    reason = f"{many} the blast, the loudest {loudest.level_db:.1f} dB against it after {loudest.delay_ms:.1f} ms"
+    return Decision("reflections", "segmented", reason, evidence)
+
+
+def _window(ended: DecayEnd, decay_ms: float, tier: QualityRules) -> Decision:
+    reason = _ENDED[ended].format(decay_db=tier.segment.decay_db)
+    return Decision("window", f"{decay_ms:.0f} ms", reason, {"decay_ms": decay_ms})

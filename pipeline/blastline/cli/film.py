@@ -1,7 +1,7 @@
 """`render`, `detect`, `check` and `export`."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,6 +12,7 @@ from .options import (
     WRITING,
     ActuatorOption,
     BackgroundOption,
+    BudgetOption,
     DriveOption,
     EditedTimeline,
     Film,
@@ -19,11 +20,12 @@ from .options import (
     FrameRate,
     LevelOption,
     MadeFor,
+    MaxCostOption,
     Mix,
     OriginalTimeline,
     Overwrite,
     PhaseOption,
-    QualityOption,
+    QualityOrBudget,
     Quiet,
     ReportOption,
     ResultFolder,
@@ -35,13 +37,18 @@ from .options import (
 from .progress import shown_progress
 from .summary import say_checks, say_summary
 
+if TYPE_CHECKING:
+    from ..run import Allowance, RenderOptions
+
 FAILED_CHECK = 1
 
 
 def render(
     film: Film,
     folder: ResultFolder,
-    quality: QualityOption = "standard",
+    quality: QualityOrBudget = None,
+    budget: BudgetOption = None,
+    max_cost: MaxCostOption = None,
     rules: RulesOption = None,
     mix: Mix = "mains",
     stream: Stream = None,
@@ -65,8 +72,9 @@ def render(
     """
     from .. import run
 
+    allowed = run.allowance(budget=budget, max_cost=max_cost, quality=quality)
     options = run.RenderOptions(
-        quality=quality,
+        quality=quality or "standard",
         actuator=actuator,
         rules=rules,
         drive=drive,
@@ -82,6 +90,8 @@ def render(
         timeline=timeline,
         original=original,
     )
+    if allowed is not None:
+        options = _within(film, allowed, options, drives=True, quiet=quiet)
     notes: list[str] = []
     with shown_progress(quiet=quiet) as progress:
         made = run.render(film, folder, options, progress, notes.append)
@@ -106,7 +116,9 @@ def detect(
             rich_help_panel=WRITING,
         ),
     ] = None,
-    quality: QualityOption = "standard",
+    quality: QualityOrBudget = None,
+    budget: BudgetOption = None,
+    max_cost: MaxCostOption = None,
     rules: RulesOption = None,
     mix: Mix = "mains",
     stream: Stream = None,
@@ -122,12 +134,24 @@ def detect(
     from .. import run
     from ..staging import staged
 
+    allowed = run.allowance(budget=budget, max_cost=max_cost, quality=quality)
     timebase = parse_timebase(start_timecode, frame_rate)
+    options = run.RenderOptions(
+        quality=quality or "standard", rules=rules, mix=mix, stream=stream, timebase=timebase, report=False
+    )
 
     def found() -> bytes:
+        asked = options if allowed is None else _within(film, allowed, options, drives=False, quiet=quiet)
         with shown_progress(quiet=quiet) as progress:
             timeline = run.detect(
-                film, quality=quality, rules=rules, mix=mix, stream=stream, timebase=timebase, progress=progress
+                film,
+                quality=asked.quality,
+                rules=rules,
+                mix=mix,
+                stream=stream,
+                timebase=timebase,
+                budget=asked.budget,
+                progress=progress,
             )
         return encode(timeline)
 
@@ -224,6 +248,19 @@ def formats() -> None:
 
     for row in run.exports():
         typer.echo(f"{row.name:<9} {', '.join(row.files):<24} {row.exactness}\n{'':<9} {row.tool}: {row.how}")
+
+
+def _within(
+    film: Path, allowed: "Allowance", options: "RenderOptions", *, drives: bool, quiet: bool
+) -> "RenderOptions":
+    """Return the options with the quality that fits the budget, which counts from the start of the process; say so."""
+    from .. import run
+
+    with shown_progress(quiet=quiet) as progress:
+        fitted = run.within(film, allowed, options, drives=drives, since_cpu_s=0.0, progress=progress)
+    if fitted.budget is not None and not quiet:
+        typer.echo(fitted.budget.note, err=True)
+    return fitted
 
 
 def _code(timeline: Timeline) -> int:

@@ -15,6 +15,32 @@ QualityOption = Annotated[
     Quality,
     typer.Option("--quality", help="How much time to spend on accuracy.", rich_help_panel=FINDING),
 ]
+QualityOrBudget = Annotated[
+    Quality | None,
+    typer.Option(
+        "--quality", help="How much time to spend on accuracy.", show_default="standard", rich_help_panel=FINDING
+    ),
+]
+BudgetOption = Annotated[
+    str | None,
+    typer.Option(
+        "--budget",
+        metavar="TIME",
+        help="CPU time to spend on the film, such as 90s, 2min or 1.5h: takes the most accurate quality that fits.",
+        show_default=False,
+        rich_help_panel=FINDING,
+    ),
+]
+MaxCostOption = Annotated[
+    float | None,
+    typer.Option(
+        "--max-cost",
+        metavar="X",
+        help="The same as CPU seconds per second of film.",
+        show_default=False,
+        rich_help_panel=FINDING,
+    ),
+]
 RulesOption = Annotated[
     Path | None,
     typer.Option(

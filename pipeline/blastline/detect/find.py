@@ -217,7 +217,7 @@ def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
 def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier) -> Heard:
     screen = partial(verifier.screen.lets_pass, at_least=tier.verify.look_from)
     found = described(stretch, grid, tier, gate=verifier.gate.lets_pass, screen=screen)
-    surety = verifier.probabilities(found.rows, pictures(stretch.samples, found.onsets, grid.rate_hz))
+    verdicts = verifier.verdicts(found.rows, pictures(stretch.samples, found.onsets, grid.rate_hz))
     shots = [
         segment(
             stretch.samples,
@@ -227,13 +227,17 @@ def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier
             confidence=float(p),
             rate_hz=grid.rate_hz,
             rules=tier.segment,
+            screen=float(screen_p),
+            networks=int(networks),
         )
-        for onset, p in zip(found.onsets, surety, strict=True)
+        for onset, p, screen_p, networks in zip(
+            found.onsets, verdicts.surety, verdicts.screened, verdicts.networks, strict=True
+        )
         if p >= tier.verify.company_threshold
     ]
     refused = [
         Rejection(int(onset) + stretch.start, "does not sound like a shot", {"probability": float(p)})
-        for onset, p in zip(found.onsets, surety, strict=True)
+        for onset, p in zip(found.onsets, verdicts.surety, strict=True)
         if tier.verify.report_from <= p < tier.verify.company_threshold
     ]
     return shots, refused

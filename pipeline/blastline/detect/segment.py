@@ -12,7 +12,7 @@ have to stand out of their own neighbourhood: a tail full of overlapping echoes 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Reflection, Shot, Span
+from ..model import DecayEnd, Heard, Reflection, Shot, Span
 from ..ruleset import SegmentRules
 from ..units import db_from_gain, gain_from_db, ms_from_samples, samples_from_ms
 from .reflections import discrete_reflections
@@ -40,10 +40,12 @@ def segment(
     confidence: float,
     rate_hz: int,
     rules: SegmentRules,
+    screen: float | None = None,
+    networks: int = 0,
 ) -> Shot:
     """Return the shot whose blast starts at index `onset` of `samples`, a stretch that starts at `film_start`.
 
-    `film_stop` is where the film, or what is known of it, ends.
+    `film_stop` is where the film, or what is known of it, ends; `screen` and `networks` are as in `model.Heard`.
     """
     stop = min(onset + reach(rate_hz=rate_hz, rules=rules), film_stop - film_start)
     wave = samples[onset:stop].astype(np.float64)
@@ -51,10 +53,15 @@ def segment(
     wave -= np.mean(before) if before.size else wave[0]  # a constant is no sound
     background = float(np.std(before)) if before.size else 0.0
     peak = float(np.abs(wave[: samples_from_ms(PEAK_MS, rate_hz)]).max(initial=0.0))
-    echoes = _reflections(wave, before - np.mean(before) if before.size else before, rate_hz=rate_hz, rules=rules)
     blast = _blast_length(wave, peak, _usual_power(before, rate_hz), rate_hz=rate_hz, rules=rules)
+    room_db = _echo_room_db(wave, blast, rate_hz=rate_hz, rules=rules)
+    echoes: list[tuple[int, float]] = []
+    if room_db >= rules.reflection_level_db:
+        still = before - np.mean(before) if before.size else before
+        echoes = _reflections(wave, still, rate_hz=rate_hz, rules=rules)
     blast = min([blast, *(lag for lag, _ in echoes[:1])])
     at = film_start + onset
+    length, ended = _decay(wave, peak, background, rate_hz=rate_hz, rules=rules)
     return Shot(
         onset=at,
         confidence=confidence,
@@ -64,7 +71,8 @@ def segment(
         reflections=tuple(
             Reflection(at + lag, at + lag + blast, ms_from_samples(lag, rate_hz), level_db) for lag, level_db in echoes
         ),
-        span=Span(at, at + _decay_length(wave, peak, background, rate_hz=rate_hz, rules=rules)),
+        span=Span(at, at + length),
+        heard=Heard(screen, networks, room_db, ended),
     )
 
 
@@ -100,6 +108,22 @@ def _usual_power(before: NDArray[np.float64], rate_hz: int) -> float:
     return float(np.median(np.mean(np.square(grains - np.mean(before)), axis=1))) if grains.size else 0.0
 
 
+def _echo_room_db(wave: NDArray[np.float64], blast: int, *, rate_hz: int, rules: SegmentRules) -> float:
+    """Return how loud the loudest later stretch is that is as long as the blast, against the blast.
+
+    In the waveform or its first difference, whichever gives more: an echo off something soft has lost its edge.
+    """
+    earliest = max(blast, samples_from_ms(rules.earliest_reflection_ms, rate_hz))
+    late = wave[: samples_from_ms(rules.latest_reflection_ms, rate_hz) + blast]
+    room = 0.0
+    for heard in (late, np.diff(late, prepend=0.0)):
+        sums = np.concatenate([[0.0], np.cumsum(heard**2)])
+        energies = sums[blast:] - sums[:-blast]
+        if energies[earliest:].size and energies[0] > 0.0:
+            room = max(room, float(np.sqrt(max(0.0, energies[earliest:].max()) / energies[0])))
+    return db_from_gain(room)
+
+
 def _reflections(
     wave: NDArray[np.float64], before: NDArray[np.float64], *, rate_hz: int, rules: SegmentRules
 ) -> list[tuple[int, float]]:
@@ -109,22 +133,26 @@ def _reflections(
     return [(lag, level_db) for lag, level_db in levels if rules.reflection_level_db <= level_db <= _LOUDEST_DB]
 
 
-def _decay_length(
+def _decay(
     wave: NDArray[np.float64], peak: float, background: float, *, rate_hz: int, rules: SegmentRules
-) -> int:
-    """Return when the smoothed level falls `decay_db` under its start, to the background, or rises again."""
+) -> tuple[int, DecayEnd]:
+    """Return when the smoothed level falls `decay_db` under its start, to the background, or rises again; and which."""
     shortest, longest = samples_from_ms(rules.shortest_ms, rate_hz), samples_from_ms(rules.longest_ms, rate_hz)
     grain = max(1, samples_from_ms(_SMOOTH_MS, rate_hz))
     grains = wave[: wave.shape[0] // grain * grain].reshape(-1, grain)
     level = np.sqrt(np.mean(grains**2, axis=1))
     start = float(level[:2].max(initial=0.0))
-    over = (level < start * gain_from_db(-rules.decay_db)) | (level < 1.4 * background)
+    fallen, drowned = level < start * gain_from_db(-rules.decay_db), level < 1.4 * background
     lowest = np.minimum.accumulate(level)
-    over |= (lowest < _DECAYED * start) & (level > _RISE_AGAIN * lowest)
+    over = fallen | drowned | ((lowest < _DECAYED * start) & (level > _RISE_AGAIN * lowest))
     over &= np.arange(level.shape[0]) * grain >= shortest
     found = np.flatnonzero(over[:-1] & over[1:]) if over.size > 1 else np.empty(0, np.intp)
-    length = int(found[0]) * grain if found.size else longest
-    return max(1, min(length, longest, int(wave.shape[0])))
+    longest = min(longest, int(wave.shape[0]))
+    if not found.size or int(found[0]) * grain >= longest:
+        return max(1, longest), "longest"
+    first = int(found[0])
+    ended: DecayEnd = "fallen" if fallen[first] else "background" if drowned[first] else "next sound"
+    return max(1, first * grain), ended
 
 
 def _running_peak(magnitude: NDArray[np.float64], width: int) -> NDArray[np.float64]:

@@ -93,6 +93,15 @@ class Sieve:
 
 
 @dataclass(frozen=True, eq=False)
+class Verdicts:
+    """Of n candidates: the probability that each is a shot, that by the screen alone, and how many networks looked."""
+
+    surety: NDArray[np.float64]
+    screened: NDArray[np.float64]
+    networks: NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
 class Verifier:
     """The gate, by rough shapes; the screen, by shape and neighbourhood; and the networks, which also see pictures."""
 
@@ -101,20 +110,25 @@ class Verifier:
     networks: tuple[Network, ...]
 
     def probabilities(self, rows: NDArray[np.float64], shown: Pictures) -> NDArray[np.float64]:
-        """Return the probability that each candidate is a shot, shape (n,): of two parts networks, one part screen.
+        """Return the probability that each candidate is a shot, shape (n,)."""
+        return self.verdicts(rows, shown).surety
+
+    def verdicts(self, rows: NDArray[np.float64], shown: Pictures) -> Verdicts:
+        """Return what is thought of each candidate: of two parts networks, one part screen.
 
         Trees and networks err in different places. A further network is asked only where those before it leave room
         for doubt. To four digits: beyond them the sums depend on how many candidates are judged together.
         """
         by_screen = score(rows, self.screen.forest)
-        said, odds = np.zeros(rows.shape[0]), np.zeros(rows.shape[0])
+        said, odds, networks = np.zeros(rows.shape[0]), np.zeros(rows.shape[0]), np.zeros(rows.shape[0], np.intp)
         open_to_doubt = np.arange(rows.shape[0])
         for asked, network in enumerate(self.networks, start=1):
             said[open_to_doubt] += log_odds(network, rows[open_to_doubt], shown.taken(open_to_doubt))
             mean = said[open_to_doubt] / asked
             odds[open_to_doubt] = (1.0 - SCREEN_SHARE) * mean + SCREEN_SHARE * by_screen[open_to_doubt]
+            networks[open_to_doubt] = asked
             open_to_doubt = open_to_doubt[np.abs(odds[open_to_doubt]) < BEYOND_DOUBT]
-        return np.asarray(np.round(1.0 / (1.0 + np.exp(-odds)), 4), np.float64)
+        return Verdicts(_probability(odds), _probability(by_screen), networks)
 
 
 def load_verifier(path: Path, *, networks: int) -> Verifier:
@@ -159,6 +173,11 @@ def grown(file: ForestFile) -> Forest:
     depth = _depth(left, right)
     first = np.arange(shape[0])[:, None] * nodes
     return Forest(feature, threshold, left + first, right + first, value, file.baseline, depth)
+
+
+def _probability(odds: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return log-odds as probabilities, to four digits."""
+    return np.asarray(np.round(1.0 / (1.0 + np.exp(-odds)), 4), np.float64)
 
 
 def probabilities(rows: NDArray[np.float64], forest: Forest) -> NDArray[np.float64]:

@@ -17,6 +17,9 @@ Background = Literal["mute", "direct"]
 Origin = Literal["found", "moved", "added"]
 HeardIn = Literal["mains", "sides"]
 
+DecayEnd = Literal["fallen", "background", "next sound", "longest"]
+Question = Literal["verifier", "reflections", "window"]
+
 Index = Annotated[int, Meta(ge=0)]
 Ratio = Annotated[float, Meta(ge=0.0, le=1.0)]
 Azimuth = Annotated[float, Meta(ge=-180.0, le=180.0)]
@@ -83,7 +86,8 @@ class DriveInfo(msgspec.Struct, frozen=True):
     `peak` is against the actuator's limit. `perceived_gain_db` is the level of the predicted perceived vibration
     against that of direct conversion. `fidelity` is the correlation of the predicted perceived vibration with
     the sound in the band of vibration. Of a constrained drive, `solver_steps` says what it took, and `explained` which
-    share of the energy that was to be felt it makes felt; None for other models.
+    share of the energy that was to be felt it makes felt; None for other models. `evidence` is what the choice of the
+    model was made from.
     """
 
     model: DriveModel
@@ -93,6 +97,30 @@ class DriveInfo(msgspec.Struct, frozen=True):
     fidelity: float
     solver_steps: Index | None = None
     explained: float | None = None
+    evidence: dict[str, float] = {}
+
+
+class Heard(msgspec.Struct, frozen=True):
+    """What detection measured of a shot before it decided how closely to look.
+
+    `screen` is the probability by the screen alone and `networks` how many judged beside it; None and 0 where somebody
+    else found the shot. No later stretch as long as the blast is louder than `echo_room_db` against it, in the
+    waveform or its first difference. `decay_end` says what ended the decay.
+    """
+
+    screen: Ratio | None
+    networks: Index
+    echo_room_db: float
+    decay_end: DecayEnd
+
+
+class Decision(msgspec.Struct, frozen=True):
+    """What was decided for an event by what it requires, why, and the measured evidence."""
+
+    about: Question
+    choice: str
+    reason: str
+    evidence: dict[str, float]
 
 
 class Shot(msgspec.Struct, frozen=True):
@@ -113,6 +141,7 @@ class Shot(msgspec.Struct, frozen=True):
     heard_in: HeardIn = "mains"
     azimuth_deg: Azimuth | None = None
     azimuth_focus: Ratio | None = None
+    heard: Heard | None = None
 
 
 class Event(msgspec.Struct, frozen=True):
@@ -121,7 +150,8 @@ class Event(msgspec.Struct, frozen=True):
     `origin` says whether detection put its onset where it is or somebody who edited the timeline. `gain_db` is how much
     stronger than usual the drive was asked to be. `heard_in` says whether it was found in the mains, or in them without
     the centre. `azimuth_deg` is where it comes from, 0 in front, 90 on the right, 180 behind, None where nothing tells;
-    `azimuth_focus` is 1 where one loudspeaker plays it, and less the wider it is spread.
+    `azimuth_focus` is 1 where one loudspeaker plays it, and less the wider it is spread. `decisions` say how closely it
+    was looked at, and why.
     """
 
     id: str
@@ -142,6 +172,7 @@ class Event(msgspec.Struct, frozen=True):
     heard_in: HeardIn = "mains"
     azimuth_deg: Azimuth | None = None
     azimuth_focus: Ratio | None = None
+    decisions: tuple[Decision, ...] = ()
 
 
 class Rejection(msgspec.Struct, frozen=True):
@@ -181,6 +212,19 @@ class Edits(msgspec.Struct, frozen=True):
     notes: tuple[str, ...] = ()
 
 
+class Budget(msgspec.Struct, frozen=True):
+    """How the quality was chosen to keep to a budget of CPU time.
+
+    `asked` is the budget in the user's words and `allowed_cpu_s` what it comes to for this film; `predicted_cpu_s` is
+    what the qualities that were weighed would take, the choosing included; `note` tells it in one line.
+    """
+
+    asked: str
+    allowed_cpu_s: float
+    predicted_cpu_s: dict[Quality, float]
+    note: str
+
+
 class Timeline(msgspec.Struct, frozen=True):
     """The whole result: source, actuator, events in order, rejections and checks.
 
@@ -201,6 +245,7 @@ class Timeline(msgspec.Struct, frozen=True):
     background: Background = "mute"
     level_db: float = 0.0
     edits: Edits | None = None
+    budget: Budget | None = None
 
 
 def schema() -> dict[str, Any]:

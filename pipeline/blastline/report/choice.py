@@ -1,8 +1,12 @@
-"""Which shots get a picture: where something failed, where detection was least sure, and the strongest."""
+"""What was chosen, and why: which shots get a picture, and how closely each was looked at and rendered.
+
+Pictures are for where something failed, where detection was least sure, and the strongest.
+"""
 
 from collections.abc import Sequence
 
 from ..model import Check, Event
+from .words import safe
 
 MOST_PICTURES = 24
 _FAILED_SHARE, _UNSURE_SHARE = 12, 6
@@ -28,6 +32,14 @@ def rule() -> str:
         f"A film with many shots shows {MOST_PICTURES} of them: up to {_FAILED_SHARE} in which a check failed, "
         f"the {_UNSURE_SHARE} of which detection was least sure, and the strongest."
     )
+
+
+def reasons(event: Event) -> str:
+    """Return what was chosen for a shot and why, a line for each choice."""
+    lines = [(each.about.capitalize(), each.choice, each.reason) for each in event.decisions]
+    if event.drive is not None:
+        lines.append(("Drive", event.drive.model, event.drive.reason))
+    return "".join(f'<p class="why">{name}: {safe(choice)}, {safe(reason)}.</p>' for name, choice, reason in lines)
 
 
 def failures(checks: Sequence[Check]) -> dict[str, int]:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ..model import Check, Cutter, Event, Timeline
 from ..ruleset import ActuatorProfile
-from .choice import MOST_PICTURES, failures, pictured, rule
+from .choice import MOST_PICTURES, failures, pictured, reasons, rule
 from .exports import ExportRow, exports_table
 from .figures import event_figure
 from .overview import Overview
@@ -137,7 +137,7 @@ def _picture(
         event, timeline.events, audio=audio, drive=drive, frames=timeline.source.frames, profile=profile
     )
     own = [check for check in timeline.checks if check.event == event.id]
-    reason = f'<p class="why">Drive: {safe(event.drive.model)}, {safe(event.drive.reason)}.</p>' if event.drive else ""
+    reason = reasons(event)
     return (
         f'<article class="card picture" id="shot-{safe(event.id)}">'
         f"<h3>{safe(event.id)} <span>{safe(event.timecode)}{f' · {why}' if why else ''}</span>{_badge(own)}</h3>"

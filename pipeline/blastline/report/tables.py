@@ -129,6 +129,7 @@ def origin_list(timeline: Timeline, options: Mapping[str, str]) -> str:
         "blastline": timeline.version,
         "Quality": timeline.quality,
         "Rules": timeline.rules_digest,
+        **({"Budget": timeline.budget.note} if timeline.budget else {}),
         **_edits(timeline.edits),
         "Film": source.name,
         "Film's SHA-256": source.sha256,

@@ -10,6 +10,7 @@ from .actuators import (
     fit_actuator,
     identify_actuator,
 )
+from .budget import Allowance, allowance, within
 from .checking import check
 from .conforming import Conformed, conform
 from .exports import exports
@@ -21,6 +22,7 @@ from .progress import Progress, no_progress
 from .rendering import render
 
 __all__ = [
+    "Allowance",
     "Conformed",
     "FitOptions",
     "MadeProfile",
@@ -28,6 +30,7 @@ __all__ = [
     "RenderOptions",
     "actuator_picture",
     "actuator_table",
+    "allowance",
     "check",
     "conform",
     "detect",
@@ -38,4 +41,5 @@ __all__ = [
     "no_progress",
     "render",
     "synthesise",
+    "within",
 ]

@@ -1,7 +1,10 @@
 """The drive's file: every window rendered from the film and written as it comes."""
 
 from collections.abc import Iterator
+from dataclasses import asdict, replace
 from pathlib import Path
+
+import msgspec
 
 from .. import scene
 from ..model import Clip, DriveInfo, Span
@@ -42,8 +45,12 @@ def _rendered(heard: Listened, setup: Setup) -> Iterator[RenderedWindow]:
     for planned in heard.windows:
         audio = heard.track.cut(needed_audio(planned, frames=heard.source.frames, filters=filters, rules=render_rules))
         window = hear_window(audio, planned, filters=filters, rules=render_rules)
-        model, reason = scene.choose(measure(window), setup.rules.scenes, options.drive)
-        yield render_window(window, heard.found.shots, model=model, reason=reason, background=options.background)
+        evidence = measure(window)
+        model, reason = scene.choose(evidence, setup.rules.scenes, options.drive)
+        done = render_window(window, heard.found.shots, model=model, reason=reason, background=options.background)
+        yield replace(
+            done, drives=tuple(msgspec.structs.replace(info, evidence=asdict(evidence)) for info in done.drives)
+        )
 
 
 def _cuts(track: Soundtrack, frames: int) -> Iterator[Clip]:

@@ -13,7 +13,7 @@ from ..detect import Detection, audio_around, group_bursts, part_from_echoes, pl
 from ..errors import TimelineError
 from ..export import read_timeline
 from ..export.edits import EditedFile, Wanted, Wish, match, read_edits
-from ..model import Edits, Event, Rejection, Shot, Source, Window
+from ..model import Decision, Edits, Event, Rejection, Shot, Source, Window
 from ..render import plan_windows, window_between, with_gains
 from ..report import OverviewMeter
 from ..ruleset import Rules
@@ -101,7 +101,7 @@ def hear_edited(
         given=_given(wishes, shots, source, rules),
     )
     found = Detection(shots, _rejections(editing, wanted, source.sample_rate_hz))
-    marks = tuple(Mark(wish.id, wish.origin, wish.gain_db) for wish in wishes)
+    marks = tuple(Mark(wish.id, wish.origin, wish.gain_db, _decided(wish)) for wish in wishes)
     windows = with_gains(windows, shots, [wish.gain_db for wish in wishes])
     return Listened(track, source, found, windows, marks), _counted(editing, wanted)
 
@@ -157,6 +157,11 @@ def _shots(wishes: Sequence[Wish], track: Soundtrack, source: Source, rules: Rul
         for wish, shot in zip(wishes, parted, strict=True)
     ]
     return group_bursts(kept, rate_hz=rate_hz, rules=tier.bursts)
+
+
+def _decided(wish: Wish) -> tuple[Decision, ...]:
+    """Return how closely an event was looked at, where nobody has moved it since."""
+    return wish.was.decisions if wish.unmoved and wish.was is not None else ()
 
 
 def _as_it_was(shot: Shot, was: Event) -> Shot:

@@ -4,9 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from .. import __version__
+import msgspec
+
+from .. import __version__, scene
 from ..detect import LATENCY_S, Detection, find_shots, load_verifier
-from ..model import SCHEMA, ActuatorRef, DriveInfo, Event, Origin, Quality, Source, Timeline
+from ..model import SCHEMA, ActuatorRef, Budget, Decision, DriveInfo, Event, Origin, Quality, Source, Timeline
 from ..render import PlannedWindow, plan_windows
 from ..report import OverviewMeter
 from ..ruleset import Rules, load_rules, rules_path
@@ -21,11 +23,12 @@ BLOCK = 65_536
 
 @dataclass(frozen=True)
 class Mark:
-    """A shot's id, origin and gain."""
+    """A shot's id, origin and gain, and what was decided for it where that is known already."""
 
     id: str
     origin: Origin = "found"
     gain_db: float = 0.0
+    decisions: tuple[Decision, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,16 +53,18 @@ def detect(
     mix: str = "mains",
     stream: int | None = None,
     timebase: Timebase = AS_FILMED,
+    budget: Budget | None = None,
     progress: Progress = no_progress,
 ) -> Timeline:
     """Find the shots of a film and return them as a timeline without a drive.
 
-    `timebase` is what the user says about the film's timecode. Raises BlastlineError for input, rules or a time base
-    that cannot be used.
+    `timebase` is what the user says about the film's timecode, `budget` how the quality was chosen. Raises
+    BlastlineError for input, rules or a time base that cannot be used.
     """
     read = load_rules(quality, rules)
     with open_soundtrack(film, stream=stream, mix=mix, timebase=timebase) as track:
-        return assemble(listen(track, read, progress), read, {}, None)
+        found = assemble(listen(track, read, progress), read, {}, None)
+    return msgspec.structs.replace(found, budget=budget)
 
 
 def listen(track: Soundtrack, rules: Rules, progress: Progress, meter: OverviewMeter | None = None) -> Listened:
@@ -101,6 +106,7 @@ def assemble(heard: Listened, rules: Rules, drives: Mapping[int, DriveInfo], act
             heard_in=shot.heard_in,
             azimuth_deg=shot.azimuth_deg,
             azimuth_focus=shot.azimuth_focus,
+            decisions=mark.decisions or scene.decisions(shot, rules.tier, rate_hz=source.sample_rate_hz),
         )
         for index, (shot, mark) in enumerate(zip(heard.found.shots, heard.marks, strict=True))
     )

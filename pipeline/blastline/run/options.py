@@ -6,7 +6,7 @@ from pathlib import Path
 import msgspec
 
 from ..errors import RuleError
-from ..model import ActuatorRef, Background, DriveChoice, Phase, Quality
+from ..model import ActuatorRef, Background, Budget, DriveChoice, Phase, Quality
 from ..ruleset import LARGEST_LEVEL_DB, ActuatorProfile, HapticRules, Rules, load_actuator, load_haptics, load_rules
 from ..timebase import AS_FILMED, Timebase
 from .progress import Progress
@@ -31,6 +31,7 @@ class RenderOptions:
     overwrite: bool = False
     timeline: Path | None = None
     original: Path | None = None
+    budget: Budget | None = None
 
 
 @dataclass(frozen=True)

@@ -53,9 +53,9 @@ def render(
         with open_soundtrack(hidden / names.DRIVE) as drive:
             profile, align = setup.profile, setup.rules.align
             timeline = checked(timeline, track, drive, profile=profile, rules=align, progress=progress)
-            written = _write_formats(timeline, hidden, drive, setup, note)
+            written = write_formats(timeline, hidden, drive, setup, note)
             if meter is not None:
-                _write_report(timeline, hidden, written, track=track, drive=drive, meter=meter, setup=setup)
+                write_report_of(timeline, hidden, written, track=track, drive=drive, meter=meter, setup=setup)
     for line in rounding(timeline, options.formats):
         note(line)
     return timeline
@@ -73,6 +73,7 @@ def _driven(
         background=setup.options.background,
         level_db=setup.rules.tier.render.level_db,
         edits=edits,
+        budget=setup.options.budget,
     )
 
 
@@ -85,7 +86,7 @@ def _heard(
     return hear_edited(track, setup.rules, editing, progress=setup.progress, meter=meter)
 
 
-def _write_formats(timeline: Timeline, folder: Path, drive: Soundtrack, setup: Setup, note: Note) -> list[Path]:
+def write_formats(timeline: Timeline, folder: Path, drive: Soundtrack, setup: Setup, note: Note) -> list[Path]:
     """Write the formats that were asked for and return their files."""
     haptic, formats = None, setup.options.formats
     if needs_drive(formats):
@@ -94,7 +95,7 @@ def _write_formats(timeline: Timeline, folder: Path, drive: Soundtrack, setup: S
     return export_timeline(timeline, folder, formats=formats, track=haptic, rounding=rounding_notes(note))
 
 
-def _write_report(
+def write_report_of(
     timeline: Timeline,
     folder: Path,
     written: Iterable[Path],
@@ -104,6 +105,7 @@ def _write_report(
     meter: OverviewMeter,
     setup: Setup,
 ) -> None:
+    """Write the report of a result whose files have been written."""
     setup.progress("reporting", 0, None)
     options = setup.options
     write_report(

@@ -7,6 +7,6 @@
 from ..timecode import timecode_at
 from .bwf import Cue
 from .reader import Soundtrack, open_soundtrack
-from .writer import write_drive
+from .writer import write_drive, write_excerpt
 
-__all__ = ["Cue", "Soundtrack", "open_soundtrack", "timecode_at", "write_drive"]
+__all__ = ["Cue", "Soundtrack", "open_soundtrack", "timecode_at", "write_drive", "write_excerpt"]

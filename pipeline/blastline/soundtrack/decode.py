@@ -42,8 +42,10 @@ class Tally:
             )
 
 
-def decoded(container: "InputContainer", stream: "AudioStream", tally: Tally) -> Generator["AudioFrame", None, None]:
-    """Yield the frames of a stream in order, stepping over packets that fail.
+def decoded(
+    container: "InputContainer", stream: "AudioStream", tally: Tally, *, earliest_s: Fraction | None = None
+) -> Generator["AudioFrame", None, None]:
+    """Yield the frames of a stream in order, stepping over packets that fail, and over those before `earliest_s`.
 
     Raises SoundtrackError where hundreds of packets give no sound at all.
     """
@@ -58,6 +60,9 @@ def decoded(container: "InputContainer", stream: "AudioStream", tally: Tally) ->
             packet = None
         if packet is None:
             return
+        time_s = None if packet.pts is None or not packet.time_base else packet.pts * packet.time_base
+        if packet.size and earliest_s is not None and time_s is not None and time_s < earliest_s:
+            continue
         if packet.size:  # the last one is empty and only empties the decoder
             if not tally.packets and packet.pts is not None and packet.time_base:
                 tally.first_time = Fraction(packet.pts * packet.time_base)

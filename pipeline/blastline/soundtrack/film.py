@@ -33,7 +33,7 @@ class FilmTrack:
 
     def __init__(self, container: "InputContainer", stream: "AudioStream", table: ChunkTable | None) -> None:
         """Take over an open container and decode the first frame, which says what the sound really is."""
-        self._container = container
+        self._container, self._stream = container, stream
         self._tally = Tally()
         self._frames = decoded(container, stream, self._tally)
         first = next(self._frames, None)
@@ -53,6 +53,26 @@ class FilmTrack:
         placed = self._placement.place(chain([self._first], self._frames))
         yield from packed(placed, rate_hz=self.facts.rate_hz, channels=self.facts.channels)
         self._tally.require_readable()
+
+    def near(self, start_s: float, frames: int) -> Iterator[Samples]:
+        """Yield at least so many samples, if there are, from about that time on.
+
+        The track cannot be decoded as a whole afterwards. Raises SoundtrackError where no place in it can be found.
+        """
+        from av.error import FFmpegError
+
+        stream, base = self._stream, Fraction(self._stream.time_base or Fraction(1, 1_000_000))
+        start = (stream.start_time or 0) + round(Fraction(start_s) / base)
+        try:
+            self._container.seek(start, stream=stream)
+        except FFmpegError as error:
+            raise SoundtrackError(f"cannot be read from {start_s:.0f} s on: {error.strerror}") from error
+        heard, left = decoded(self._container, stream, Tally(), earliest_s=start * base), frames
+        for samples in packed(heard, rate_hz=self.facts.rate_hz, channels=self.facts.channels):
+            yield samples
+            left -= samples.shape[0]
+            if left <= 0:
+                return
 
     def warnings(self) -> list[str]:
         """Return what was damaged, filled or overruled, one line each."""
@@ -164,6 +184,7 @@ def _facts(
         frame_rate=None if picture is None else _frame_rate(picture),
         start_offset_s=float(offset),
         time_reference=reference,
+        guessed_s=container.duration / 1_000_000 if container.duration else None,
     )
 
 

@@ -49,6 +49,12 @@ class PcmTrack:
             yield samples
             start += samples.shape[0]
 
+    def near(self, start_s: float, frames: int) -> Iterator[Samples]:
+        """Yield at least so many samples, if there are, from that time on."""
+        start = round(start_s * self.facts.rate_hz)
+        for first in range(start, min(start + frames, self._file.frames), PIECE):
+            yield self.read(first, PIECE)
+
     def read(self, start: int, frames: int) -> Samples:
         """Return up to `frames` frames from `start`, shape (frames, channels)."""
         if self._packed is not None:

@@ -63,6 +63,11 @@ class Soundtrack:
         return reference
 
     @property
+    def has_sides(self) -> bool:
+        """Return whether the film has a centre, so that it can be listened to once more without it."""
+        return self._centre is not None
+
+    @property
     def around(self) -> Channels | None:
         """Return where a film's channels play and how to read them; None where it has not two that have a place.
 
@@ -94,6 +99,24 @@ class Soundtrack:
         if start == 0:
             raise SoundtrackError(f"{self._path}: holds no sound")
         self._frames = start
+
+    @property
+    def expected_s(self) -> float | None:
+        """Return how long the track is, as it says or else as its size suggests; None where neither tells."""
+        return self._track.facts.guessed_s if self.expected_frames is None else self.expected_frames / self.rate_hz
+
+    def near(self, start_s: float, length_s: float) -> Samples:
+        """Return the mixed sound of at least about that stretch, for a rough look before the track is decoded.
+
+        A film has to be opened anew to be decoded. Raises SoundtrackError where it cannot be read there.
+        """
+        self._started = True
+        with naming(self._path):
+            frames = max(1, round(length_s * self.rate_hz))
+            raw = self._track.near(start_s, frames)
+            mend = not self._track.facts.is_integer
+            pieces = [mixed(mended(piece)[0] if mend else piece, self._matrix, self._order) for piece in raw]
+        return np.concatenate([np.zeros((0, self.columns), np.float32), *pieces])
 
     def cut(self, span: Span) -> Clip:
         """Return the exact samples of a span inside the track, float64, once all blocks have been taken.

@@ -18,7 +18,8 @@ class TrackFacts:
     """What is known of a track before it is decoded.
 
     `layout` is None where the file does not name its channels; `declared_frames` is None where it does not say how
-    long the track is, and `is_integer` tells that no sample can be NaN. The rest is as in `model.Source`.
+    long the track is, and then `guessed_s` is what its size suggests, if anything. `is_integer` tells that no sample
+    can be NaN. The rest is as in `model.Source`.
     """
 
     rate_hz: int
@@ -31,6 +32,7 @@ class TrackFacts:
     frame_rate: str | None = None
     start_offset_s: float = 0.0
     time_reference: int | None = None
+    guessed_s: float | None = None
 
 
 class Track(Protocol):
@@ -40,6 +42,9 @@ class Track(Protocol):
 
     def pieces(self) -> Iterator[Samples]:
         """Yield all samples in order, shape (frames, channels)."""
+
+    def near(self, start_s: float, frames: int) -> Iterator[Samples]:
+        """Yield at least so many samples, if there are, from about that time on: a rough look before decoding."""
 
     def warnings(self) -> list[str]:
         """Return what had to be mended, one line each, once all pieces have been taken."""

@@ -59,6 +59,19 @@ def write_drive(
         raise OutputError(f"{path}: cannot write the drive: {error.strerror}") from error
 
 
+def write_excerpt(path: Path, samples: NDArray[np.float32], rate_hz: int) -> None:
+    """Write one channel of sound, limited to full scale, as 16 bits; OutputError where the disk refuses."""
+    import soundfile
+
+    try:
+        with soundfile.SoundFile(path, "w", rate_hz, channels=1, subtype="PCM_16", format="WAV") as file:
+            for start in range(0, samples.size, PIECE):
+                piece = np.clip(samples[start : start + PIECE], -1.0, 1.0)
+                file.write((piece * np.float32(32_767.0)).astype(np.int16))
+    except (OSError, soundfile.SoundFileError) as error:
+        raise OutputError(f"{path}: cannot write an excerpt of the film: {error}") from error
+
+
 def _write_clips(file: BinaryIO, clips: Iterable[Clip], *, origin: int, rate_hz: int, frames: int) -> None:
     written = 0
     for clip in clips:

@@ -1,0 +1,244 @@
+"""What choosing by scene saves and costs: `python benchmarks/scene.py [--quality standard] [--minutes 20]`.
+
+Over the fixtures, and over a film of mixed scenes, holds what a run does against doing everything everywhere: every
+candidate of the scan goes through all networks and is segmented, every window gets the constrained drive. CPU after the
+scan, without checks and files; F1 at 10 ms; of the shots of the run's own windows, the correlation of what is felt with
+the target and the ratio of their rms, as `blastline study rendering` has them.
+
+Then it asks from which probability by the screen on a candidate is clear enough to spare it the networks: what it gives
+less than `look_from` is dropped, what it gives `sure_from` or more is believed. The first is in the quality rules.
+"""
+
+import argparse
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from time import process_time
+
+import msgspec
+import numpy as np
+from film import made_of
+from numpy.typing import NDArray
+
+from blastline import scene
+from blastline.detect import Verifier, find_shots, load_verifier, part_from_echoes
+from blastline.detect.bursts import in_company, keep_apart, without_echoes
+from blastline.detect.find import described, guesses, let_all_pass, stretches
+from blastline.detect.network import log_odds
+from blastline.detect.picture import pictures
+from blastline.detect.segment import segment
+from blastline.detect.tracks import Grid, pieces
+from blastline.detect.verify import SCREEN_SHARE, score
+from blastline.model import DriveChoice, Shot, Span
+from blastline.render import drive_filters, hear_window, measure, needed_audio, plan_windows, render_window
+from blastline.render.filters import felt
+from blastline.ruleset import Rules, load_actuator, load_rules, rules_path
+from blastline.soundtrack import Soundtrack, open_soundtrack
+from blastline.study.matching import Counts, count, settled
+from blastline.study.truth import synthesised
+from blastline.synth import Truth
+
+BLOCK = 65_536
+LOOK_FROM = (0.0, 0.02, 0.03, 0.04, 0.06, 0.08, 0.1, 0.15)
+LOSS = 0.005
+SURE_FROM = (1.0, 0.99, 0.98, 0.97, 0.95, 0.9)
+BEDS = ("dialogue", "music", "ambience", "engine", "crowd", "drums", "wind", "rain")
+
+
+@dataclass
+class Way:
+    """What one way of working a set of films took and found."""
+
+    detect_s: float = 0.0
+    render_s: float = 0.0
+    counts: Counts = field(default_factory=lambda: Counts(0, 0, 0))
+    ratio: list[float] = field(default_factory=list)
+    correlation: list[float] = field(default_factory=list)
+
+
+@dataclass(frozen=True, eq=False)
+class Looked:
+    """What was seen of a film's candidates: the screen's log-odds, those of each network, and the parts of each."""
+
+    screen: NDArray[np.float64]
+    networks: NDArray[np.float64]
+    shots: tuple[Shot, ...]
+    truth: Truth
+    look_s: float
+
+
+def mixed_film(minutes: float) -> str:
+    """Return a film of scenes of a minute, each with its own beds; shots in bursts of scenes, others without a gun."""
+    lines = ["schema = 1", "rate_hz = 48000", f"duration_s = {minutes * 60.0}", "seed = 2024"]
+    for minute in range(int(minutes)):
+        for number, level in ((minute % 8, -30.0), ((minute * 3 + 1) % 8, -42.0)):
+            lines += ["[[beds]]", f'kind = "{BEDS[number]}"', f"level_dbfs = {level}"]
+            lines += [f"start_s = {minute * 60.0}", f"stop_s = {minute * 60.0 + 60.0}"]
+    shots = round(4 * minutes)
+    return "\n".join([*lines, "[random]", f"shots = {shots}", f"negatives = {shots}", "shot_snr_db = [8.0, 40.0]", ""])
+
+
+def _probability(odds: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(np.round(1.0 / (1.0 + np.exp(-odds)), 4), np.float64)
+
+
+def looked(track: Soundtrack, truth: Truth, rules: Rules, verifier: Verifier, *, sieved: bool) -> Looked:
+    """Show the candidates of a film to all networks and segment them; `sieved` only those that pass gate and screen."""
+    grid, tier = Grid(track.rate_hz), rules.tier
+    gate = verifier.gate.lets_pass if sieved else let_all_pass
+    screen = verifier.screen.lets_pass if sieved else let_all_pass
+    odds, networks, shots, look_s = [], [], [], 0.0
+    for stretch in stretches(pieces(track.blocks(BLOCK), track.rate_hz)):
+        found = described(stretch, grid, tier, gate=gate, screen=screen)
+        began = process_time()
+        shown = pictures(stretch.samples, found.onsets, track.rate_hz)
+        networks.append(np.stack([log_odds(network, found.rows, shown) for network in verifier.networks]))
+        look_s += process_time() - began
+        odds.append(score(found.rows, verifier.screen.forest))
+        part = partial(segment, stretch.samples, film_start=stretch.start, film_stop=stretch.stop, confidence=0.0)
+        shots += [part(int(onset), rate_hz=track.rate_hz, rules=tier.segment) for onset in found.onsets]
+    return Looked(np.concatenate(odds), np.concatenate(networks, axis=1), tuple(shots), truth, look_s)
+
+
+def believed(shots: Sequence[Shot], surety: NDArray[np.float64], rules: Rules, rate_hz: int) -> tuple[Shot, ...]:
+    """Return the shots that a run makes of candidates with these probabilities."""
+    tier = rules.tier
+    enough = [
+        msgspec.structs.replace(shot, confidence=float(p))
+        for shot, p in zip(shots, surety, strict=True)
+        if p >= tier.verify.company_threshold
+    ]
+    kept, _ = in_company(enough, rate_hz=rate_hz, rules=tier.verify)
+    kept, _ = keep_apart(kept, rate_hz=rate_hz, rules=tier.bursts)
+    kept, _ = without_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
+    return part_from_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
+
+
+def counted(shots: Sequence[Shot], truth: Truth) -> Counts:
+    """Return hits, false events and misses at 10 ms, as `blastline study detection` counts them."""
+    found_ms = np.array([shot.onset for shot in shots], np.float64) * 1000.0 / truth.rate_hz
+    others = [tuple(at * 1000.0 / truth.rate_hz for at in shot.accept_samples) for shot in truth.shots]
+    forgiven = [each.at_s * 1000.0 for each in truth.negatives if each.kind == "explosion"]
+    true_ms = settled(found_ms, np.array([shot.onset_s * 1000.0 for shot in truth.shots]), others, 10.0)
+    return count(found_ms, true_ms, 10.0, forgiven_ms=[*forgiven, *(at for each in others for at in each)])
+
+
+def scan_s(path: Path, rules: Rules) -> float:
+    """Return the CPU seconds of reading a film and naming its candidates."""
+    with open_soundtrack(path) as track:
+        began = process_time()
+        for stretch in stretches(pieces(track.blocks(BLOCK), track.rate_hz)):
+            guesses(stretch, Grid(track.rate_hz), rules.tier)
+        return process_time() - began
+
+
+def rendered(track: Soundtrack, shots: Sequence[Shot], rules: Rules, choice: DriveChoice, way: Way) -> None:
+    """Render the windows of some shots and add what it took and what is felt of each shot."""
+    profile, _ = load_actuator("crowson-t108sm")
+    filters, tier = drive_filters(profile, track.rate_hz, "causal"), rules.tier
+    frames = track.source().frames
+    for planned in plan_windows(shots, frames=frames, rate_hz=track.rate_hz, rules=tier.windows):
+        began = process_time()
+        audio = track.cut(needed_audio(planned, frames=frames, filters=filters, rules=tier.render))
+        heard = hear_window(audio, planned, filters=filters, rules=tier.render)
+        model, reason = ("constrained", "") if choice != "auto" else scene.choose(measure(heard), rules.scenes, choice)
+        done = render_window(heard, shots, model=model, reason=reason, background="mute")
+        way.render_s += process_time() - began
+        vibration = felt(np.asarray(done.clip.driving, np.float64), filters)
+        onsets = [shots[index].onset for index in planned.shots]
+        for onset, stop in zip(onsets, [*onsets[1:], planned.core.stop], strict=True):
+            part = Span(onset, max(onset + 1, stop)) & planned.window.span
+            inside = slice(part.start - planned.window.start, part.stop - planned.window.start)
+            is_felt, wanted = vibration[inside], heard.target[inside]
+            norms = float(np.linalg.norm(is_felt)), float(np.linalg.norm(wanted))
+            if min(norms) > 0.0:
+                way.ratio.append(norms[0] / norms[1])
+                way.correlation.append(float(is_felt @ wanted) / (norms[0] * norms[1]))
+
+
+def compared(films: Iterator[tuple[Path, Truth]], rules: Rules) -> tuple[Way, Way, Way, list[Looked]]:
+    """Return a set's films worked by choice, with every window constrained, and with everything done; what was seen."""
+    verify = rules.tier.verify
+    verifier = load_verifier(rules_path(f"verifier/{verify.model}"), networks=verify.networks)
+    chosen, constrained, everything, seen = Way(), Way(), Way(), []
+    for path, truth in films:
+        scanning_s = scan_s(path, rules)
+        with open_soundtrack(path) as track:
+            began = process_time()
+            found = find_shots(track.blocks(BLOCK), rate_hz=track.rate_hz, tier=rules.tier, verifier=verifier)
+            chosen.detect_s += process_time() - began - scanning_s
+            chosen.counts += counted(found.shots, truth)
+            rendered(track, found.shots, rules, "auto", chosen)
+            rendered(track, found.shots, rules, "constrained", constrained)
+        with open_soundtrack(path) as track:
+            began = process_time()
+            every = looked(track, truth, rules, verifier, sieved=False)
+            odds = (1.0 - SCREEN_SHARE) * every.networks.mean(axis=0) + SCREEN_SHARE * every.screen
+            shots = believed(every.shots, _probability(odds), rules, track.rate_hz)
+            everything.detect_s += process_time() - began - scanning_s
+            everything.counts += counted(shots, truth)
+            rendered(track, shots, rules, "constrained", everything)
+        with open_soundtrack(path) as track:
+            seen.append(looked(track, truth, rules, verifier, sieved=True))
+    return chosen, constrained, everything, seen
+
+
+def spared(seen: Sequence[Looked], rules: Rules, look_from: float, sure_from: float) -> tuple[float, Counts]:
+    """Return the share of candidates behind gate and screen that networks look at, and what is found then."""
+    counts, shown, every = Counts(0, 0, 0), 0, 0
+    for film in seen:
+        screened = _probability(film.screen)
+        sure = (screened >= sure_from) & (sure_from < 1.0)
+        odds = (1.0 - SCREEN_SHARE) * film.networks.mean(axis=0) + SCREEN_SHARE * film.screen
+        surety = np.where(sure, screened, np.where(screened < look_from, 0.0, _probability(odds)))
+        shown, every = shown + int(((screened >= look_from) & ~sure).sum()), every + screened.size
+        counts += counted(believed(film.shots, surety, rules, film.truth.rate_hz), film.truth)
+    return shown / max(every, 1), counts
+
+
+def show(name: str, chosen: Way, constrained: Way, everything: Way) -> None:
+    """Print a set's rows."""
+    for how, way in (("by scene", chosen), ("everything", everything)):
+        felt_way = chosen if way is chosen else constrained
+        fidelity = f"{np.mean(felt_way.ratio):.4f} | {np.mean(felt_way.correlation):.4f}"
+        total_s = way.detect_s + way.render_s
+        cpu = f"{way.detect_s:.2f} | {way.render_s:.2f} | {total_s:.2f}"
+        print(f"| {name} | {how} | {cpu} | {way.counts.f1:.4f} | {fidelity} |", flush=True)
+    spent = (chosen.detect_s + chosen.render_s) / (everything.detect_s + everything.render_s)
+    print(f"{name}: {spent:.2f} of the CPU; rendering alone {chosen.render_s / constrained.render_s:.2f}", flush=True)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quality", default="standard", choices=("draft", "standard", "reference"))
+    parser.add_argument("--minutes", type=float, default=20.0)
+    parser.add_argument("--fixtures", type=Path, default=Path("fixtures"))
+    options = parser.parse_args()
+    rules = load_rules(options.quality)
+    film = made_of(f"mixed{options.minutes:g}", mixed_film(options.minutes))
+    truth = msgspec.json.decode(film.with_suffix(".truth.json").read_bytes(), type=Truth)
+    fixtures = ((path, truth) for _, path, truth in synthesised(sorted(options.fixtures.glob("*.toml"))))
+    print("| films | way | detection, CPU s | rendering | both | F1 | ratio | correlation |\n" + "| --- " * 8 + "|")
+    seen: list[Looked] = []
+    for name, films in (("fixtures", fixtures), (f"mixed, {options.minutes:g} min", iter([(film, truth)]))):
+        chosen, constrained, everything, looks = compared(films, rules)
+        show(name, chosen, constrained, everything)
+        seen += looks
+    look_s = sum(each.look_s for each in seen)
+    print(f"\nNetworks at everything behind gate and screen: {look_s:.2f} CPU s\n")
+    print("| look_from | sure_from | looked at | precision | recall | F1 |\n| --- | --- | --- | --- | --- | --- |")
+    cheapest, (_, whole) = 0.0, spared(seen, rules, 0.0, 1.0)
+    for look_from, sure_from in (*((low, 1.0) for low in LOOK_FROM), *((0.0, high) for high in SURE_FROM[1:])):
+        share, counts = spared(seen, rules, look_from, sure_from)
+        scores = f"{counts.precision:.3f} | {counts.recall:.3f} | {counts.f1:.4f}"
+        print(f"| {look_from:g} | {sure_from:g} | {share:.3f} | {scores} |", flush=True)
+        if sure_from == 1.0 and counts.f1 >= whole.f1 - LOSS:
+            cheapest = max(cheapest, look_from)
+    print(
+        f"\n[verify] look_from = {cheapest:g} loses no more than {LOSS:g} of F1; it is {rules.tier.verify.look_from:g}"
+    )
+
+
+if __name__ == "__main__":
+    main()

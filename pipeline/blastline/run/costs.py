@@ -1,0 +1,222 @@
+"""What a film will cost on this machine: a sample of it goes through the real stages, timed by the CPU.
+
+    film ──► stretches here and there ──► one short file ──► listen ──► render ──► check ──► report
+
+What a tier takes is then a fixed amount, so much for each second of film, so much for each shot, and for each picture.
+"""
+
+import gc
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import process_time
+
+import msgspec
+import numpy as np
+
+from ..detect import Detection, audio_around, find_shots, load_verifier, shot_at
+from ..model import Clip, Quality, Shot, Span
+from ..render import plan_windows
+from ..report import MOST_PICTURES, OverviewMeter
+from ..ruleset import Rules, rules_path
+from ..soundtrack import Soundtrack, open_soundtrack
+from . import names
+from .checking import checked
+from .driving import write_drive_of
+from .listening import BLOCK, Listened, Mark, assemble, event_id, listen
+from .options import RenderOptions, Setup, set_up
+from .progress import Progress, no_note, no_progress
+from .rendering import write_formats, write_report_of
+from .sampling import TIMED_FRAMES, Sampled, sampled
+
+FEW_SHOTS, FEW_PICTURES = 6, 2
+"""About so many shots of the sample are rendered in each tier, from all over it, and so many pictures drawn."""
+
+
+@dataclass(frozen=True)
+class FilmCost:
+    """The CPU seconds of a tier: fixed, per second of film, per shot, per picture of the report; and how many shots."""
+
+    fixed_s: float
+    per_second: float
+    per_shot: float = 0.0
+    per_picture: float = 0.0
+    shots_per_s: float = 0.0
+
+    def of(self, film_s: float) -> float:
+        """Return the CPU seconds for a film of so many seconds."""
+        shots = self.shots_per_s * film_s
+        pictures = min(shots, MOST_PICTURES)
+        return self.fixed_s + self.per_second * film_s + self.per_shot * shots + self.per_picture * pictures
+
+
+@dataclass(frozen=True)
+class _After:
+    """The CPU seconds of what follows detection: the drive and its checks, and the report."""
+
+    made_s: float
+    report_s: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Known:
+    """What is the same for all tiers: what is heard, and the CPU seconds of a film without shots and of a picture."""
+
+    heard: Listened
+    empty: _After
+    picture_s: float
+
+
+class Gauge:
+    """Predicts what each tier takes for one film."""
+
+    def __init__(self, sample: Sampled, track: Soundtrack, options: RenderOptions, *, drives: bool) -> None:
+        """Take over the sample and its open track; `drives` says whether there will be a drive."""
+        self._sample, self._track, self._options, self._drives = sample, track, options, drives
+        self._meter = OverviewMeter(track.rate_hz) if drives and options.report else None
+        self._known: _Known | None = None
+
+    @property
+    def film_s(self) -> float:
+        """Return how long the film is, in seconds."""
+        return self._sample.film_s
+
+    def cost(self, quality: Quality) -> FilmCost:
+        """Return what a tier takes; the first call also measures what is the same for all of them."""
+        sample, setup = self._sample, set_up(replace(self._options, quality=quality), no_progress)
+        if self._known is None:
+            self._known = self._same_for_all(setup)
+            gc.freeze()  # or else what the pictures left behind is looked through again while a tier is timed
+        known, (verifier_s, scan_per_s) = self._known, self._detecting(setup.rules)
+        cost = FilmCost(verifier_s + sample.hash_s, scan_per_s + sample.decode_per_s)
+        if not self._drives:
+            return cost
+        once_s, per_shot = self._per_shot(known, setup)
+        return replace(
+            cost,
+            fixed_s=cost.fixed_s + known.empty.report_s + once_s,
+            per_second=cost.per_second + known.empty.made_s / sample.seconds,
+            per_shot=per_shot,
+            per_picture=known.picture_s,
+            shots_per_s=max(len(known.heard.found.shots), 0.5) / sample.seconds,
+        )
+
+    def _per_shot(self, known: _Known, setup: Setup) -> tuple[float, float]:
+        """Return what a drive and its checks take as soon as there is any shot, and what each shot adds to that.
+
+        A few are rendered, so what they take is that of as many seconds of window; all in the sample tell how long
+        windows are.
+        """
+        shots = self._shots(known.heard, setup.rules, FEW_SHOTS)
+        few, one = (_with_shots(known.heard, some, setup.rules) for some in (shots, shots[:1]))
+        one_s = self._after(one, setup, report=False).made_s
+        if len(shots) == 1:
+            return 0.0, max(0.0, one_s - known.empty.made_s)
+        per_window_s = max(0.0, self._after(few, setup, report=False).made_s - one_s) / (
+            _windows_s(few) - _windows_s(one)
+        )
+        per_shot = per_window_s * _windows_s(known.heard) / len(known.heard.found.shots)
+        return max(0.0, one_s - per_window_s * _windows_s(one) - known.empty.made_s), per_shot
+
+    def _same_for_all(self, setup: Setup) -> _Known:
+        """Return what is heard in the whole sample, and what a film without shots and a picture take.
+
+        Whatever has to be imported is imported by then.
+        """
+        heard, report = listen(self._track, setup.rules, no_progress, self._meter), self._meter is not None
+        if not self._drives:
+            return _Known(heard, _After(0.0, 0.0), 0.0)
+        some = _with_shots(heard, self._shots(heard, setup.rules, FEW_PICTURES)[:FEW_PICTURES], setup.rules)
+        self._after(_with_shots(heard, some.found.shots[:1], setup.rules), setup, report=report)
+        empty = self._after(_with_shots(heard, (), setup.rules), setup, report=report)
+        if not report:
+            return _Known(heard, empty, 0.0)
+        pictures_s = max(0.0, self._after(some, setup, report=True).report_s - empty.report_s)
+        return _Known(heard, empty, pictures_s / len(some.found.shots))
+
+    def _detecting(self, rules: Rules) -> tuple[float, float]:
+        """Return the CPU seconds of reading the verifier, and of finding the shots in a second of film."""
+        path, networks = rules_path(f"verifier/{rules.tier.verify.model}", rules.overlay), rules.tier.verify.networks
+        began = process_time()
+        verifier = load_verifier(path, networks=networks)
+        verifier_s = process_time() - began
+        timed, rate_hz = self._timed(), self._track.rate_hz
+        began = process_time()
+        blocks = timed if self._meter is None else OverviewMeter(rate_hz).watch(timed)
+        find_shots(blocks, rate_hz=rate_hz, tier=rules.tier, verifier=verifier)
+        return verifier_s, (process_time() - began) / (timed[-1].span.stop / rate_hz)
+
+    def _timed(self) -> list[Clip]:
+        """Return every so manyth few seconds of the sample, as blocks that follow one another."""
+        frames, stride = self._track.source().frames, self._sample.stride * TIMED_FRAMES
+        starts = [at for first in range(0, frames, stride) for at in range(first, first + TIMED_FRAMES, BLOCK)]
+        blocks: list[Clip] = []
+        for start in starts:
+            if start < frames:
+                cut = self._track.cut(Span(start, min(start + BLOCK, frames)))
+                position = blocks[-1].span.stop if blocks else 0
+                blocks.append(Clip(cut.samples.astype(np.float32), cut.rate_hz, position))
+        return blocks
+
+    def _shots(self, heard: Listened, rules: Rules, most: int) -> Sequence[Shot]:
+        """Return the shots of windows from all over the sample, `most` or a few more; else its loudest moment."""
+        windows = heard.windows
+        if windows:
+            chosen: list[int] = []
+            for planned in windows[:: -(-len(windows) // most)]:
+                chosen += planned.shots if len(chosen) < most else ()
+            return [heard.found.shots[index] for index in chosen]
+        at, rate_hz = self._sample.loudest, self._track.rate_hz
+        sound = self._track.cut(audio_around(at, frames=heard.source.frames, rate_hz=rate_hz, tier=rules.tier))
+        return [shot_at(at, sound, confidence=1.0, tier=rules.tier)]
+
+    def _after(self, heard: Listened, setup: Setup, *, report: bool) -> _After:
+        """Do all that follows detection and return what it took."""
+        with tempfile.TemporaryDirectory(prefix="blastline-") as made:
+            folder, began = Path(made), process_time()
+            drives = write_drive_of(heard, folder / names.DRIVE, setup)
+            source = msgspec.structs.replace(self._sample.source, frames=heard.source.frames)
+            timeline = assemble(replace(heard, source=source), setup.rules, drives, setup.actuator)
+            with open_soundtrack(folder / names.DRIVE) as drive:
+                profile, align, track = setup.profile, setup.rules.align, self._track
+                timeline = checked(timeline, track, drive, profile=profile, rules=align, progress=no_progress)
+                written = write_formats(timeline, folder, drive, setup, no_note)
+                made_s = process_time() - began
+                if report and self._meter is not None:
+                    meter = self._meter
+                    write_report_of(timeline, folder, written, track=track, drive=drive, meter=meter, setup=setup)
+                return _After(made_s, process_time() - began - made_s)
+
+
+@contextmanager
+def open_gauge(
+    film: Path, options: RenderOptions, *, drives: bool, progress: Progress = no_progress
+) -> Iterator[Gauge]:
+    """Sample a film and yield what predicts its cost.
+
+    Raises SoundtrackError for a film that cannot be read, or whose length nothing tells.
+    """
+    progress("measuring", 0, None)
+    with tempfile.TemporaryDirectory(prefix="blastline-") as folder:
+        with open_soundtrack(film, stream=options.stream, mix=options.mix, timebase=options.timebase) as track:
+            sample = sampled(film, track, Path(folder) / "sample.wav", counted=drives)
+        try:
+            with open_soundtrack(sample.path) as heard:
+                yield Gauge(sample, heard, options, drives=drives)
+        finally:
+            gc.unfreeze()
+
+
+def _windows_s(heard: Listened) -> float:
+    """Return how long all windows are together, in seconds."""
+    return sum(len(planned.window.span) for planned in heard.windows) / heard.source.sample_rate_hz
+
+
+def _with_shots(heard: Listened, shots: Sequence[Shot], rules: Rules) -> Listened:
+    """Return what was heard as if these shots had been found in it."""
+    source = heard.source
+    windows = plan_windows(shots, frames=source.frames, rate_hz=source.sample_rate_hz, rules=rules.tier.windows)
+    marks = tuple(Mark(event_id(index)) for index in range(len(shots)))
+    return replace(heard, found=Detection(tuple(shots), ()), windows=windows, marks=marks)

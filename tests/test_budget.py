@@ -1,0 +1,216 @@
+"""Choosing the quality by a budget: laws of the choice and of the prediction, and a budget that makes no sense."""
+
+from pathlib import Path
+from typing import get_args
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from blastline.errors import RuleError
+from blastline.model import Quality, Timeline
+from blastline.run.budget import BEST_FIRST, Allowance, allowance, chosen, pick, within
+from blastline.run.costs import FilmCost
+from blastline.run.options import RenderOptions
+from blastline.run.sampling import counted_s, sampled, timed_s
+from blastline.soundtrack import open_soundtrack
+from blastline.study.codecs import encode
+from commands import RATE_HZ, blastline, write_film
+
+SECONDS = st.floats(1e-3, 1e5)
+COSTS = st.builds(FilmCost, SECONDS, st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(0.0, 2.0))
+
+
+@pytest.fixture(scope="module")
+def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_film(tmp_path_factory.mktemp("film") / "film.wav", length_s=14.0, shots_s=(3.0, 9.0))
+
+
+def test_every_quality_can_be_picked() -> None:
+    assert set(BEST_FIRST) == set(get_args(Quality))
+
+
+@given(st.dictionaries(st.sampled_from(BEST_FIRST), SECONDS, min_size=3), SECONDS, SECONDS)
+def test_a_bigger_budget_never_picks_a_less_accurate_quality(
+    predicted: dict[Quality, float], one_s: float, other_s: float
+) -> None:
+    less, more = (pick(predicted.__getitem__, allowed_s) for allowed_s in sorted((one_s, other_s)))
+    if less is not None:
+        assert more is not None
+        assert BEST_FIRST.index(more) <= BEST_FIRST.index(less)
+
+
+@given(st.dictionaries(st.sampled_from(BEST_FIRST), SECONDS, min_size=3), SECONDS)
+def test_what_is_picked_fits_and_nothing_better_does(predicted: dict[Quality, float], allowed_s: float) -> None:
+    asked: list[Quality] = []
+
+    def predict(quality: Quality) -> float:
+        asked.append(quality)
+        return predicted[quality]
+
+    picked = pick(predict, allowed_s)
+    assert asked == list(BEST_FIRST[: len(asked)])
+    fits = [predicted[quality] < allowed_s for quality in asked]
+    assert picked == (asked[-1] if picked else None)
+    assert all(not fit or 1.2 * predicted[each] > allowed_s for fit, each in zip(fits[:-1], asked, strict=False))
+    assert fits[-1] or picked is None
+
+
+@given(COSTS, st.floats(1.0, 1e4), st.floats(1.0, 10.0))
+def test_a_longer_film_costs_more_but_no_more_than_in_proportion(cost: FilmCost, film_s: float, times: float) -> None:
+    varying = cost.of(film_s) - cost.fixed_s
+    longer = cost.of(times * film_s) - cost.fixed_s
+    assert varying - 1e-6 <= longer <= times * varying * (1.0 + 1e-9) + 1e-6
+
+
+@given(COSTS, st.floats(1.0, 1e4), st.floats(1.0, 10.0))
+def test_without_pictures_the_prediction_scales_with_the_film(cost: FilmCost, film_s: float, times: float) -> None:
+    plain = FilmCost(cost.fixed_s, cost.per_second, cost.per_shot, 0.0, cost.shots_per_s)
+    longer = plain.of(times * film_s) - plain.fixed_s
+    assert longer == pytest.approx(times * (plain.of(film_s) - plain.fixed_s), rel=1e-6, abs=1e-6)
+
+
+@given(SECONDS)
+def test_a_sample_is_part_of_the_film_and_shots_are_counted_in_no_less_than_is_timed(film_s: float) -> None:
+    assert 0.0 < timed_s(film_s) <= counted_s(film_s) <= film_s
+
+
+@pytest.mark.parametrize("text", ["90", "90s", "90 s", "1.5min", " 1.5 min", "0.025h", ".025 h"])
+def test_a_time_can_be_said_in_many_ways(text: str) -> None:
+    allowed = allowance(budget=text, max_cost=None, quality=None)
+    assert allowed is not None
+    assert allowed.of(7200.0) == pytest.approx(90.0)
+
+
+def test_a_cost_is_per_second_of_film() -> None:
+    allowed = allowance(budget=None, max_cost=0.01, quality=None)
+    assert allowed is not None
+    assert allowed.of(7200.0) == pytest.approx(72.0)
+    assert allowance(budget=None, max_cost=None, quality="draft") is None
+
+
+@given(SECONDS, SECONDS, st.booleans())
+def test_the_budget_that_would_do_does(needed_s: float, film_s: float, by_time: bool) -> None:
+    allowed = Allowance("x", cpu_s=1.0) if by_time else Allowance("x", cpu_per_s=1.0)
+    option, value = allowed.in_words(needed_s, film_s).split()
+    named = (
+        allowance(budget=value, max_cost=None, quality=None)
+        if option == "--budget"
+        else allowance(budget=None, max_cost=float(value), quality=None)
+    )
+    assert named is not None
+    assert needed_s * (1.0 - 1e-6) <= named.of(film_s) <= 1.11 * needed_s
+
+
+@pytest.mark.parametrize(
+    ("options", "complaint"),
+    [
+        ("--budget soon", "--budget soon: expected a CPU time of more than 0, such as 90s, 2min or 1.5h"),
+        ("--budget 0", "--budget 0: expected a CPU time"),
+        ("--budget -5s", "--budget -5s: expected a CPU time"),
+        ("--budget 1e3", "--budget 1e3: expected a CPU time"),
+        ("--budget 2days", "--budget 2days: expected a CPU time"),
+        ("--max-cost 0", "--max-cost 0: expected CPU seconds per second of film"),
+        ("--max-cost nan", "--max-cost nan: expected CPU seconds"),
+        ("--max-cost inf", "--max-cost inf: expected CPU seconds"),
+        ("--max-cost much", "Invalid value for '--max-cost'"),
+        ("--max-cost 1 --budget 2min", "--budget and --max-cost: expected one of them"),
+        ("--quality draft --budget 2min", "--quality draft and --budget: expected one of them"),
+        ("--quality draft --max-cost 1", "--quality draft and --max-cost: expected one of them"),
+    ],
+)
+def test_a_wrong_budget_is_one_line(film: Path, tmp_path: Path, options: str, complaint: str) -> None:
+    assert complaint in blastline("detect", film, *options.split()).complaint
+    assert complaint in blastline("render", film, "-o", tmp_path / "out", *options.split()).complaint
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_budget_too_small_names_one_that_would_do(film: Path, tmp_path: Path) -> None:
+    ended = blastline("detect", film, "--budget", "0.001s", "--quiet", "-o", tmp_path / "t.json")
+    assert "draft, the fastest quality, takes about" in ended.complaint
+    assert ended.complaint.endswith("s would do")
+    assert not (tmp_path / "t.json").exists()
+
+
+def test_a_generous_budget_takes_the_most_accurate_and_says_so(film: Path, tmp_path: Path) -> None:
+    ended = blastline("detect", film, "--budget", "2h", "-o", tmp_path / "t.json")
+    made = msgspec.json.decode((tmp_path / "t.json").read_bytes(), type=Timeline)
+    assert ended.code == 0
+    assert made.budget is not None
+    assert (made.quality, made.budget.asked, made.budget.allowed_cpu_s) == ("reference", "--budget 2h", 7200.0)
+    assert set(made.budget.predicted_cpu_s) == {"reference"}
+    assert made.budget.note in ended.err.splitlines()
+    assert "nothing more accurate was given up" in made.budget.note
+    plain = blastline("detect", film, "--quality", "reference", "--quiet").out
+    assert msgspec.structs.replace(made, budget=None) == msgspec.json.decode(plain, type=Timeline)
+
+
+def test_the_report_says_how_the_quality_was_chosen(film: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert blastline("render", film, "-o", out, "--max-cost", "100", "--quiet").code in (0, 1)
+    made = msgspec.json.decode((out / "timeline.json").read_bytes(), type=Timeline)
+    assert made.budget is not None
+    assert made.budget.note in (out / "report.html").read_text(encoding="utf-8")
+
+
+def test_what_was_given_up_is_named() -> None:
+    note = chosen(Allowance("--budget 9s"), 9.0, "draft", {"reference": 30.0, "standard": 12.0, "draft": 5.0})
+    assert "quality draft, about 5 s of the 9 s" in note
+    assert note.endswith("given up: standard, about 12 s, reference, about 30 s")
+
+
+def test_an_edited_timeline_has_no_budget(film: Path) -> None:
+    with pytest.raises(RuleError, match=r"--budget 9s with --timeline cut\.csv: nothing is detected"):
+        within(film, Allowance("--budget 9s", cpu_s=9.0), RenderOptions(timeline=Path("cut.csv")))
+
+
+def tones(seconds: int) -> np.ndarray:
+    """Return a tone for each second, each 100 Hz above the one before."""
+    at = np.arange(RATE_HZ) / RATE_HZ
+    return np.concatenate([0.5 * np.sin(2.0 * np.pi * 100.0 * (n + 2) * at) for n in range(seconds)])
+
+
+def pitch(samples: np.ndarray) -> float:
+    """Return the frequency of the middle of a sound."""
+    middle = samples[samples.size // 2 - 4800 : samples.size // 2 + 4800]
+    return float(np.argmax(np.abs(np.fft.rfft(middle))) * RATE_HZ / middle.size)
+
+
+@pytest.mark.parametrize("kind", ["wav", "mkv"])
+def test_a_stretch_is_from_where_it_is_asked_for(tmp_path: Path, kind: str) -> None:
+    import soundfile
+
+    path, samples = tmp_path / f"film.{kind}", tones(12)
+    if kind == "wav":
+        soundfile.write(path, samples, RATE_HZ, subtype="PCM_16")
+    else:
+        encode(path, samples[:, None].astype(np.float32), "ac3", bits_per_s=192_000, rate_hz=RATE_HZ)
+    for second in (9, 2, 6):
+        with open_soundtrack(path) as track:
+            near = track.near(second + 0.35, 0.3)[: round(0.3 * RATE_HZ), 0]
+        late_s = second - (pitch(near) / 100.0 - 2.0)
+        assert abs(late_s) < 0.1
+
+
+def test_a_sample_is_taken_from_all_over_the_film(tmp_path: Path) -> None:
+    import soundfile
+
+    film = tmp_path / "long.wav"
+    quiet = np.zeros(100 * RATE_HZ, np.float32)
+    quiet[60 * RATE_HZ :] = 0.25
+    soundfile.write(film, quiet, RATE_HZ, subtype="PCM_16")
+    with open_soundtrack(film) as track:
+        sample = sampled(film, track, tmp_path / "sample.wav", counted=False)
+    taken, _ = soundfile.read(sample.path)
+    assert sample.film_s == pytest.approx(100.0)
+    assert taken.size == round(sample.seconds * RATE_HZ)
+    assert sample.seconds == pytest.approx(timed_s(100.0), rel=0.3)
+    assert 0.1 < np.mean(np.abs(taken) > 0.1) < 0.6
+
+
+def test_beyond_the_end_of_a_film_there_is_nothing(film: Path) -> None:
+    with open_soundtrack(film) as track:
+        assert track.near(13.9, 30.0).shape[0] == round(0.1 * RATE_HZ)
+        assert track.near(99.0, 1.0).shape == (0, 1)
