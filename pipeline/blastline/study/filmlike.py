@@ -25,7 +25,6 @@ CLIP_S = 30.0
 CLIP_LEVELS_DB = (-6.0, 0.0, 6.0)
 _LONGEST_S = 6.0
 _LEAD_MS, _TAIL_MS, _FADE_MS = 5.0, 2000.0, 20.0
-_LONG_ENOUGH = 0.95
 
 
 @dataclass(frozen=True)
@@ -67,7 +66,8 @@ def film_mixes(sounds: Stock, into: Path, *, films: int, levels_db: tuple[float,
 def one_shot_clips(sounds: Stock, into: Path, *, clips: int, seed: int) -> Iterator[Case]:
     """Yield clips of 30 s over a bed, every other one with a single shot at -6, 0 or 6 dB: its rms over the bed's.
 
-    As in task 2 of DCASE 2017, but of other recordings: scores are not to be compared with its own.
+    The rms is that of all of the shot, decay included. As in task 2 of DCASE 2017, but of other recordings:
+    scores are not to be compared with its own.
     """
     for number in range(clips):
         rng = np.random.default_rng([seed, number, 1])
@@ -78,8 +78,8 @@ def one_shot_clips(sounds: Stock, into: Path, *, clips: int, seed: int) -> Itera
             shot, lead = _single(recording)
             level_db = CLIP_LEVELS_DB[(number // 2) % len(CLIP_LEVELS_DB)]
             at = int(rng.integers(RATE_HZ, samples.size - shot.size - RATE_HZ))
-            background = float(np.sqrt(np.mean(samples[at : at + shot.size] ** 2)))
-            samples[at : at + shot.size] += shot * (background * gain_from_db(level_db) / _event_rms(shot[lead:]))
+            background = _rms(samples[at : at + shot.size])
+            samples[at : at + shot.size] += shot * (background * gain_from_db(level_db) / _rms(shot[lead:]))
             onsets, levels_db, timed = [(at + lead) * 1000.0 / RATE_HZ], [level_db], [recording.timed]
         loudest = float(np.abs(samples).max()) or 1.0
         yield Case(
@@ -123,11 +123,8 @@ def _single(recording: Recording) -> tuple[Samples, int]:
     return shot, onsets[0] - start
 
 
-def _event_rms(shot: Samples) -> float:
-    """Return the rms of a shot up to where 95 % of its energy has gone by."""
-    energy = np.cumsum(shot**2)
-    stop = int(np.searchsorted(energy, _LONG_ENOUGH * energy[-1])) + 1
-    return float(np.sqrt(energy[stop - 1] / stop)) or 1.0
+def _rms(samples: Samples) -> float:
+    return float(np.sqrt(np.mean(samples**2))) or 1.0
 
 
 def _written(path: Path, samples: NDArray[np.float32]) -> Path:
