@@ -80,6 +80,9 @@ class Tape:
         for start in range(0, self.samples.shape[0], 10_007):
             yield self.samples[start : start + 10_007]
 
+    def near(self, start_s: float, frames: int) -> Iterator[Samples]:
+        yield self.samples[round(start_s * RATE_HZ) :][:frames]
+
     def warnings(self) -> list[str]:
         return []
 

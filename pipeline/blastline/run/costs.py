@@ -146,7 +146,8 @@ class Gauge:
         began = process_time()
         blocks = timed if self._meter is None else OverviewMeter(rate_hz).watch(timed)
         find_shots(blocks, rate_hz=rate_hz, tier=rules.tier, verifier=verifier)
-        return verifier_s, (process_time() - began) / (timed[-1].span.stop / rate_hz)
+        times = 2 if self._sample.has_sides and rules.tier.channels.sides else 1
+        return verifier_s, times * (process_time() - began) / (timed[-1].span.stop / rate_hz)
 
     def _timed(self) -> list[Clip]:
         """Return every so manyth few seconds of the sample, as blocks that follow one another."""
