@@ -59,8 +59,8 @@ def parting(true: ShotTruth, shot: Shot) -> Parting:
 
 def test_a_perfect_parting_scores_one() -> None:
     scored = parting(truth((20.0, -6.0, True), (90.0, -20.0, True)), found((20.0, -6.0), (90.0, -20.0)))
-    assert (scored.asked, scored.precision, scored.recall, scored.f1.value) == (1, 1.0, 1.0, 1.0)
-    assert (scored.every_asked, scored.every_f1.value) == (2, 1.0)
+    assert (scored.asked, scored.precision, scored.recall, scored.f1) == (1, 1.0, 1.0, 1.0)
+    assert (scored.every_asked, scored.every_f1) == (2, 1.0)
     assert (scored.blast_p95_ms, scored.start_p95_ms) == (0.0, 0.0)
 
 
@@ -72,14 +72,14 @@ def test_an_echo_three_milliseconds_off_is_false_and_missed() -> None:
 
 def test_a_late_onset_moves_no_echo() -> None:
     scored = parting(truth((20.0, -6.0, True)), found((19.0, -6.0), late_ms=1.0, blast_ms=2.0))
-    assert scored.f1.value == 1.0
+    assert scored.f1 == 1.0
     assert scored.start_p95_ms == pytest.approx(0.0)
     assert scored.blast_p95_ms == pytest.approx(0.0)
 
 
 def test_what_is_masked_is_not_asked_for_and_not_held_against_the_finder() -> None:
     masked = truth((20.0, -6.0, False))
-    assert (parting(masked, found()).asked, parting(masked, found()).f1.value) == (0, 1.0)
+    assert (parting(masked, found()).asked, parting(masked, found()).f1) == (0, 1.0)
     assert parting(masked, found((20.2, -6.0))).precision == 1.0
     assert parting(masked, found((22.0, -6.0))).precision == 0.0
 

@@ -5,10 +5,11 @@ from typing import TYPE_CHECKING, Final, get_args
 from ..model import Phase
 
 if TYPE_CHECKING:
+    from ..study.bootstrap import Interval
     from ..study.detection import DetectionStudy
     from ..study.peer_scores import PeerScore
     from ..study.rendering import RenderingScore
-    from ..study.segmentation import Interval, SegmentationScore
+    from ..study.segmentation import SegmentationScore
     from ..study.tally import DetectionScore, Timing
 
 _DRIVES: Final = ("direct", "clipped", "scaled", "constrained")
@@ -109,14 +110,15 @@ def _timing_line(name: str, timing: "Timing") -> str:
 def segmentation_table(score: "SegmentationScore") -> str:
     """Return how the reflections were found at true and at found onsets, and the bars."""
 
-    def drawn(figure: "Interval") -> str:
-        return f"{figure.value:.3f} ({figure.low:.3f}-{figure.high:.3f})"
+    def drawn(f1: float, within: "Interval") -> str:
+        return f"{f1:.3f} ({within.low:.3f}-{within.high:.3f})"
 
     lines = [f"quality {score.quality}, {score.films} films; reflections at 2 ms, 8-500 ms after the onset", ""]
     lines += [f"{'':<16} {'heard':>6} {'precision':>10} {'recall':>8}  F1 and 95 % of draws"]
     for name, at in (("true onsets", score.at_true), ("found onsets", score.at_found)):
-        strong = f"{at.asked:6d} {at.precision:10.3f} {at.recall:8.3f}  {drawn(at.f1)}"
-        every = f"{at.every_asked:6d} {at.every_precision:10.3f} {at.every_recall:8.3f}  {drawn(at.every_f1)}"
+        strong = f"{at.asked:6d} {at.precision:10.3f} {at.recall:8.3f}  {drawn(at.f1, at.f1_range)}"
+        every = f"{at.every_asked:6d} {at.every_precision:10.3f} {at.every_recall:8.3f}  "
+        every += drawn(at.every_f1, at.every_f1_range)
         lines += [f"{name}, {at.shots} shots", f"{'  from -12 dB on':<16} {strong}", f"{'  every':<16} {every}"]
     lines += [
         "",

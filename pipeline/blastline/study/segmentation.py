@@ -23,6 +23,7 @@ from ..ruleset import QualityRules, load_rules, rules_path
 from ..soundtrack import open_soundtrack
 from ..synth import ShotTruth, Truth, film_scene, render_scene, truth_of
 from .bars import Bar
+from .bootstrap import Interval, intervals
 from .matching import Counts, match
 from .mixes import as_16_bit
 from .truth import scenes_with_shots, synthesised
@@ -35,7 +36,6 @@ THERE_MS = 0.5
 
 DELAYS_MS, LEAST_DB, LEVEL_TOLERANCE_DB = (8.0, 500.0), -12.0, 3.0
 FILM_S, FILM_SHOTS, FILM_NEGATIVES = 60.0, 30, 20
-_DRAWS = 1000
 Echo = TypeVar("Echo", bound=Reflection)
 
 
@@ -48,26 +48,23 @@ class Film:
     truth: Truth
 
 
-class Interval(msgspec.Struct, frozen=True):
-    """A figure and the range of 95 of 100 draws of as many shots (bootstrap)."""
-
-    value: float
-    low: float
-    high: float
-
-
 class Parting(msgspec.Struct, frozen=True):
-    """The figures at one kind of onsets; errors in ms, None where there is nothing to compare."""
+    """The figures at one kind of onsets; errors in ms, None where there is nothing to compare.
+
+    The ranges hold 95 of 100 draws of as many shots.
+    """
 
     shots: int
     asked: int
     precision: float
     recall: float
-    f1: Interval
+    f1: float
+    f1_range: Interval
     every_asked: int
     every_precision: float
     every_recall: float
-    every_f1: Interval
+    every_f1: float
+    every_f1_range: Interval
     blasts_cut: int
     blast_median_ms: float | None
     blast_p95_ms: float | None
@@ -93,7 +90,7 @@ class SegmentationScore(msgspec.Struct, frozen=True):
         for name, parting in (("true", self.at_true), ("found", self.at_found)):
             at = f"at {name} onsets"
             rows += [
-                Bar(f"reflections at 2 ms, F1 {at}", parting.f1.value, 0.9, "", "above"),
+                Bar(f"reflections at 2 ms, F1 {at}", parting.f1, 0.9, "", "above"),
                 Bar(f"blast end, median error {at}", _known(parting.blast_median_ms), 1.0, "ms"),
                 Bar(f"blast end, 95 % within {at}", _known(parting.blast_p95_ms), 5.0, "ms"),
                 Bar(f"reflection start, median error {at}", _known(parting.start_median_ms), 1.0, "ms"),
@@ -219,11 +216,13 @@ class _Tally:
             asked=asked.hits + asked.missed,
             precision=asked.precision,
             recall=asked.recall,
-            f1=_f1_drawn(self.asked),
+            f1=asked.f1,
+            f1_range=intervals(self.asked).f1,
             every_asked=every.hits + every.missed,
             every_precision=every.precision,
             every_recall=every.recall,
-            every_f1=_f1_drawn(self.every),
+            every_f1=every.f1,
+            every_f1_range=intervals(self.every).f1,
             blasts_cut=self.cut,
             blast_median_ms=_percentile(self.blast_ms, 50.0),
             blast_p95_ms=_percentile(self.blast_ms, 95.0),
@@ -234,19 +233,6 @@ class _Tally:
 
 def _in_reach(echoes: Iterable[Echo]) -> list[Echo]:
     return sorted((e for e in echoes if DELAYS_MS[0] <= e.delay_ms <= DELAYS_MS[1]), key=lambda echo: echo.delay_ms)
-
-
-def _f1_drawn(counts: Sequence[Counts]) -> Interval:
-    """Return the F1 of all shots, and between what it lies when as many are drawn from them again and again."""
-    whole = sum(counts, Counts(0, 0, 0))
-    if not counts:
-        return Interval(whole.f1, whole.f1, whole.f1)
-    table = np.array([(each.hits, each.false, each.missed) for each in counts])
-    draws = np.random.default_rng(0).integers(len(counts), size=(_DRAWS, len(counts)))
-    hits, false, missed = table[draws].sum(axis=1).T
-    f1 = 2.0 * hits / np.maximum(2 * hits + false + missed, 1)
-    low, high = np.percentile(f1, [2.5, 97.5])
-    return Interval(whole.f1, float(low), float(high))
 
 
 def _percentile(errors_ms: Sequence[float], share: float) -> float | None:
