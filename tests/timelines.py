@@ -95,8 +95,8 @@ def any_event(draw: st.DrawFn, identity: str) -> Event:
         window=Window(max(0, onset - draw(_LENGTH)), onset + draw(_LENGTH), draw(_LENGTH), draw(_LENGTH)),
         drive=draw(st.none() | st.builds(DriveInfo, _models(), _TEXT, _NUMBER, _NUMBER, _NUMBER, evidence=_EVIDENCE)),
         heard_in=draw(st.sampled_from(["mains", "sides"])),
-        azimuth_deg=draw(st.none() | st.floats(-180.0, 180.0)),
-        azimuth_focus=draw(st.none() | _RATIO),
+        azimuth_deg=draw(st.sampled_from([None, -179.9, 0.0, 29.7, 180.0])),
+        azimuth_focus=draw(st.sampled_from([None, 0.413, 1.0])),
         decisions=draw(st.sampled_from([(), (Decision("window", "ü", "<b>", {"decay_ms": 80.0}),)])),
     )
 
