@@ -64,7 +64,7 @@ def test_no_arguments_show_the_help() -> None:
 def test_help_names_every_format_and_every_default() -> None:
     text = " ".join(blastline("render", "--help").out.replace("│", " ").split())
     assert ", ".join(FORMATS) in text
-    for default in ("standard", "auto", "causal", "mute", "mains", "crowson-t108sm", "json,csv", "report"):
+    for default in ("(standard)", "auto", "causal", "mute", "mains", "crowson-t108sm", "json,csv", "report"):
         assert f"[default: {default}]" in text
 
 

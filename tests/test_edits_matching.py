@@ -205,7 +205,8 @@ def test_edits_of_reapers_regions_come_back_to_its_millisecond(tmp_path: Path, e
 
 
 def _cell(column: str, onset: int, rate_hz: int) -> str:
-    return str(onset) if column == "onset_sample" else repr(onset / rate_hz)
+    """Return what is typed: seconds with all decimals, since 0.0 alone in its column could be 0.01 to a decimal."""
+    return str(onset) if column == "onset_sample" else f"{onset / rate_hz:.9f}"
 
 
 def _clock(seconds: float) -> str:

@@ -29,6 +29,7 @@ _HOLD_MS = (0.1, 2.0)
 _DROWNED = 2.0
 _LOUDEST_DB = 3.0  # what is louder is no echo of this blast, were it clipped
 _GRAIN_MS, _USUAL_MS = 1.0, 5.0
+_DULL_LAG_MS = 1.0 / 6.0  # hears 1 to 5 kHz best
 
 
 def segment(
@@ -111,12 +112,14 @@ def _usual_power(before: NDArray[np.float64], rate_hz: int) -> float:
 def _echo_room_db(wave: NDArray[np.float64], blast: int, *, rate_hz: int, rules: SegmentRules) -> float:
     """Return how loud the loudest later stretch is that is as long as the blast, against the blast.
 
-    In the waveform or its first difference, whichever gives more: an echo off something soft has lost its edge.
+    In the difference over a sample or over a sixth of a millisecond, whichever gives more: an echo off something soft
+    has lost its edge. Neither hears the slow roar that outlasts a blast.
     """
     earliest = max(blast, samples_from_ms(rules.earliest_reflection_ms, rate_hz))
     late = wave[: samples_from_ms(rules.latest_reflection_ms, rate_hz) + blast]
     room = 0.0
-    for heard in (late, np.diff(late, prepend=0.0)):
+    for lag in (1, max(1, samples_from_ms(_DULL_LAG_MS, rate_hz))):
+        heard = late - np.concatenate([np.zeros(lag), late[:-lag]])
         sums = np.concatenate([[0.0], np.cumsum(heard**2)])
         energies = sums[blast:] - sums[:-blast]
         if energies[earliest:].size and energies[0] > 0.0:

@@ -105,7 +105,7 @@ class Heard(msgspec.Struct, frozen=True):
 
     `screen` is the probability by the screen alone and `networks` how many judged beside it; None and 0 where somebody
     else found the shot. No later stretch as long as the blast is louder than `echo_room_db` against it, in the
-    waveform or its first difference. `decay_end` says what ended the decay.
+    sound's difference over a sample or a sixth of a millisecond. `decay_end` says what ended the decay.
     """
 
     screen: Ratio | None

@@ -67,7 +67,7 @@ def counted_s(film_s: float) -> float:
     """Return in how many seconds of a film its shots are counted.
 
     >>> [round(counted_s(minutes * 60.0)) for minutes in (1, 10, 20, 30, 120)]
-    [60, 600, 720, 576, 360]
+    [60, 600, 720, 480, 360]
     """
     shorter_s = COUNTED_S * min(1.0, 0.5 * LONG_S / film_s)
     return min(film_s, max(LEAST_COUNTED_S, shorter_s))

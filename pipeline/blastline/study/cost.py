@@ -8,7 +8,7 @@ from pathlib import Path
 
 import msgspec
 
-from ..detect import Detection, Verifier, find_shots, load_verifier
+from ..detect import LATENCY_S, Detection, Verifier, find_shots, load_verifier
 from ..ruleset import QualityRules
 from ..soundtrack import open_soundtrack
 
@@ -37,7 +37,8 @@ def listened(path: Path, tier: QualityRules, verifier: Verifier) -> Heard:
     """Find the shots of a film as a run does, from opening the file on."""
     began = time.process_time()
     with open_soundtrack(path) as track:
-        found = find_shots(track.blocks(), rate_hz=track.rate_hz, tier=tier, verifier=verifier)
+        blocks = track.blocks(sides=tier.channels.sides, remembered_s=LATENCY_S)
+        found = find_shots(blocks, rate_hz=track.rate_hz, tier=tier, verifier=verifier, channels=track.around)
         cpu_s = time.process_time() - began
         return Heard(found, track.rate_hz, track.source().frames, cpu_s)
 
