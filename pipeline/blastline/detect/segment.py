@@ -119,7 +119,7 @@ def _echo_room_db(wave: NDArray[np.float64], blast: int, *, rate_hz: int, rules:
     late = wave[: samples_from_ms(rules.latest_reflection_ms, rate_hz) + blast]
     room = 0.0
     for lag in (1, max(1, samples_from_ms(_DULL_LAG_MS, rate_hz))):
-        heard = late - np.concatenate([np.zeros(lag), late[:-lag]])
+        heard = late - np.concatenate([np.zeros(lag), late])[: late.shape[0]]
         sums = np.concatenate([[0.0], np.cumsum(heard**2)])
         energies = sums[blast:] - sums[:-blast]
         if energies[earliest:].size and energies[0] > 0.0:
