@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from blastline.detect.segment import segment
-from blastline.model import DecayEnd, DriveChoice, DriveModel, Heard, Reflection, SceneEvidence, Shot, Span
+from blastline.model import DecayEnd, DriveChoice, DriveModel, Reflection, SceneEvidence, Shot, ShotEvidence, Span
 from blastline.report.choice import reasons
 from blastline.ruleset import SceneRules, load_rules
 from blastline.scene import choose, decisions
@@ -70,7 +70,7 @@ ECHOES = st.lists(
     st.builds(Reflection, st.just(2000), st.just(2100), st.floats(4.0, 500.0), st.floats(-20.0, 0.0)), max_size=3
 )
 HEARD = st.builds(
-    Heard,
+    ShotEvidence,
     st.none() | st.floats(0.0, 1.0),
     st.integers(1, 2),
     st.floats(-200.0, 40.0),
@@ -78,17 +78,17 @@ HEARD = st.builds(
 )
 
 
-def shot_of(heard: Heard | None, echoes: list[Reflection]) -> Shot:
-    return Shot(1000, 0.97, -3.0, 30.0, Span(1000, 1100), tuple(echoes), Span(1000, 25_000), heard=heard)
+def shot_of(measured: ShotEvidence | None, echoes: list[Reflection]) -> Shot:
+    return Shot(1000, 0.97, -3.0, 30.0, Span(1000, 1100), tuple(echoes), Span(1000, 25_000), evidence=measured)
 
 
 @given(HEARD, ECHOES)
-def test_every_decision_is_a_function_of_its_evidence(heard: Heard, echoes: list[Reflection]) -> None:
-    shot = shot_of(heard, echoes)
+def test_every_decision_is_a_function_of_its_evidence(measured: ShotEvidence, echoes: list[Reflection]) -> None:
+    shot = shot_of(measured, echoes)
     made = decisions(shot, TIER, rate_hz=RATE_HZ)
     elsewhere = msgspec.structs.replace(shot, onset=90, peak_dbfs=-30.0, burst=3, span=Span(90, 24_090))
     assert decisions(elsewhere, TIER, rate_hz=RATE_HZ) == made
-    expected = [] if heard.screen is None else ["verifier"]
+    expected = [] if measured.screen is None else ["verifier"]
     assert [each.about for each in made] == [*expected, "reflections", "window"]
     assert all(each.choice and each.reason and each.evidence for each in made)
 
@@ -98,7 +98,9 @@ def test_of_an_event_that_nobody_listened_to_nothing_is_said() -> None:
 
 
 def test_more_doubt_never_asks_fewer_networks() -> None:
-    said = [decisions(shot_of(Heard(0.5, n, 0.0, "fallen"), []), TIER, rate_hz=RATE_HZ)[0].choice for n in (1, 2, 3)]
+    said = [
+        decisions(shot_of(ShotEvidence(0.5, n, 0.0, "fallen"), []), TIER, rate_hz=RATE_HZ)[0].choice for n in (1, 2, 3)
+    ]
     assert said == ["one network", "2 networks", "3 networks"]
 
 
@@ -130,14 +132,14 @@ def bang(seed: int, *, decay_s: float, echo_db: float | None = None, noise: floa
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_no_reflection_is_louder_than_there_is_room_for(seed: int, echo_db: float | None) -> None:
     shot = heard_in(bang(seed, decay_s=0.002, echo_db=echo_db))
-    assert shot.heard is not None
-    assert all(echo.level_db <= shot.heard.echo_room_db + 1e-6 for echo in shot.reflections)
+    assert shot.evidence is not None
+    assert all(echo.level_db <= shot.evidence.echo_room_db + 1e-6 for echo in shot.reflections)
     looked_for = decisions(shot, TIER, rate_hz=RATE_HZ)[0].choice
     if echo_db is not None and echo_db >= -16.0:
         assert looked_for == "segmented"
     else:
         assert shot.reflections == ()
-        assert (looked_for == "none looked for") == (shot.heard.echo_room_db < TIER.segment.reflection_level_db)
+        assert (looked_for == "none looked for") == (shot.evidence.echo_room_db < TIER.segment.reflection_level_db)
 
 
 @pytest.mark.parametrize(
@@ -151,13 +153,13 @@ def test_no_reflection_is_louder_than_there_is_room_for(seed: int, echo_db: floa
 )
 def test_the_decay_says_what_ended_it(wave: np.ndarray, ended: str) -> None:
     shot = heard_in(wave)
-    assert shot.heard is not None
-    assert shot.heard.decay_end == ended
+    assert shot.evidence is not None
+    assert shot.evidence.decay_end == ended
 
 
 def test_the_report_gives_every_reason() -> None:
     event = msgspec.structs.replace(
-        SHOT, decisions=decisions(shot_of(Heard(0.9, 1, -30.0, "fallen"), []), TIER, rate_hz=RATE_HZ)
+        SHOT, decisions=decisions(shot_of(ShotEvidence(0.9, 1, -30.0, "fallen"), []), TIER, rate_hz=RATE_HZ)
     )
     page = reasons(event)
     assert page.count("<p") == 4

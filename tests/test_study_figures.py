@@ -2,6 +2,7 @@
 
 import csv
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -26,9 +27,9 @@ RATE_HZ = 48_000
 SPENT = Spent(cpu_s=0.5, read_s=0.1)
 
 
-def case(true_ms: list[float], *, snr_db: float = 30.0, path: Path = Path("film.wav"), **more: object) -> Case:
+def case(true_ms: list[float], *, snr_db: float = 30.0, path: Path = Path("film.wav"), **more: Any) -> Case:
     shots = len(true_ms)
-    return Case("film", path, np.array(true_ms), np.full(shots, snr_db), np.ones(shots, bool), **more)  # type: ignore
+    return Case("film", path, np.array(true_ms), np.full(shots, snr_db), np.ones(shots, bool), **more)
 
 
 def test_intervals_are_the_percentiles_of_films_drawn_anew_and_the_same_each_time() -> None:

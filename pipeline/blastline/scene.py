@@ -10,7 +10,7 @@
 
 from collections.abc import Iterator
 
-from .model import DecayEnd, Decision, DriveChoice, DriveModel, Heard, Reflection, SceneEvidence, Shot
+from .model import DecayEnd, Decision, DriveChoice, DriveModel, Reflection, SceneEvidence, Shot, ShotEvidence
 from .ruleset import QualityRules, SceneRules
 from .units import ms_from_samples
 
@@ -47,33 +47,33 @@ def choose(evidence: SceneEvidence, rules: SceneRules, choice: DriveChoice) -> t
 
 def decisions(shot: Shot, tier: QualityRules, *, rate_hz: int) -> tuple[Decision, ...]:
     """Return how closely a shot was looked at and why; nothing for one of which that is not known."""
-    if shot.heard is None:
+    if shot.evidence is None:
         return ()
     return (
-        *_verifier(shot.heard, shot.confidence, tier),
-        _reflections(shot.heard, shot.reflections, tier),
-        _window(shot.heard.decay_end, ms_from_samples(len(shot.span), rate_hz), tier),
+        *_verifier(shot.evidence, shot.confidence, tier),
+        _reflections(shot.evidence, shot.reflections, tier),
+        _window(shot.evidence.decay_end, ms_from_samples(len(shot.span), rate_hz), tier),
     )
 
 
-def _verifier(heard: Heard, confidence: float, tier: QualityRules) -> Iterator[Decision]:
+def _verifier(measured: ShotEvidence, confidence: float, tier: QualityRules) -> Iterator[Decision]:
     """Yield how many networks judged; nothing where no screen did, because somebody else found the shot."""
-    if heard.screen is None:
+    if measured.screen is None:
         return
-    evidence = {"screen": heard.screen, "confidence": confidence}
-    said = f"the screen gives it {heard.screen:.4g}"
-    if heard.networks == 1:
+    evidence = {"screen": measured.screen, "confidence": confidence}
+    said = f"the screen gives it {measured.screen:.4g}"
+    if measured.networks == 1:
         left = "one network is all that this quality asks" if tier.verify.networks == 1 else "a network left no doubt"
         yield Decision("verifier", "one network", f"{said}; {left}", evidence)
     else:
         reason = f"{said}; the network before left room for doubt"
-        yield Decision("verifier", f"{heard.networks} networks", reason, evidence)
+        yield Decision("verifier", f"{measured.networks} networks", reason, evidence)
 
 
-def _reflections(heard: Heard, found: tuple[Reflection, ...], tier: QualityRules) -> Decision:
-    room = f"nothing as long as the blast is louder than {heard.echo_room_db:.1f} dB against it"
-    evidence = {"echo_room_db": heard.echo_room_db, "reflections": float(len(found))}
-    if heard.echo_room_db < tier.segment.reflection_level_db:
+def _reflections(measured: ShotEvidence, found: tuple[Reflection, ...], tier: QualityRules) -> Decision:
+    room = f"nothing as long as the blast is louder than {measured.echo_room_db:.1f} dB against it"
+    evidence = {"echo_room_db": measured.echo_room_db, "reflections": float(len(found))}
+    if measured.echo_room_db < tier.segment.reflection_level_db:
         return Decision("reflections", "none looked for", f"{room}, too little for a reflection", evidence)
     if not found:
         return Decision("reflections", "none", f"{room}, but nothing that stands out copies it", evidence)

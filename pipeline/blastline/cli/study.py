@@ -23,9 +23,7 @@ group.command()(study_pareto.pareto)
 
 @group.command()
 def segmentation(
-    fixtures: Annotated[
-        Path | None, typer.Option("--fixtures", metavar="DIR", help="Scenes (*.toml); synthesised, then listened to.")
-    ] = None,
+    fixtures: study_detection.Fixtures = None,
     random: Annotated[
         int, typer.Option("--random", metavar="N", min=0, help="So many random films of a minute as well.")
     ] = 0,

@@ -22,7 +22,7 @@ from .onset import farthest_ms, refine_onsets
 from .picture import pictures
 from .scan import candidate_steps
 from .segment import segment
-from .sides import Heard, as_heard, beside, joined
+from .sides import Sorted, as_heard, beside, joined
 from .tracks import Grid, Piece, pieces
 from .verify import Verifier
 
@@ -97,7 +97,7 @@ def find_shots(
 
 def _heard(
     blocks: Iterable[Clip], grid: Grid, tier: QualityRules, verifier: Verifier, channels: Channels | None
-) -> Iterator[Heard]:
+) -> Iterator[Sorted]:
     """Yield what is found in each of a film's stretches, with what their sides add where the blocks have any."""
     rest = iter(blocks)
     first = next(rest, None)
@@ -214,7 +214,7 @@ def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
     return order[np.diff(onsets[order], prepend=-apart) >= apart]
 
 
-def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier) -> Heard:
+def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier) -> Sorted:
     screen = partial(verifier.screen.lets_pass, at_least=tier.verify.look_from)
     found = described(stretch, grid, tier, gate=verifier.gate.lets_pass, screen=screen)
     verdicts = verifier.verdicts(found.rows, pictures(stretch.samples, found.onsets, grid.rate_hz))

@@ -12,7 +12,7 @@ have to stand out of their own neighbourhood: a tail full of overlapping echoes 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import DecayEnd, Heard, Reflection, Shot, Span
+from ..model import DecayEnd, Reflection, Shot, ShotEvidence, Span
 from ..ruleset import SegmentRules
 from ..units import db_from_gain, gain_from_db, ms_from_samples, samples_from_ms
 from .reflections import discrete_reflections
@@ -46,7 +46,7 @@ def segment(
 ) -> Shot:
     """Return the shot whose blast starts at index `onset` of `samples`, a stretch that starts at `film_start`.
 
-    `film_stop` is where the film, or what is known of it, ends; `screen` and `networks` are as in `model.Heard`.
+    `film_stop` is where the film, or what is known of it, ends; `screen` and `networks` are as in `model.ShotEvidence`.
     """
     stop = min(onset + reach(rate_hz=rate_hz, rules=rules), film_stop - film_start)
     wave = samples[onset:stop].astype(np.float64)
@@ -73,7 +73,7 @@ def segment(
             Reflection(at + lag, at + lag + blast, ms_from_samples(lag, rate_hz), level_db) for lag, level_db in echoes
         ),
         span=Span(at, at + length),
-        heard=Heard(screen, networks, room_db, ended),
+        evidence=ShotEvidence(screen, networks, room_db, ended),
     )
 
 

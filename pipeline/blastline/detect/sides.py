@@ -12,7 +12,7 @@ from ..model import Clip, Rejection, Shot
 from ..ruleset import QualityRules
 from ..units import samples_from_ms
 
-Heard = tuple[list[Shot], list[Rejection]]
+Sorted = tuple[list[Shot], list[Rejection]]
 """What was found in one mix, and what was refused."""
 
 SAME_MS = 5.0
@@ -37,7 +37,7 @@ def beside(tier: QualityRules) -> QualityRules:
     return msgspec.structs.replace(tier, verify=verify)
 
 
-def joined(mains: Heard, sides: Heard, *, rate_hz: int, sure: float) -> Heard:
+def joined(mains: Sorted, sides: Sorted, *, rate_hz: int, sure: float) -> Sorted:
     """Return the shots and rejections of both mixes, each sound once.
 
     A shot that both heard keeps its parts in the mains. Where they are not `sure` of it, it is judged by the mix that

@@ -100,7 +100,7 @@ class DriveInfo(msgspec.Struct, frozen=True):
     evidence: dict[str, float] = {}
 
 
-class Heard(msgspec.Struct, frozen=True):
+class ShotEvidence(msgspec.Struct, frozen=True):
     """What detection measured of a shot before it decided how closely to look.
 
     `screen` is the probability by the screen alone and `networks` how many judged beside it; None and 0 where somebody
@@ -126,7 +126,7 @@ class Decision(msgspec.Struct, frozen=True):
 class Shot(msgspec.Struct, frozen=True):
     """A gunshot as detection found it; `span` runs from the onset to where its decay has ended.
 
-    The last three are as in `Event`.
+    Where it was heard and its azimuth are as in `Event`.
     """
 
     onset: Index
@@ -141,7 +141,7 @@ class Shot(msgspec.Struct, frozen=True):
     heard_in: HeardIn = "mains"
     azimuth_deg: Azimuth | None = None
     azimuth_focus: Ratio | None = None
-    heard: Heard | None = None
+    evidence: ShotEvidence | None = None
 
 
 class Event(msgspec.Struct, frozen=True):

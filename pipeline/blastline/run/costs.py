@@ -111,12 +111,10 @@ class Gauge:
         """
         shots = self._shots(known.heard, setup.rules, FEW_SHOTS)
         few, one = (_with_shots(known.heard, some, setup.rules) for some in (shots, shots[:1]))
-        one_s = self._after(one, setup, report=False).made_s
-        if len(shots) == 1:
-            return 0.0, max(0.0, one_s - known.empty.made_s)
-        per_window_s = max(0.0, self._after(few, setup, report=False).made_s - one_s) / (
-            _windows_s(few) - _windows_s(one)
-        )
+        one_s, longer_s = self._after(one, setup, report=False).made_s, _windows_s(few) - _windows_s(one)
+        if longer_s <= 0.0:  # a single shot, or all in the window of the first
+            return 0.0, max(0.0, one_s - known.empty.made_s) / len(shots)
+        per_window_s = max(0.0, self._after(few, setup, report=False).made_s - one_s) / longer_s
         per_shot = per_window_s * _windows_s(known.heard) / len(known.heard.found.shots)
         return max(0.0, one_s - per_window_s * _windows_s(one) - known.empty.made_s), per_shot
 

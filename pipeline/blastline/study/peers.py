@@ -99,7 +99,7 @@ def _auditok_onsets(samples: Samples, rate_hz: int, threshold: float) -> Times:
     import auditok
 
     pcm = np.asarray(np.clip(samples * 32767.0, -32768.0, 32767.0), np.int16).tobytes()
-    regions = auditok.split(
+    regions: Any = auditok.split(
         pcm,
         sampling_rate=rate_hz,
         sample_width=2,
