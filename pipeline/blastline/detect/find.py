@@ -20,6 +20,7 @@ from .features import features
 from .neighbours import neighbourhood
 from .onset import farthest_ms, refine_onsets
 from .picture import pictures
+from .rate import LISTENING_HZ, in_film, resampled
 from .scan import candidate_steps
 from .segment import segment
 from .sides import Sorted, as_heard, beside, joined
@@ -78,11 +79,12 @@ def find_shots(
 ) -> Detection:
     """Return the gunshots of a film, given as blocks in order, in constant memory.
 
-    Blocks with sides are listened to twice. `channels`, where given, tell from where the shots come.
+    `rate_hz` is the film's, whose samples all places count. Blocks with sides are listened to twice. `channels`, where
+    given, tell from where the shots come.
     """
     shots: list[Shot] = []
     rejections: list[Rejection] = []
-    for found, refused in _heard(blocks, Grid(rate_hz), tier, verifier, channels):
+    for found, refused in _heard(blocks, rate_hz, tier, verifier, channels):
         shots += found
         rejections += refused
     believed, alone = in_company(shots, rate_hz=rate_hz, rules=tier.verify, channels=tier.channels)
@@ -96,25 +98,25 @@ def find_shots(
 
 
 def _heard(
-    blocks: Iterable[Clip], grid: Grid, tier: QualityRules, verifier: Verifier, channels: Channels | None
+    blocks: Iterable[Clip], rate_hz: int, tier: QualityRules, verifier: Verifier, channels: Channels | None
 ) -> Iterator[Sorted]:
     """Yield what is found in each of a film's stretches, with what their sides add where the blocks have any."""
-    rest = iter(blocks)
+    rest = resampled(blocks, rate_hz)
     first = next(rest, None)
     if first is None:
         return
-    film = chain([first], rest)
-    search = partial(_search, grid=grid, tier=tier, verifier=verifier)
-    place = partial(placed, channels=channels, rate_hz=grid.rate_hz, rules=tier.channels)
+    film, grid = chain([first], rest), Grid(LISTENING_HZ)
+    search = partial(_search, grid=grid, tier=tier, verifier=verifier, rate_hz=rate_hz)
+    place = partial(placed, channels=channels, rate_hz=rate_hz, rules=tier.channels)
     if first.sides is None:
         for found, refused in map(search, stretches(pieces(film, grid.rate_hz))):
             yield place(found), refused
         return
     mains, sides = _side_by_side(film, grid.rate_hz)
-    search_beside = partial(_search, grid=grid, tier=beside(tier), verifier=verifier)
+    search_beside = partial(search, tier=beside(tier))
     # map, unlike a loop, lets go of one stretch before it asks for the other
     for here, there in zip(map(search, mains), map(search_beside, sides), strict=True):
-        found, refused = joined(here, there, rate_hz=grid.rate_hz, sure=tier.verify.threshold)
+        found, refused = joined(here, there, rate_hz=rate_hz, sure=tier.verify.threshold)
         yield place(found, beside=[shot.onset for shot in there[0]]), refused
 
 
@@ -214,7 +216,8 @@ def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
     return order[np.diff(onsets[order], prepend=-apart) >= apart]
 
 
-def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier) -> Sorted:
+def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier, rate_hz: int) -> Sorted:
+    """Return what is found in a stretch, with its places in the samples of a film of that rate."""
     screen = partial(verifier.screen.lets_pass, at_least=tier.verify.look_from)
     found = described(stretch, grid, tier, gate=verifier.gate.lets_pass, screen=screen)
     verdicts = verifier.verdicts(found.rows, pictures(stretch.samples, found.onsets, grid.rate_hz))
@@ -240,4 +243,4 @@ def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier
         for onset, p in zip(found.onsets, verdicts.surety, strict=True)
         if tier.verify.report_from <= p < tier.verify.company_threshold
     ]
-    return shots, refused
+    return in_film(shots, refused, rate_hz)

@@ -4,7 +4,8 @@ import numpy as np
 
 from ..model import Clip, Shot, Span
 from ..ruleset import QualityRules
-from ..units import samples_from_ms
+from ..units import samples_from_ms, samples_from_s
+from .rate import LISTENING_HZ, film_sample, resampled, shot_in_film
 from .segment import BACKGROUND_MS, reach, segment
 
 
@@ -19,12 +20,17 @@ def shot_at(onset: int, audio: Clip, *, confidence: float, tier: QualityRules) -
 
     `audio` is what `audio_around` names. That there is a shot at all is taken on trust.
     """
-    return segment(
-        np.asarray(audio.heard, np.float32),
-        onset - audio.start,
-        film_start=audio.start,
-        film_stop=audio.span.stop,
+    rate_hz, begins = audio.rate_hz, onset - audio.start
+    heard = np.concatenate([np.asarray(clip.heard, np.float32) for clip in resampled([audio], rate_hz)])
+    nearest = min(samples_from_s(begins / rate_hz, LISTENING_HZ), heard.shape[0] - 1)
+    shot = segment(
+        heard,
+        nearest,
+        film_start=0,
+        film_stop=heard.shape[0],
         confidence=confidence,
-        rate_hz=audio.rate_hz,
+        rate_hz=LISTENING_HZ,
         rules=tier.segment,
     )
+    beside = onset - film_sample(nearest, rate_hz)
+    return shot_in_film(shot, lambda sample: min(film_sample(sample, rate_hz) + beside, audio.span.stop))
