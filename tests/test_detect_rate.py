@@ -254,14 +254,21 @@ def test_sides_and_azimuths_are_heard_in_the_film_s_own_samples(film: tuple[Samp
     voice = 0.2 * np.random.default_rng(8).standard_normal(shots.shape[0])
     played = np.stack([0.8 * shots, 0.2 * shots, voice], axis=1).astype(np.float32)
 
-    def find_in(played: Samples, rate_hz: int) -> tuple[Shot, ...]:
-        blocks = clips(played.sum(axis=1), rate_hz, sides=played[:, :2].sum(axis=1))
-        channels = Channels((-30.0, 30.0, 0.0), 2, lambda span: played[span.start : span.stop])
-        return find_shots(blocks, rate_hz=rate_hz, tier=RULES.tier, verifier=VERIFIER, channels=channels).shots
+    def find_in(played: Samples, rate_hz: int) -> tuple[tuple[Shot, ...], int]:
+        def read(span: Span) -> Samples:
+            asked.append(len(span))
+            return played[span.start : span.stop]
 
-    plain = find_in(played, LISTENING_HZ)
-    fine = find_in(np.stack([at_rate(column, 96_000) for column in played.T], axis=1), 96_000)
+        asked: list[int] = []
+        blocks = clips(played.sum(axis=1), rate_hz, sides=played[:, :2].sum(axis=1))
+        channels = Channels((-30.0, 30.0, 0.0), 2, read)
+        found = find_shots(blocks, rate_hz=rate_hz, tier=RULES.tier, verifier=VERIFIER, channels=channels)
+        return found.shots, max(asked)
+
+    plain, around = find_in(played, LISTENING_HZ)
+    fine, twice = find_in(np.stack([at_rate(column, 96_000) for column in played.T], axis=1), 96_000)
     assert {shot.heard_in for shot in plain} == {"mains", "sides"}
+    assert twice == 2 * around
     for one in plain:
         other = min(fine, key=lambda each: abs(each.onset - 2 * one.onset))
         assert abs(other.onset - 2 * one.onset) <= 9

@@ -39,17 +39,18 @@ def resampled(clips: Iterable[Clip], rate_hz: int) -> Iterator[Clip]:
     first = next(sounding, None)
     if first is None:
         return
-    last = rest = _columns(first)[:1]
+    last = rest = _columns(first.cut(Span(first.start, first.start + 1)))
     stream = ResampleStream(rate_hz, LISTENING_HZ, rest.shape[1], dtype="float32", quality=_QUALITY)
     frames = start = 0
     for clip in chain([first], sounding):
         columns = _columns(clip)
+        columns -= rest
         last = columns[-1:]
         frames += columns.shape[0]
-        made = stream.resample_chunk(columns - rest)
+        made = stream.resample_chunk(columns)
         yield _clip(made, start)
         start += made.shape[0]
-    tail = np.repeat(last - rest, samples_from_ms(_TAIL_MS, rate_hz), axis=0)
+    tail = np.repeat(last, samples_from_ms(_TAIL_MS, rate_hz), axis=0)
     yield _clip(stream.resample_chunk(tail, last=True)[: _frames_within(frames, rate_hz) - start], start)
 
 
