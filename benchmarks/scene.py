@@ -22,9 +22,8 @@ from film import made_of
 from numpy.typing import NDArray
 
 from blastline import scene
-from blastline.detect import Verifier, find_shots, load_verifier, part_from_echoes
-from blastline.detect.bursts import in_company, keep_apart, without_echoes
-from blastline.detect.find import described, guesses, let_all_pass, stretches
+from blastline.detect import Verifier, find_shots, load_verifier
+from blastline.detect.find import described, guesses, judged, let_all_pass, stretches
 from blastline.detect.network import log_odds
 from blastline.detect.picture import pictures
 from blastline.detect.segment import segment
@@ -107,12 +106,9 @@ def believed(shots: Sequence[Shot], surety: NDArray[np.float64], rules: Rules, r
     enough = [
         msgspec.structs.replace(shot, confidence=float(p))
         for shot, p in zip(shots, surety, strict=True)
-        if p >= tier.verify.company_threshold
+        if p >= tier.verify.round_threshold
     ]
-    kept, _ = in_company(enough, rate_hz=rate_hz, rules=tier.verify)
-    kept, _ = keep_apart(kept, rate_hz=rate_hz, rules=tier.bursts)
-    kept, _ = without_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
-    return part_from_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
+    return judged(enough, (), rate_hz=rate_hz, tier=tier).shots
 
 
 def counted(shots: Sequence[Shot], truth: Truth) -> Counts:

@@ -14,7 +14,8 @@ from ..model import Channels, Clip, Rejection, Shot, Span
 from ..ruleset import QualityRules
 from ..units import samples_from_ms
 from .bandshape import band_levels, bandshape
-from .bursts import group_bursts, in_company, keep_apart, part_from_echoes, without_echoes
+from .bursts import group_bursts, keep_apart, part_from_echoes, without_echoes
+from .company import in_company
 from .direction import placed
 from .features import features
 from .neighbours import neighbourhood
@@ -85,7 +86,12 @@ def find_shots(
     for found, refused in _heard(blocks, Grid(rate_hz), tier, verifier, channels):
         shots += found
         rejections += refused
-    believed, alone = in_company(shots, rate_hz=rate_hz, rules=tier.verify, channels=tier.channels)
+    return judged(shots, rejections, rate_hz=rate_hz, tier=tier)
+
+
+def judged(shots: Iterable[Shot], rejections: Iterable[Rejection], *, rate_hz: int, tier: QualityRules) -> Detection:
+    """Return what is believed of a film's candidates, echoes and doublets taken out and bursts numbered."""
+    believed, alone = in_company(shots, rate_hz=rate_hz, tier=tier)
     kept, dropped = keep_apart(believed, rate_hz=rate_hz, rules=tier.bursts)
     fired, echoes = without_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
     parted = part_from_echoes(fired, rate_hz=rate_hz, rules=tier.bursts)
@@ -233,11 +239,11 @@ def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier
         for onset, p, screen_p, networks in zip(
             found.onsets, verdicts.surety, verdicts.screened, verdicts.networks, strict=True
         )
-        if p >= tier.verify.company_threshold
+        if p >= tier.verify.round_threshold
     ]
     refused = [
         Rejection(int(onset) + stretch.start, "does not sound like a shot", {"probability": float(p)})
         for onset, p in zip(found.onsets, verdicts.surety, strict=True)
-        if tier.verify.report_from <= p < tier.verify.company_threshold
+        if tier.verify.report_from <= p < tier.verify.round_threshold
     ]
     return shots, refused

@@ -63,7 +63,9 @@ class VerifyRules(Table, frozen=True):
     looked at more closely.
 
     A candidate is a shot from `threshold` on, or from `company_threshold` on where a shot of the first kind lies within
-    `company_s`: films fire in scenes. From `report_from` on it is at least listed among the timeline's rejections.
+    `company_s`: films fire in scenes. [bursts] says how fast a gun fires: a run that fast, each of its shots reaching
+    `burst_threshold`, is sure as a whole, and what is that near to a shot is another round from `round_threshold` on.
+    From `report_from` on a candidate is at least listed among the timeline's rejections.
     """
 
     model: str
@@ -72,13 +74,16 @@ class VerifyRules(Table, frozen=True):
     threshold: Ratio
     company_threshold: Ratio
     company_s: NonNegative
+    burst_threshold: Ratio
+    round_threshold: Ratio
     report_from: Ratio
 
     def __post_init__(self) -> None:
         """Refuse thresholds out of order."""
-        if not self.report_from <= self.company_threshold <= self.threshold:
-            order = f"{self.report_from}, {self.company_threshold}, {self.threshold}"
-            raise ValueError(f"report_from, company_threshold, threshold = {order}: expected ascending values")
+        names = ("report_from", "round_threshold", "company_threshold", "burst_threshold", "threshold")
+        values = [getattr(self, name) for name in names]
+        if values != sorted(values):
+            raise ValueError(f"{', '.join(names)} = {', '.join(map(str, values))}: expected ascending values")
 
 
 class ChannelRules(Table, frozen=True):
