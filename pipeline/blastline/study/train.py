@@ -31,8 +31,8 @@ from .candidates import Candidates, best_f1, candidates, joined
 from .corpus import Recording, read_corpus
 from .lessons import MIX_S, RATE_HZ, SPARSE, Lesson, gun_free_film, recorded_mix, synthetic_film, synthetic_mix
 from .mixes import Mix
-from .networks import SETTINGS, Examples, fit_network
 from .sieves import GATE_SETTINGS, SCREEN_SETTINGS, fit_sieve
+from .teaching import SETTINGS, Examples, fit_network
 
 _Thing = TypeVar("_Thing")
 
