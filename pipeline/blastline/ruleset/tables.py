@@ -69,7 +69,7 @@ class VerifyRules(Table, frozen=True):
     """
 
     model: str
-    networks: Annotated[int, Meta(ge=1, le=3)]
+    networks: Annotated[int, Meta(ge=1, le=8)]
     look_from: Ratio
     threshold: Ratio
     company_threshold: Ratio
