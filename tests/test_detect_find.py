@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from blastline.detect import Detection, find_shots, load_verifier
 from blastline.detect.features import feature_names
-from blastline.detect.find import described, let_all_pass, stretches
+from blastline.detect.find import described, let_all_pass
 from blastline.detect.picture import pictures
+from blastline.detect.stretches import stretches
 from blastline.detect.tracks import Grid, pieces
 from blastline.detect.verify import SCHEMA, ForestFile, ModelFile, SieveFile, Verifier, grown, probabilities
 from blastline.errors import RuleError

@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Channels, Clip, Rejection, Shot, Span
+from ..model import Channels, Clip, Rejection, Shot
 from ..ruleset import QualityRules
 from ..units import samples_from_ms
 from .bandshape import band_levels, bandshape
@@ -23,11 +23,10 @@ from .picture import pictures
 from .scan import candidate_steps
 from .segment import segment
 from .sides import Sorted, as_heard, beside, joined
+from .stretches import Stretch, stretches
 from .tracks import Grid, Piece, pieces
 from .verify import Verifier
 
-# A piece is about half a second. Before the core: the neighbourhood of `features`; after it: the longest decay.
-LEFT_PIECES, CORE_PIECES, RIGHT_PIECES = 8, 64, 6
 _SAME_ONSET_MS = 3.0
 _T = TypeVar("_T")
 
@@ -41,19 +40,6 @@ class Detection:
 
     shots: tuple[Shot, ...]
     rejections: tuple[Rejection, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Stretch:
-    """A few seconds of film with its tracks; the shots whose onset lies in `core` are this stretch's to find."""
-
-    samples: NDArray[np.float32]
-    peak: NDArray[np.float32]
-    slope: NDArray[np.float32]
-    bands: NDArray[np.float32]
-    start: int
-    stop: int
-    core: Span
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,40 +128,6 @@ def _kept_in(queue: deque[_T], items: Iterable[_T]) -> Iterator[_T]:
 def _taken_from(queue: deque[_T]) -> Iterator[_T]:
     while queue:
         yield queue.popleft()
-
-
-def stretches(film: Iterable[Piece]) -> Iterator[Stretch]:
-    """Yield overlapping stretches whose cores tile the film.
-
-    |left|    core    |right|
-                 |left|    core    |right|
-    """
-    held: deque[Piece] = deque()
-    left, start = 0, 0
-    for piece in film:
-        held.append(piece)
-        if len(held) == left + CORE_PIECES + RIGHT_PIECES:
-            yield _join(held, start, left, CORE_PIECES)
-            for _ in range(left + CORE_PIECES - LEFT_PIECES):
-                start += held.popleft().samples.shape[0]
-            left = LEFT_PIECES
-    if len(held) > left:
-        yield _join(held, start, left, len(held) - left)
-
-
-def _join(held: Iterable[Piece], start: int, left: int, core: int) -> Stretch:
-    parts = list(held)
-    size = parts[0].samples.shape[0]
-    stop = start + sum(p.frames for p in parts)
-    return Stretch(
-        samples=np.concatenate([p.samples for p in parts]),
-        peak=np.concatenate([p.peak for p in parts]),
-        slope=np.concatenate([p.slope for p in parts]),
-        bands=np.concatenate([p.bands for p in parts]),
-        start=start,
-        stop=stop,
-        core=Span(start + left * size, start + (left + core) * size),
-    )
 
 
 def guesses(stretch: Stretch, grid: Grid, tier: QualityRules) -> NDArray[np.intp]:

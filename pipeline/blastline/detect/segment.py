@@ -105,8 +105,8 @@ def _blast_length(wave: NDArray[np.float64], peak: float, usual: float, *, rate_
 def _usual_power(before: NDArray[np.float64], rate_hz: int) -> float:
     """Return the median power of the 5 ms stretches before the onset: an earlier shot among them hides no blast."""
     grain = max(1, samples_from_ms(_USUAL_MS, rate_hz))
-    grains = before[before.shape[0] % grain :].reshape(-1, grain)
-    return float(np.median(np.mean(np.square(grains - np.mean(before)), axis=1))) if grains.size else 0.0
+    grains = np.square(before[before.shape[0] % grain :] - np.mean(before)).reshape(-1, grain) if before.size else before
+    return float(np.median(grains.mean(axis=1))) if grains.size else 0.0
 
 
 def _echo_room_db(wave: NDArray[np.float64], blast: int, *, rate_hz: int, rules: SegmentRules) -> float:
@@ -118,12 +118,14 @@ def _echo_room_db(wave: NDArray[np.float64], blast: int, *, rate_hz: int, rules:
     earliest = max(blast, samples_from_ms(rules.earliest_reflection_ms, rate_hz))
     late = wave[: samples_from_ms(rules.latest_reflection_ms, rate_hz) + blast]
     room = 0.0
+    sums = np.zeros(late.shape[0] + 1)
     for lag in (1, max(1, samples_from_ms(_DULL_LAG_MS, rate_hz))):
-        heard = late - np.concatenate([np.zeros(lag), late])[: late.shape[0]]
-        sums = np.concatenate([[0.0], np.cumsum(heard**2)])
-        energies = sums[blast:] - sums[:-blast]
-        if energies[earliest:].size and energies[0] > 0.0:
-            room = max(room, float(np.sqrt(max(0.0, energies[earliest:].max()) / energies[0])))
+        heard = late.copy()
+        heard[lag:] -= late[:-lag]
+        np.cumsum(np.square(heard, out=heard), out=sums[1:])
+        later = sums[earliest + blast :] - sums[earliest:-blast]
+        if later.size and sums[blast] > 0.0:
+            room = max(room, float(np.sqrt(max(0.0, later.max()) / sums[blast])))
     return db_from_gain(room)
 
 
