@@ -41,13 +41,14 @@ def bandshape(levels: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def band_levels(bands: NDArray[np.float32], onsets: NDArray[np.intp], grid: Grid) -> NDArray[np.float64]:
     """Return the mean level of each band, and of all together, in each segment: (n, BANDS + 1, segments), in dB."""
-    sums = np.zeros((bands.shape[0] + 1, BANDS), np.float64)
-    np.cumsum(bands, axis=0, dtype=np.float64, out=sums[1:])
+    sums = np.zeros((BANDS, bands.shape[0] + 1), np.float64)
+    sums[:, 1:] = bands.T
+    np.cumsum(sums, axis=1, out=sums)
     frame = onsets[:, None] // grid.hop
     edges = np.array(SEGMENTS_MS, np.float64) * (grid.rate_hz / 1000.0 / grid.hop)
     starts = np.clip(frame + np.round(edges[:, 0]).astype(np.intp), 0, bands.shape[0])
     stops = np.clip(frame + np.round(edges[:, 1]).astype(np.intp), 0, bands.shape[0])
-    energy = (sums[stops] - sums[starts]) / np.maximum(stops - starts, 1)[:, :, None]
-    energy = np.moveaxis(np.maximum(energy, 0.0), 2, 1)
+    energy = (sums[:, stops] - sums[:, starts]) / np.maximum(stops - starts, 1)
+    energy = np.moveaxis(np.maximum(energy, 0.0), 0, 1)
     energy = np.concatenate([energy, energy.sum(axis=1, keepdims=True)], axis=1)
     return np.asarray(10.0 * np.log10(energy + 1e-16), np.float64)

@@ -105,8 +105,10 @@ def _blast_length(wave: NDArray[np.float64], peak: float, usual: float, *, rate_
 def _usual_power(before: NDArray[np.float64], rate_hz: int) -> float:
     """Return the median power of the 5 ms stretches before the onset: an earlier shot among them hides no blast."""
     grain = max(1, samples_from_ms(_USUAL_MS, rate_hz))
-    grains = np.square(before[before.shape[0] % grain :] - np.mean(before)).reshape(-1, grain) if before.size else before
-    return float(np.median(grains.mean(axis=1))) if grains.size else 0.0
+    if before.shape[0] < grain:
+        return 0.0
+    grains = np.square(before[before.shape[0] % grain :] - np.mean(before)).reshape(-1, grain)
+    return float(np.median(grains.mean(axis=1)))
 
 
 def _echo_room_db(wave: NDArray[np.float64], blast: int, *, rate_hz: int, rules: SegmentRules) -> float:

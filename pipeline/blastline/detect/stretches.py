@@ -49,7 +49,7 @@ def stretches(film: Iterable[Piece]) -> Iterator[Stretch]:
 
 
 class _Room:
-    """Room for some pieces in a row, used again and again: new memory from the system would cost half as much as a read."""
+    """Room for some pieces in a row, used again and again: new memory from the system costs half as much as a read."""
 
     def __init__(self, like: Piece, pieces: int) -> None:
         """Make room for so many pieces like the given one."""
