@@ -43,33 +43,46 @@ def discrete_reflections(
     earliest = samples_from_ms(rules.earliest_reflection_ms, rate_hz)
     if latest <= earliest or not template.any():
         return np.zeros(0, np.intp), np.zeros(0)
-    heard = np.concatenate([before, wave[: latest + template.shape[0]]])
-    step, answers = _answers(heard, template, rate_hz)
+    step, answers = _answers(np.concatenate([before, wave[: latest + template.shape[0]]]), template, rate_hz)
     first = int(np.ceil((before.shape[0] + earliest) / step))  # the blast answers to itself until then
     count = int((before.shape[0] + latest) / step) + 1
     silent = int(max(0, before.shape[0] - samples_from_ms(_APART_MS, rate_hz)) / step)
     grain = max(1, int(_GRAIN_MS * 1e-3 * rate_hz / step))
-    heard_after = [answer[first:count] for answer in answers]
-    usual = [max(_UNUSUAL * _usual(answer[:silent], grain), _FAINTEST) for answer in answers]
-    around = [_around(after, grain) + _FAINTEST for after in heard_after]
-    least = rules.reflection_prominence
-    spikes = np.zeros(count - first, bool)
-    for after, loud, level in zip(heard_after, usual, around, strict=True):
-        spikes |= (after >= loud) & (after >= least * level)
+    heard = [_Heard(answer[first:count], answer[:silent], grain) for answer in answers]
     # what stands out nowhere, and lies beside nothing that does, need not be weighed
+    spikes = np.logical_or.reduce([each.spikes(rules.reflection_prominence) for each in heard])
     near = np.unique(np.clip(np.flatnonzero(spikes)[:, None] + np.arange(-1, 2), 0, count - first - 1))
     lag_ms = ((first + near) * step - before.shape[0]) * 1000.0 / rate_hz
-    rarer = 4.0 / np.pi * np.log(np.maximum(lag_ms / _USUAL_LAG_MS, 1.0))
     clearest, gain = np.zeros(count - first), np.zeros(count - first)
-    for after, loud, level in zip(heard_after, usual, around, strict=True):
-        z = np.sqrt(np.maximum(np.square(after[near] / level[near]) - rarer, 0.0))
-        z[after[near] < loud] = 0.0
-        gain[near] = np.where(z > clearest[near], after[near], gain[near])
+    for each in heard:
+        z = each.clearness(near, lag_ms)
+        gain[near] = np.where(z > clearest[near], each.answer[near], gain[near])
         clearest[near] = np.maximum(clearest[near], z)
     apart = max(1, int(samples_from_ms(_APART_MS, rate_hz) / step))
-    peaks, _ = find_peaks(clearest, height=least, distance=apart)
+    peaks, _ = find_peaks(clearest, height=rules.reflection_prominence, distance=apart)
     lags = np.round((first + peaks + _vertex(gain, peaks)) * step - before.shape[0]).astype(np.intp)
     return lags, gain[peaks]
+
+
+class _Heard:
+    """The answers of one band after the blast, and the level that they have to exceed to be clear."""
+
+    def __init__(self, answer: NDArray[np.float64], silent: NDArray[np.float64], grain: int) -> None:
+        """Take the answers after the blast and those before the shot; `grain` values are a millisecond."""
+        self.answer = answer
+        self._loud = max(_UNUSUAL * _usual(silent, grain), _FAINTEST)
+        self._around = _around(answer, grain) + _FAINTEST
+
+    def spikes(self, prominence: float) -> NDArray[np.bool_]:
+        """Return which values stand out by so much, however late they come."""
+        return (self.answer >= self._loud) & (self.answer >= prominence * self._around)
+
+    def clearness(self, places: NDArray[np.intp], lag_ms: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return z of some values at these lags, less what the later ones have to have more; 0 for the usual ones."""
+        z = self.answer[places] / self._around[places]
+        rarer = 4.0 / np.pi * np.log(np.maximum(lag_ms / _USUAL_LAG_MS, 1.0))
+        z = np.sqrt(np.maximum(np.square(z) - rarer, 0.0))
+        return np.where(self.answer[places] < self._loud, 0.0, z)
 
 
 def _answers(

@@ -117,17 +117,20 @@ def _echo_room_db(wave: NDArray[np.float64], blast: int, *, rate_hz: int, rules:
     In the difference over a sample or over a sixth of a millisecond, whichever gives more: an echo off something soft
     has lost its edge. Neither hears the slow roar that outlasts a blast.
     """
+    from scipy.ndimage import uniform_filter1d
+
     earliest = max(blast, samples_from_ms(rules.earliest_reflection_ms, rate_hz))
     late = wave[: samples_from_ms(rules.latest_reflection_ms, rate_hz) + blast]
     room = 0.0
-    sums = np.zeros(late.shape[0] + 1)
     for lag in (1, max(1, samples_from_ms(_DULL_LAG_MS, rate_hz))):
         heard = late.copy()
         heard[lag:] -= late[:-lag]
-        np.cumsum(np.square(heard, out=heard), out=sums[1:])
-        later = sums[earliest + blast :] - sums[earliest:-blast]
-        if later.size and sums[blast] > 0.0:
-            room = max(room, float(np.sqrt(max(0.0, later.max()) / sums[blast])))
+        power = np.square(heard, out=heard)
+        first = float(power[:blast].mean())
+        if power.shape[0] >= earliest + blast and first > 0.0:
+            means = uniform_filter1d(power[earliest:], blast)
+            inside = means[blast // 2 : blast // 2 + power.shape[0] - earliest - blast + 1]
+            room = max(room, float(np.sqrt(max(0.0, inside.max()) / first)))
     return db_from_gain(room)
 
 

@@ -22,7 +22,7 @@ from ..model import Clip
 
 HOPS_PER_PIECE = 512  # a second at most rates: arrays that stay in the cache
 STEPS_PER_HOP = 2
-_AT_ONCE = 256  # hops that are multiplied together: twice as many take three times as long
+_AT_ONCE = 256  # steps turned over, or hops multiplied, at a time: twice as many take three times as long
 
 # Two frequencies to a band, spread so that the band's share of a broadband burst is steady from shot to shot; the
 # first band is the low-pass of the window itself. Hz.
@@ -108,7 +108,9 @@ def _peaks(
 
     Step beside step, so that the largest of each is found in long runs: three times as fast as step after step.
     """
-    steps = np.ascontiguousarray(samples.reshape(-1, grid.step).T)
+    steps = np.empty((grid.step, samples.shape[0] // grid.step), np.float32)
+    for some in _parts(steps.shape[1]):
+        steps[:, some] = samples.reshape(-1, grid.step)[some].T
     last = np.concatenate([[before], steps[-1, :-1]])
     highest = np.maximum(steps.max(axis=0), last)
     lowest = np.minimum(steps.min(axis=0), last)
@@ -116,6 +118,11 @@ def _peaks(
     np.subtract(steps[1:], steps[:-1], out=slopes[1:])
     np.subtract(steps[0], last, out=slopes[0])
     return np.float32(0.5) * (highest - lowest), np.abs(slopes, out=slopes).max(axis=0)
+
+
+def _parts(count: int) -> Iterator[slice]:
+    """Yield slices of so many steps or hops that are worked on together."""
+    return (slice(first, first + _AT_ONCE) for first in range(0, count, _AT_ONCE))
 
 
 def _at_rest(sample: np.float32, grid: Grid) -> _Before:
@@ -131,7 +138,7 @@ def _bands(samples: NDArray[np.float32], before: _Before, grid: Grid) -> tuple[N
     """
     hops = samples.reshape(-1, grid.hop)
     early, parts = (np.empty((hops.shape[0], _SUMS.shape[0]), np.float32) for _ in range(2))
-    for some in (slice(first, first + _AT_ONCE) for first in range(0, hops.shape[0], _AT_ONCE)):
+    for some in _parts(hops.shape[0]):
         for kernel, products in zip(_kernels(grid), (early, parts), strict=True):
             np.matmul(hops[some], kernel, out=products[some])
     parts[1:] += early[:-1]
