@@ -98,7 +98,7 @@ class ShortSamples:
         """Return `frames` frames from `start`, shape (frames, channels)."""
         short = np.empty((frames, self.channels), "<i2")
         self.file.seek(self.start + start * short.itemsize * self.channels)
-        there = self.file.readinto(short.reshape(-1).view(np.uint8)) // (short.itemsize * self.channels)
+        there = self.file.readinto(short.reshape(-1).view(np.uint8).data) // (short.itemsize * self.channels)
         return np.asarray(np.multiply(short[:there], _SHORT_STEP, dtype=np.float32))
 
 
