@@ -133,7 +133,8 @@ def bang(seed: int, *, decay_s: float, echo_db: float | None = None, noise: floa
 def test_no_reflection_is_louder_than_there_is_room_for(seed: int, echo_db: float | None) -> None:
     shot = heard_in(bang(seed, decay_s=0.002, echo_db=echo_db))
     least_db = TIER.segment.reflection_level_db
-    assert shot.evidence is not None and shot.evidence.echo_room_db is not None
+    assert shot.evidence is not None
+    assert shot.evidence.echo_room_db is not None
     assert least_db is not None
     room_db = shot.evidence.echo_room_db
     assert all(echo.level_db <= room_db + 1e-6 for echo in shot.reflections)

@@ -23,6 +23,7 @@ from .picture import pictures
 from .scan import candidate_steps
 from .segment import segment
 from .sides import Sorted, as_heard, beside, joined
+from .sparse import bands_near
 from .stretches import Stretch, stretches
 from .tracks import Grid, Piece, pieces
 from .verify import Verifier
@@ -90,13 +91,14 @@ def _heard(
     if first is None:
         return
     film = chain([first], rest)
+    cut = partial(pieces, rate_hz=grid.rate_hz, with_bands=tier.scan.band_jump_db is not None)
     search = partial(_search, grid=grid, tier=tier, verifier=verifier)
     place = partial(placed, channels=channels, rate_hz=grid.rate_hz, rules=tier.channels)
     if first.sides is None:
-        for found, refused in map(search, stretches(pieces(film, grid.rate_hz))):
+        for found, refused in map(search, stretches(cut(film))):
             yield place(found), refused
         return
-    mains, sides = _side_by_side(film, grid.rate_hz)
+    mains, sides = _side_by_side(film, cut)
     search_beside = partial(_search, grid=grid, tier=beside(tier), verifier=verifier)
     # map, unlike a loop, lets go of one stretch before it asks for the other
     for here, there in zip(map(search, mains), map(search_beside, sides), strict=True):
@@ -104,14 +106,16 @@ def _heard(
         yield place(found, beside=[shot.onset for shot in there[0]]), refused
 
 
-def _side_by_side(film: Iterable[Clip], rate_hz: int) -> tuple[Iterator[Stretch], Iterator[Stretch]]:
+def _side_by_side(
+    film: Iterable[Clip], cut: Callable[[Iterable[Clip]], Iterator[Piece]]
+) -> tuple[Iterator[Stretch], Iterator[Stretch]]:
     """Return the stretches of the mains and of the sides, which have to be taken in turns."""
     clips: deque[Clip] = deque()
     beside_them: deque[Piece] = deque()
-    sides = pieces(map(as_heard, _taken_from(clips)), rate_hz)
+    sides = cut(map(as_heard, _taken_from(clips)))
 
     def mains() -> Iterator[Piece]:
-        for piece, beside_it in zip(pieces(_kept_in(clips, film), rate_hz), sides, strict=True):
+        for piece, beside_it in zip(cut(_kept_in(clips, film)), sides, strict=True):
             beside_them.append(beside_it)
             yield piece
 
@@ -143,7 +147,8 @@ def described(stretch: Stretch, grid: Grid, tier: QualityRules, *, gate: Test, s
     The onset of those that are left is found to the sample.
     """
     places = guesses(stretch, grid, tier)
-    rough = band_levels(stretch.bands, places, grid)
+    bands = stretch.bands if stretch.bands.size else bands_near(stretch.samples, places, grid)
+    rough = band_levels(bands, places, grid)
     margin = samples_from_ms(farthest_ms(tier.onset), grid.rate_hz)
     at = places + stretch.start
     near = np.flatnonzero((at >= stretch.core.start - margin) & (at < stretch.core.stop + margin))

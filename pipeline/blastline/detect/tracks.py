@@ -12,7 +12,7 @@ blocks that a reader delivers changes nothing.
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -37,11 +37,11 @@ BAND_FREQUENCIES_HZ = (
 )
 BANDS = 1 + len(BAND_FREQUENCIES_HZ)
 
-# adds the squared cosine and sine parts of a band's two frequencies
-_SUMS = np.zeros((1 + 4 * len(BAND_FREQUENCIES_HZ), BANDS), np.float32)
-_SUMS[0, 0] = 1.0
+SUMS = np.zeros((1 + 4 * len(BAND_FREQUENCIES_HZ), BANDS), np.float32)
+"""Adds the squared cosine and sine parts of a band's two frequencies."""
+SUMS[0, 0] = 1.0
 for _band in range(1, BANDS):
-    _SUMS[4 * _band - 3 : 4 * _band + 1, _band] = 1.0
+    SUMS[4 * _band - 3 : 4 * _band + 1, _band] = 1.0
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,10 @@ class Grid:
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """One piece of the film with its tracks; `samples` beyond the film's end stay at the last one's level."""
+    """One piece of the film with its tracks; `samples` beyond the film's end stay at the last one's level.
+
+    `bands` has no frames where nobody scans them.
+    """
 
     samples: NDArray[np.float32]
     peak: NDArray[np.float32]
@@ -90,14 +93,18 @@ class _Before:
     low: np.float32
 
 
-def pieces(blocks: Iterable[Clip], rate_hz: int) -> Iterator[Piece]:
+def pieces(blocks: Iterable[Clip], rate_hz: int, *, with_bands: bool = True) -> Iterator[Piece]:
     """Cut the heard column of any blocks into pieces of one size and yield each with its tracks."""
     grid = Grid(rate_hz)
     before: _Before | None = None
+    bands = np.zeros((0, BANDS), np.float32)
     for samples, frames in _rechunk(blocks, grid.piece):
         before = before or _at_rest(samples[0], grid)
         peak, slope = _peaks(samples, before.sample, grid)
-        bands, before = _bands(samples, before, grid)
+        if with_bands:
+            bands, before = _bands(samples, before, grid)
+        else:
+            before = replace(before, sample=samples[-1])
         yield Piece(samples, peak, slope, bands, frames)
 
 
@@ -127,7 +134,7 @@ def _parts(count: int) -> Iterator[slice]:
 
 def _at_rest(sample: np.float32, grid: Grid) -> _Before:
     """Return what comes before a film's first sample: that sample's level for ever."""
-    early, late = (np.full((1, grid.hop), sample) @ kernel for kernel in _kernels(grid))
+    early, late = (np.full((1, grid.hop), sample) @ kernel for kernel in kernels(grid))
     return _Before(sample, early[0], early[0, 0] + late[0, 0])
 
 
@@ -137,9 +144,9 @@ def _bands(samples: NDArray[np.float32], before: _Before, grid: Grid) -> tuple[N
     And what the next piece needs of this one.
     """
     hops = samples.reshape(-1, grid.hop)
-    early, parts = (np.empty((hops.shape[0], _SUMS.shape[0]), np.float32) for _ in range(2))
+    early, parts = (np.empty((hops.shape[0], SUMS.shape[0]), np.float32) for _ in range(2))
     for some in _parts(hops.shape[0]):
-        for kernel, products in zip(_kernels(grid), (early, parts), strict=True):
+        for kernel, products in zip(kernels(grid), (early, parts), strict=True):
             np.matmul(hops[some], kernel, out=products[some])
     parts[1:] += early[:-1]
     parts[0] += before.early
@@ -147,11 +154,11 @@ def _bands(samples: NDArray[np.float32], before: _Before, grid: Grid) -> tuple[N
     # the low band is a slow level, its change from frame to frame is what sounds
     parts[1:, 0] = np.diff(parts[:, 0])
     parts[0, 0] -= before.low
-    return np.square(parts, out=parts) @ _SUMS, following
+    return np.square(parts, out=parts) @ SUMS, following
 
 
 @cache
-def _kernels(grid: Grid) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def kernels(grid: Grid) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return the window times cosines and sines, for the earlier and the later hop of a frame.
 
     Scaled so that a full-scale sine gives energy 1 in its band. Frequencies a film's sample rate cannot hold give 0.
