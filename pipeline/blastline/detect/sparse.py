@@ -1,8 +1,8 @@
 """Band energies where candidates are, for a tier that does not scan the bands.
 
-    frames       | . . X . . . X . x x X x x x X x . . X . . . X .
-    candidate                      ^                                 x  all frames near it
-                                                                     X  one in four stands for its neighbours
+    frames       | . . . . X . . . . . . . X x x x . . . . X . . .
+    candidate                              ^                                 x  all frames near it
+                                                                     X  one in eight stands for its neighbours
 
 The attack of a candidate needs every frame; what is far from it counts as the mean of many, and fewer give the same.
 """
@@ -14,7 +14,7 @@ from .gather import gather
 from .tracks import BANDS, SUMS, Grid, kernels
 
 _BEFORE_MS, _AFTER_MS = 14.0, 34.0
-_EVERY = 4
+_EVERY = 8
 _AT_ONCE = 256
 
 
@@ -36,14 +36,16 @@ def bands_near(samples: NDArray[np.float32], places: NDArray[np.intp], grid: Gri
 def _energies(samples: NDArray[np.float32], frames: NDArray[np.intp], grid: Grid) -> NDArray[np.float32]:
     """Return the band energies of some frames, shape (n, BANDS), as the scan has them."""
     early, late = kernels(grid)
+    still = np.zeros(grid.hop, np.float32)
+    low = early[:, 0], late[:, 0]
+    change = np.concatenate([still, *low]) - np.concatenate([*low, still])
     energies = np.empty((frames.size, BANDS), np.float32)
     for first in range(0, frames.size, _AT_ONCE):
         some = slice(first, first + _AT_ONCE)
         # a frame ends with its hop; the hop before it is for the change of the low band
         windows = gather(samples, (frames[some] - 2) * grid.hop, 3 * grid.hop)
-        old, earlier, later = (windows[:, hop * grid.hop : (hop + 1) * grid.hop] for hop in range(3))
-        parts = earlier @ early
-        parts += later @ late
-        parts[:, 0] -= old @ early[:, 0] + earlier @ late[:, 0]
+        parts = windows[:, grid.hop : 2 * grid.hop] @ early
+        parts += windows[:, 2 * grid.hop :] @ late
+        parts[:, 0] = windows @ change
         energies[some] = np.square(parts, out=parts) @ SUMS
     return energies
