@@ -23,12 +23,14 @@ from numpy.typing import NDArray
 
 from blastline import scene
 from blastline.detect import Verifier, find_shots, load_verifier
-from blastline.detect.find import described, guesses, judged, let_all_pass, stretches
+from blastline.detect.find import described, guesses, judged, let_all_pass
+from blastline.detect.forest import score
 from blastline.detect.network import log_odds
 from blastline.detect.picture import pictures
 from blastline.detect.segment import segment
+from blastline.detect.stretches import stretches
 from blastline.detect.tracks import Grid, pieces
-from blastline.detect.verify import SCREEN_SHARE, score
+from blastline.detect.verify import SCREEN_SHARE
 from blastline.model import DriveChoice, Shot, Span
 from blastline.render import drive_filters, hear_window, measure, needed_audio, plan_windows, render_window
 from blastline.render.filters import felt

@@ -8,10 +8,10 @@ import pytest
 from numpy.typing import NDArray
 
 from blastline.detect.bursts import group_bursts, keep_apart, part_from_echoes, without_echoes
-from blastline.detect.find import stretches
 from blastline.detect.onset import refine_onsets
 from blastline.detect.scan import candidate_steps, rises
 from blastline.detect.segment import segment
+from blastline.detect.stretches import stretches
 from blastline.detect.tracks import BANDS, Grid, pieces
 from blastline.model import Clip, Reflection, Shot, Span
 from blastline.ruleset import load_rules

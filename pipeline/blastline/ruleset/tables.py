@@ -108,17 +108,20 @@ class ChannelRules(Table, frozen=True):
 
 
 class SegmentRules(Table, frozen=True):
-    """Where the blast ends, what counts as a reflection, and when the decay is over."""
+    """Where the blast ends, what counts as a reflection, and when the decay is over.
+
+    Without a `reflection_level_db` no reflections are looked for.
+    """
 
     longest_blast_ms: Positive
     blast_decay_db: Annotated[float, Meta(gt=0.0, le=60.0)]
     earliest_reflection_ms: Positive
     latest_reflection_ms: Positive
-    reflection_level_db: Annotated[float, Meta(ge=-60.0, le=0.0)]
     reflection_prominence: Annotated[float, Meta(ge=1.0, le=20.0)]
     decay_db: Annotated[float, Meta(gt=0.0, le=80.0)]
     shortest_ms: Positive
     longest_ms: Positive
+    reflection_level_db: Annotated[float, Meta(ge=-60.0, le=0.0)] | None = None
 
     def __post_init__(self) -> None:
         """Refuse ranges that are empty."""

@@ -23,9 +23,10 @@ from numpy.typing import NDArray
 
 from ..detect.bandshape import bandshape_names
 from ..detect.features import feature_names
+from ..detect.forest import grown
 from ..detect.network import wired
 from ..detect.picture import Pictures, pictures
-from ..detect.verify import SCHEMA, ModelFile, Sieve, SieveFile, Verifier, grown
+from ..detect.verify import SCHEMA, ModelFile, Sieve, SieveFile, Verifier
 from ..ruleset import QualityRules, load_rules
 from .candidates import Candidates, best_f1, candidates, joined
 from .courses import FOLDS, Course, courses
