@@ -22,14 +22,15 @@ from film import made_of
 from numpy.typing import NDArray
 
 from blastline import scene
-from blastline.detect import Verifier, find_shots, load_verifier, part_from_echoes
-from blastline.detect.bursts import in_company, keep_apart, without_echoes
-from blastline.detect.find import described, guesses, let_all_pass, stretches
+from blastline.detect import Verifier, find_shots, load_verifier
+from blastline.detect.find import described, guesses, judged, let_all_pass
+from blastline.detect.forest import score
 from blastline.detect.network import log_odds
 from blastline.detect.picture import pictures
 from blastline.detect.segment import segment
+from blastline.detect.stretches import stretches
 from blastline.detect.tracks import Grid, pieces
-from blastline.detect.verify import SCREEN_SHARE, score
+from blastline.detect.verify import SCREEN_SHARE
 from blastline.model import DriveChoice, Shot, Span
 from blastline.render import drive_filters, hear_window, measure, needed_audio, plan_windows, render_window
 from blastline.render.filters import felt
@@ -107,12 +108,9 @@ def believed(shots: Sequence[Shot], surety: NDArray[np.float64], rules: Rules, r
     enough = [
         msgspec.structs.replace(shot, confidence=float(p))
         for shot, p in zip(shots, surety, strict=True)
-        if p >= tier.verify.company_threshold
+        if p >= tier.verify.round_threshold
     ]
-    kept, _ = in_company(enough, rate_hz=rate_hz, rules=tier.verify)
-    kept, _ = keep_apart(kept, rate_hz=rate_hz, rules=tier.bursts)
-    kept, _ = without_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
-    return part_from_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
+    return judged(enough, (), rate_hz=rate_hz, tier=tier).shots
 
 
 def counted(shots: Sequence[Shot], truth: Truth) -> Counts:

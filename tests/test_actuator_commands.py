@@ -11,7 +11,7 @@ import soundfile
 from actuator_signals import Seat, noise, run_through
 from blastline.dsp import felt_response
 from blastline.ruleset import load_actuator
-from commands import Ended, blastline, write_film
+from commands import BELIEVE, Ended, blastline, write_film
 
 RATE_HZ = 16_000
 SEAT = Seat(delay_s=0.0123)
@@ -142,9 +142,8 @@ def test_options_of_a_fit_reach_the_profile(run: Path, tmp_path: Path) -> None:
 
 def test_a_fitted_profile_renders(run: Path, tmp_path: Path) -> None:
     film = write_film(tmp_path / "film.wav", length_s=3.0, shots_s=(1.0,))
-    believe = "[verify]\nthreshold = 0.0\ncompany_threshold = 0.0\nreport_from = 0.0\n"
     (tmp_path / "rules" / "quality").mkdir(parents=True)
-    (tmp_path / "rules" / "quality" / "draft.toml").write_text(believe)
+    (tmp_path / "rules" / "quality" / "draft.toml").write_text(BELIEVE)
     options = ("--quality", "draft", "--rules", tmp_path / "rules", "--no-report", "-q")
     ended = blastline("render", film, "-o", tmp_path / "out", "--actuator", run / "seat.toml", *options)
     assert ended.code in (0, 1), ended

@@ -10,7 +10,7 @@ import pytest
 import soundfile
 
 from blastline.export import read_timeline
-from commands import RATE_HZ, blastline, blastline_alone, interrupted, write_film
+from commands import BELIEVE, RATE_HZ, blastline, blastline_alone, interrupted, write_film
 
 RESULTS = ["drive.wav", "report.html", "timeline.csv", "timeline.json"]
 SHOTS_S = (1.0, 2.5)
@@ -25,10 +25,9 @@ def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def believing(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return rules that take every candidate for a shot, so that no test depends on what the verifier has learnt."""
     folder = tmp_path_factory.mktemp("rules")
-    believe = "[verify]\nthreshold = 0.0\ncompany_threshold = 0.0\nreport_from = 0.0\n"
     for quality in ("draft", "standard"):
         (folder / "quality").mkdir(exist_ok=True)
-        (folder / "quality" / f"{quality}.toml").write_text(believe)
+        (folder / "quality" / f"{quality}.toml").write_text(BELIEVE)
     return folder
 
 

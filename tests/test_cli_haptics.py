@@ -12,7 +12,7 @@ import wavinfo
 from blastline.export import read_timeline
 from blastline.model import Clip, Timeline, encode
 from blastline.soundtrack import write_drive
-from commands import blastline, write_film
+from commands import BELIEVE, blastline, write_film
 from haptic_films import RATE_HZ, Samples, drive_of, event, film
 from haptic_rules import ahap_played, haptic_played, hjif_played
 
@@ -33,7 +33,7 @@ def result(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("result")
     quality = folder / "rules" / "quality"
     quality.mkdir(parents=True)
-    (quality / "draft.toml").write_text("[verify]\nthreshold = 0.0\ncompany_threshold = 0.0\nreport_from = 0.0\n")
+    (quality / "draft.toml").write_text(BELIEVE)
     scene = write_film(folder / "film.wav", length_s=4.0, shots_s=SHOTS_S)
     wanted = ["--format", f"json,{FORMATS}", "--quality", "draft", "--no-report"]
     ended = blastline("render", scene, "-o", folder / "out", "--rules", folder / "rules", *wanted)

@@ -10,10 +10,8 @@ import wavinfo
 from blastline.export import FORMATS, HAPTIC_FORMATS, known_formats, read_timeline
 from blastline.export.frames import FRAME_FORMATS
 from blastline.model import encode
-from commands import RATE_HZ, blastline, write_film
+from commands import BELIEVE, RATE_HZ, blastline, write_film
 from films import COUNTINGS, film
-
-BELIEVE = "[verify]\nthreshold = 0.0\ncompany_threshold = 0.0\nreport_from = 0.0\n"
 
 
 @pytest.fixture(scope="module")

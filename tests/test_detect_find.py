@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 
 from blastline.detect import Detection, find_shots, load_verifier
 from blastline.detect.features import feature_names
-from blastline.detect.find import described, let_all_pass, stretches
+from blastline.detect.find import described, let_all_pass
+from blastline.detect.forest import ForestFile, grown, probabilities
 from blastline.detect.picture import pictures
+from blastline.detect.stretches import stretches
 from blastline.detect.tracks import Grid, pieces
-from blastline.detect.verify import SCHEMA, ForestFile, ModelFile, SieveFile, Verifier, grown, probabilities
+from blastline.detect.verify import SCHEMA, ModelFile, SieveFile, Verifier
 from blastline.errors import RuleError
 from blastline.model import Clip, Shot
 from blastline.ruleset import load_rules, rules_path

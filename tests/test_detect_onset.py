@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from blastline.detect.bursts import group_bursts, in_company, keep_apart, part_from_echoes, without_echoes
-from blastline.detect.find import stretches
+from blastline.detect.bursts import group_bursts, keep_apart, part_from_echoes, without_echoes
 from blastline.detect.onset import refine_onsets
 from blastline.detect.scan import candidate_steps, rises
 from blastline.detect.segment import segment
+from blastline.detect.stretches import stretches
 from blastline.detect.tracks import BANDS, Grid, pieces
 from blastline.model import Clip, Reflection, Shot, Span
 from blastline.ruleset import load_rules
@@ -304,19 +304,6 @@ def test_what_two_shots_claim_is_the_later_ones_echo() -> None:
     ]
     parted = part_from_echoes(heard, rate_hz=RATE_HZ, rules=TIER.bursts)
     assert [[echo.delay_ms for echo in shot.reflections] for shot in parted] == [[21.0, 300.0], [21.0], [21.0]]
-
-
-def test_an_unsure_shot_needs_the_company_of_a_sure_one() -> None:
-    sure, unsure = TIER.verify.threshold, TIER.verify.company_threshold
-    reach_ms = 1000.0 * TIER.verify.company_s
-    shots = [
-        *shots_at(20_000, confidence=sure),
-        *shots_at(20_000 - reach_ms, 20_000 + reach_ms, confidence=unsure),
-        *shots_at(20_000 + reach_ms + 1, confidence=unsure),
-    ]
-    kept, alone = in_company(shots, rate_hz=RATE_HZ, rules=TIER.verify, channels=TIER.channels)
-    assert [s.onset for s in kept] == [48 * round(ms) for ms in (20_000 - reach_ms, 20_000, 20_000 + reach_ms)]
-    assert [r.at_sample for r in alone] == [48 * round(20_000 + reach_ms + 1)]
 
 
 def test_of_two_shots_nearer_than_any_gun_the_surer_stays() -> None:

@@ -11,11 +11,11 @@ import soundfile
 from blastline.errors import RuleError
 from blastline.study.cases import GUN_FREE_EVERY, Case, random_films
 from blastline.study.corpus import read_corpus
+from blastline.study.courses import FOLD_SEED, FOLDS, by_fold
 from blastline.study.filmlike import CLIP_S, film_mixes, one_shot_clips, stock
 from blastline.study.peer_scores import PeerTally, opened
 from blastline.study.peers import PEERS, Peer, installed
 from blastline.study.sources import Source
-from blastline.study.train import FOLD_SEED, FOLDS, by_fold
 
 RATE_HZ = 48_000
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from blastline.detect.verify import Sieve, grown
+from blastline.detect.forest import grown
+from blastline.detect.verify import Sieve
 from blastline.ruleset import load_rules
 from blastline.study.candidates import Candidates, best_f1, candidates, joined
 from blastline.study.codecs import BITS_PER_S, Codec, coded

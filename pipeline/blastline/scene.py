@@ -71,9 +71,12 @@ def _verifier(measured: ShotEvidence, confidence: float, tier: QualityRules) -> 
 
 
 def _reflections(measured: ShotEvidence, found: tuple[Reflection, ...], tier: QualityRules) -> Decision:
+    least_db = tier.segment.reflection_level_db
+    if measured.echo_room_db is None or least_db is None:
+        return Decision("reflections", "none looked for", "this quality does without", {})
     room = f"nothing as long as the blast is louder than {measured.echo_room_db:.1f} dB against it"
     evidence = {"echo_room_db": measured.echo_room_db, "reflections": float(len(found))}
-    if measured.echo_room_db < tier.segment.reflection_level_db:
+    if measured.echo_room_db < least_db:
         return Decision("reflections", "none looked for", f"{room}, too little for a reflection", evidence)
     if not found:
         return Decision("reflections", "none", f"{room}, but nothing that stands out copies it", evidence)

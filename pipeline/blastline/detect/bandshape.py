@@ -22,6 +22,7 @@ SEGMENTS_MS = (
 )
 ATTACK = SEGMENTS_MS.index((-2, 4))
 LOWEST_DB, HIGHEST_DB = -70.0, 30.0
+_BLOCK = 16
 
 
 def bandshape_names() -> tuple[str, ...]:
@@ -41,13 +42,25 @@ def bandshape(levels: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def band_levels(bands: NDArray[np.float32], onsets: NDArray[np.intp], grid: Grid) -> NDArray[np.float64]:
     """Return the mean level of each band, and of all together, in each segment: (n, BANDS + 1, segments), in dB."""
-    sums = np.zeros((bands.shape[0] + 1, BANDS), np.float64)
-    np.cumsum(bands, axis=0, dtype=np.float64, out=sums[1:])
+    sums = _running_sums(bands)
     frame = onsets[:, None] // grid.hop
     edges = np.array(SEGMENTS_MS, np.float64) * (grid.rate_hz / 1000.0 / grid.hop)
     starts = np.clip(frame + np.round(edges[:, 0]).astype(np.intp), 0, bands.shape[0])
     stops = np.clip(frame + np.round(edges[:, 1]).astype(np.intp), 0, bands.shape[0])
-    energy = (sums[stops] - sums[starts]) / np.maximum(stops - starts, 1)[:, :, None]
-    energy = np.moveaxis(np.maximum(energy, 0.0), 2, 1)
+    energy = (sums[:, stops] - sums[:, starts]) / np.maximum(stops - starts, 1)
+    energy = np.moveaxis(np.maximum(energy, 0.0), 0, 1)
     energy = np.concatenate([energy, energy.sum(axis=1, keepdims=True)], axis=1)
-    return np.asarray(10.0 * np.log10(energy + 1e-16), np.float64)
+    energy += 1e-16
+    return np.asarray(np.log(energy, out=energy) * (10.0 / np.log(10.0)), np.float64)
+
+
+def _running_sums(bands: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Return the sum of all frames before each one, shape (BANDS, at least frames + 1).
+
+    Within blocks by a matrix product, then from block to block: half the time of adding one frame after the other.
+    """
+    blocks = np.zeros((BANDS, bands.shape[0] // _BLOCK + 1, _BLOCK))
+    blocks.reshape(BANDS, -1)[:, 1 : bands.shape[0] + 1] = bands.T
+    blocks = blocks @ np.triu(np.ones((_BLOCK, _BLOCK)))
+    blocks[:, 1:] += np.cumsum(blocks[:, :-1, -1], axis=1)[:, :, None]
+    return blocks.reshape(BANDS, -1)

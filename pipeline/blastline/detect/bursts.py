@@ -1,4 +1,4 @@
-"""Which shots are believed, which are one, and which belong together as automatic fire."""
+"""Which shots are one, which are echoes, and which belong together as automatic fire."""
 
 from collections.abc import Iterable, Sequence
 
@@ -6,27 +6,10 @@ import msgspec
 import numpy as np
 
 from ..model import Rejection, Shot
-from ..ruleset import BurstRules, ChannelRules, VerifyRules
-from ..units import samples_from_ms, samples_from_s
+from ..ruleset import BurstRules
+from ..units import samples_from_ms
 
 _SAME_ECHO_MS = 1.0  # two shots that hear an echo this close hear the same one
-
-
-def in_company(
-    shots: Iterable[Shot], *, rate_hz: int, rules: VerifyRules, channels: ChannelRules
-) -> tuple[tuple[Shot, ...], tuple[Rejection, ...]]:
-    """Return the shots that are sure or near to a sure one, and the rest: films fire in scenes."""
-    ordered = sorted(shots, key=lambda s: s.onset)
-    needed = {"mains": rules.threshold, "sides": channels.sides_threshold}
-    sure = np.array([shot.onset for shot in ordered if shot.confidence >= needed[shot.heard_in]])
-    reach = samples_from_s(rules.company_s, rate_hz)
-    believed = [bool(np.any(np.abs(sure - shot.onset) <= reach)) for shot in ordered]
-    alone = (
-        Rejection(shot.onset, "alone, and not sure enough for that", {"probability": shot.confidence})
-        for shot, kept in zip(ordered, believed, strict=True)
-        if not kept
-    )
-    return tuple(shot for shot, kept in zip(ordered, believed, strict=True) if kept), tuple(alone)
 
 
 def keep_apart(

@@ -10,11 +10,12 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Channels, Clip, Rejection, Shot, Span
+from ..model import Channels, Clip, Rejection, Shot
 from ..ruleset import QualityRules
 from ..units import samples_from_ms
 from .bandshape import band_levels, bandshape
-from .bursts import group_bursts, in_company, keep_apart, part_from_echoes, without_echoes
+from .bursts import group_bursts, keep_apart, part_from_echoes, without_echoes
+from .company import in_company
 from .direction import placed
 from .features import features
 from .neighbours import neighbourhood
@@ -24,11 +25,11 @@ from .rate import LISTENING_HZ, in_film, resampled
 from .scan import candidate_steps
 from .segment import segment
 from .sides import Sorted, as_heard, beside, joined
+from .sparse import bands_near
+from .stretches import Stretch, stretches
 from .tracks import Grid, Piece, pieces
 from .verify import Verifier
 
-# A piece is about half a second. Before the core: the neighbourhood of `features`; after it: the longest decay.
-LEFT_PIECES, CORE_PIECES, RIGHT_PIECES = 8, 64, 6
 _SAME_ONSET_MS = 3.0
 _T = TypeVar("_T")
 
@@ -42,19 +43,6 @@ class Detection:
 
     shots: tuple[Shot, ...]
     rejections: tuple[Rejection, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Stretch:
-    """A few seconds of film with its tracks; the shots whose onset lies in `core` are this stretch's to find."""
-
-    samples: NDArray[np.float32]
-    peak: NDArray[np.float32]
-    slope: NDArray[np.float32]
-    bands: NDArray[np.float32]
-    start: int
-    stop: int
-    core: Span
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +75,12 @@ def find_shots(
     for found, refused in _heard(blocks, rate_hz, tier, verifier, channels):
         shots += found
         rejections += refused
-    believed, alone = in_company(shots, rate_hz=rate_hz, rules=tier.verify, channels=tier.channels)
+    return judged(shots, rejections, rate_hz=rate_hz, tier=tier)
+
+
+def judged(shots: Iterable[Shot], rejections: Iterable[Rejection], *, rate_hz: int, tier: QualityRules) -> Detection:
+    """Return what is believed of a film's candidates, echoes and doublets taken out and bursts numbered."""
+    believed, alone = in_company(shots, rate_hz=rate_hz, tier=tier)
     kept, dropped = keep_apart(believed, rate_hz=rate_hz, rules=tier.bursts)
     fired, echoes = without_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
     parted = part_from_echoes(fired, rate_hz=rate_hz, rules=tier.bursts)
@@ -106,13 +99,14 @@ def _heard(
     if first is None:
         return
     film, grid = chain([first], rest), Grid(LISTENING_HZ)
+    cut = partial(pieces, rate_hz=LISTENING_HZ, with_bands=tier.scan.band_jump_db is not None)
     search = partial(_search, grid=grid, tier=tier, verifier=verifier, rate_hz=rate_hz)
     place = partial(placed, channels=channels, rate_hz=rate_hz, rules=tier.channels)
     if first.sides is None:
-        for found, refused in map(search, stretches(pieces(film, grid.rate_hz))):
+        for found, refused in map(search, stretches(cut(film))):
             yield place(found), refused
         return
-    mains, sides = _side_by_side(film, grid.rate_hz)
+    mains, sides = _side_by_side(film, cut)
     search_beside = partial(search, tier=beside(tier))
     # map, unlike a loop, lets go of one stretch before it asks for the other
     for here, there in zip(map(search, mains), map(search_beside, sides), strict=True):
@@ -120,14 +114,16 @@ def _heard(
         yield place(found, beside=[shot.onset for shot in there[0]]), refused
 
 
-def _side_by_side(film: Iterable[Clip], rate_hz: int) -> tuple[Iterator[Stretch], Iterator[Stretch]]:
+def _side_by_side(
+    film: Iterable[Clip], cut: Callable[[Iterable[Clip]], Iterator[Piece]]
+) -> tuple[Iterator[Stretch], Iterator[Stretch]]:
     """Return the stretches of the mains and of the sides, which have to be taken in turns."""
     clips: deque[Clip] = deque()
     beside_them: deque[Piece] = deque()
-    sides = pieces(map(as_heard, _taken_from(clips)), rate_hz)
+    sides = cut(map(as_heard, _taken_from(clips)))
 
     def mains() -> Iterator[Piece]:
-        for piece, beside_it in zip(pieces(_kept_in(clips, film), rate_hz), sides, strict=True):
+        for piece, beside_it in zip(cut(_kept_in(clips, film)), sides, strict=True):
             beside_them.append(beside_it)
             yield piece
 
@@ -146,40 +142,6 @@ def _taken_from(queue: deque[_T]) -> Iterator[_T]:
         yield queue.popleft()
 
 
-def stretches(film: Iterable[Piece]) -> Iterator[Stretch]:
-    """Yield overlapping stretches whose cores tile the film.
-
-    |left|    core    |right|
-                 |left|    core    |right|
-    """
-    held: deque[Piece] = deque()
-    left, start = 0, 0
-    for piece in film:
-        held.append(piece)
-        if len(held) == left + CORE_PIECES + RIGHT_PIECES:
-            yield _join(held, start, left, CORE_PIECES)
-            for _ in range(left + CORE_PIECES - LEFT_PIECES):
-                start += held.popleft().samples.shape[0]
-            left = LEFT_PIECES
-    if len(held) > left:
-        yield _join(held, start, left, len(held) - left)
-
-
-def _join(held: Iterable[Piece], start: int, left: int, core: int) -> Stretch:
-    parts = list(held)
-    size = parts[0].samples.shape[0]
-    stop = start + sum(p.frames for p in parts)
-    return Stretch(
-        samples=np.concatenate([p.samples for p in parts]),
-        peak=np.concatenate([p.peak for p in parts]),
-        slope=np.concatenate([p.slope for p in parts]),
-        bands=np.concatenate([p.bands for p in parts]),
-        start=start,
-        stop=stop,
-        core=Span(start + left * size, start + (left + core) * size),
-    )
-
-
 def guesses(stretch: Stretch, grid: Grid, tier: QualityRules) -> NDArray[np.intp]:
     """Return roughly where a stretch's candidates are, as indices into it, ascending."""
     steps = candidate_steps(stretch.peak, stretch.slope, stretch.bands, grid=grid, rules=tier.scan)
@@ -193,7 +155,8 @@ def described(stretch: Stretch, grid: Grid, tier: QualityRules, *, gate: Test, s
     The onset of those that are left is found to the sample.
     """
     places = guesses(stretch, grid, tier)
-    rough = band_levels(stretch.bands, places, grid)
+    bands = stretch.bands if stretch.bands.size else bands_near(stretch.samples, places, grid)
+    rough = band_levels(bands, places, grid)
     margin = samples_from_ms(farthest_ms(tier.onset), grid.rate_hz)
     at = places + stretch.start
     near = np.flatnonzero((at >= stretch.core.start - margin) & (at < stretch.core.stop + margin))
@@ -236,11 +199,11 @@ def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier
         for onset, p, screen_p, networks in zip(
             found.onsets, verdicts.surety, verdicts.screened, verdicts.networks, strict=True
         )
-        if p >= tier.verify.company_threshold
+        if p >= tier.verify.round_threshold
     ]
     refused = [
         Rejection(int(onset) + stretch.start, "does not sound like a shot", {"probability": float(p)})
         for onset, p in zip(found.onsets, verdicts.surety, strict=True)
-        if tier.verify.report_from <= p < tier.verify.company_threshold
+        if tier.verify.report_from <= p < tier.verify.round_threshold
     ]
     return in_film(shots, refused, rate_hz)

@@ -12,6 +12,8 @@ LEVEL_STEPS_DB = (-12.0, -6.0, -3.0)
 RIVAL_DB = 9.0  # a neighbour this much weaker is no rival
 ALIKE_DB, FARTHEST_DB = 5.0, 50.0
 RUN_GAP_MS = 300.0
+_AT_ONCE = 64  # candidates that are held against one set of neighbours
+_SLACK_MS = 1.0
 
 
 def neighbourhood_names() -> tuple[str, ...]:
@@ -26,24 +28,33 @@ def neighbourhood_names() -> tuple[str, ...]:
 def neighbourhood(
     places: NDArray[np.intp], levels: NDArray[np.float64], wanted: NDArray[np.intp], rate_hz: int
 ) -> NDArray[np.float64]:
-    """Return how the candidates with the indices `wanted` stand among all of the last three seconds and the next one.
+    """Return how the candidates with the ascending indices `wanted` stand among all of the seconds around them.
 
     `places` are the candidates' sample indices, ascending, `levels` their band levels.
     """
-    ms = 1000.0 / rate_hz
+    at_ms = places.astype(np.float64) * (1000.0 / rate_hz)
+    rows = [np.zeros((0, len(neighbourhood_names())))]
+    for some in (wanted[first : first + _AT_ONCE] for first in range(0, wanted.size, _AT_ONCE)):
+        nearest_ms = at_ms[some[0]] - PAST_MS - _SLACK_MS, at_ms[some[-1]] + FUTURE_MS + _SLACK_MS
+        first, stop = np.searchsorted(at_ms, nearest_ms)
+        rows.append(_standing(at_ms[first:stop], levels[first:stop], some - first))
+    return np.concatenate(rows)
+
+
+def _standing(at_ms: NDArray[np.float64], levels: NDArray[np.float64], wanted: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Return how some candidates stand among all of the last three seconds and the next ones, by times and levels."""
     attack_db = levels[:, -1, ATTACK]
     shapes = np.maximum(levels[:, :-1, ATTACK : ATTACK + SHAPE_SEGMENTS] - attack_db[:, None, None], LOWEST_DB)
-    at_ms = places.astype(np.float64) * ms
     gap_ms = at_ms[None, :] - at_ms[wanted, None]
     level = attack_db[None, :] - attack_db[wanted, None]
     before = (gap_ms < 0.0) & (gap_ms >= -PAST_MS)
     after = (gap_ms > 0.0) & (gap_ms <= FUTURE_MS)
-    distance = _distances(shapes.reshape(places.size, shapes.shape[1] * shapes.shape[2]), wanted)
+    distance = _distances(shapes.reshape(at_ms.size, shapes.shape[1] * shapes.shape[2]), wanted)
     alike = (distance < ALIKE_DB) & (np.abs(level) < RIVAL_DB)
     run = (alike & (before | after)) | (gap_ms == 0.0)
     previous = _last(before & (level >= -RIVAL_DB))
     following = _last((after & (level >= -RIVAL_DB))[:, ::-1])
-    following = np.where(following >= 0, places.size - 1 - following, -1)
+    following = np.where(following >= 0, at_ms.size - 1 - following, -1)
     columns = [
         np.where(before, level, LOWEST_DB).max(axis=1, initial=LOWEST_DB),
         np.where(after, level, LOWEST_DB).max(axis=1, initial=LOWEST_DB),

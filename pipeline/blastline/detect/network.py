@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import msgspec
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from .picture import NEAR, WIDE, Pictures
@@ -129,14 +128,26 @@ def _convolved(pictures: Values, layers: Sequence[Layer]) -> Values:
     """Return pictures (n, frames, bands) after the layers, laid flat: (n, frames * bands * channels)."""
     values = pictures[..., None]
     for layer in layers:
-        values = np.maximum(_convolve(values, layer), 0.0)
+        values = _convolve(values, layer)
     return values.reshape(values.shape[0], -1)
 
 
 def _convolve(values: Values, layer: Layer) -> Values:
-    """Return a 3 x 3 convolution of (n, frames, bands, channels) over zeros at the edges, every `stride` places."""
-    padded = np.pad(values, ((0, 0), (1, 1), (1, 1), (0, 0)))
-    windows = sliding_window_view(padded, (KERNEL, KERNEL), axis=(1, 2))[:, :: layer.stride, :: layer.stride]
-    count, frames, bands = windows.shape[:3]
-    flat = np.moveaxis(windows, 3, 5).reshape(count * frames * bands, -1)
-    return np.asarray(flat @ layer.weights + layer.biases, np.float32).reshape(count, frames, bands, -1)
+    """Return a 3 x 3 convolution of (n, frames, bands, channels) over zeros at the edges, every `stride` places.
+
+    And what of it is positive.
+    """
+    count, frames, bands, channels = values.shape
+    padded = np.zeros((count, frames + KERNEL - 1, bands + KERNEL - 1, channels), np.float32)
+    padded[:, 1:-1, 1:-1] = values
+    frames, bands = -(-frames // layer.stride), -(-bands // layer.stride)
+    per_picture, per_frame, per_band, per_channel = padded.strides
+    windows = np.ndarray(
+        (count, frames, bands, KERNEL, KERNEL, channels),
+        np.float32,
+        padded,
+        strides=(per_picture, layer.stride * per_frame, layer.stride * per_band, per_frame, per_band, per_channel),
+    )
+    convolved = windows.reshape(count * frames * bands, -1) @ layer.weights
+    convolved += layer.biases
+    return np.maximum(convolved, 0.0, out=convolved).reshape(count, frames, bands, -1)

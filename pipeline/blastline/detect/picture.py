@@ -21,7 +21,8 @@ FLOOR = 1e-11
 """Power of a sine of -110 dBFS: beneath the rounding of 16 bits."""
 
 LOWEST_DB, HIGHEST_DB = -60.0, 30.0
-_AT_ONCE = 8  # candidates whose frames are worked on together: they fit in the cache
+_AT_ONCE = 100_000  # samples that are worked on together: with their spectra they stay in the cache
+_DB_PER_LOG = np.float32(10.0 / np.log(10.0))
 
 
 @dataclass(frozen=True)
@@ -90,16 +91,18 @@ def _levels(
     size = _transform_size(raster, rate_hz)
     starts = [samples_from_ms(raster.start_ms + raster.hop_ms * frame, rate_hz) for frame in range(raster.frames)]
     levels = np.empty((onsets.size, raster.frames, raster.bands), np.float32)
-    for first in range(0, onsets.size, _AT_ONCE):
-        some = onsets[first : first + _AT_ONCE]
+    at_once = max(1, _AT_ONCE // (raster.frames * size))
+    for first in range(0, onsets.size, at_once):
+        some = onsets[first : first + at_once]
         frames = gather(samples, (some[:, None] + np.array(starts)).ravel(), window.size)
         frames -= (frames @ mean_of)[:, None]
         frames *= window
-        spectra = rfft(frames, size, axis=1)[:, : bands.shape[0]]
-        power = np.square(spectra.real)
-        power += np.square(spectra.imag)
-        levels[first : first + _AT_ONCE] = (power @ bands).reshape(some.size, raster.frames, raster.bands)
-    return np.asarray(10.0 * np.log10(levels + np.float32(FLOOR)), np.float32)
+        parts = rfft(frames, size, axis=1).view(np.float32)[:, : 2 * bands.shape[0]]
+        np.square(parts, out=parts)
+        power = parts[:, ::2] + parts[:, 1::2]
+        levels[first : first + at_once] = (power @ bands).reshape(some.size, raster.frames, raster.bands)
+    levels += np.float32(FLOOR)
+    return np.multiply(np.log(levels, out=levels), _DB_PER_LOG, out=levels)
 
 
 @cache

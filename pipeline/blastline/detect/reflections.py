@@ -43,25 +43,46 @@ def discrete_reflections(
     earliest = samples_from_ms(rules.earliest_reflection_ms, rate_hz)
     if latest <= earliest or not template.any():
         return np.zeros(0, np.intp), np.zeros(0)
-    heard = np.concatenate([before, wave[: latest + template.shape[0]]])
-    step, answers = _answers(_faded(heard, rate_hz), _faded(template, rate_hz), rate_hz)
+    step, answers = _answers(np.concatenate([before, wave[: latest + template.shape[0]]]), template, rate_hz)
     first = int(np.ceil((before.shape[0] + earliest) / step))  # the blast answers to itself until then
     count = int((before.shape[0] + latest) / step) + 1
     silent = int(max(0, before.shape[0] - samples_from_ms(_APART_MS, rate_hz)) / step)
-    lag_ms = (np.arange(first, count) * step - before.shape[0]) * 1000.0 / rate_hz
-    rarer = 4.0 / np.pi * np.log(np.maximum(lag_ms / _USUAL_LAG_MS, 1.0))
+    grain = max(1, int(_GRAIN_MS * 1e-3 * rate_hz / step))
+    heard = [_Heard(answer[first:count], answer[:silent], grain) for answer in answers]
+    # what stands out nowhere, and lies beside nothing that does, need not be weighed
+    spikes = np.logical_or.reduce([each.spikes(rules.reflection_prominence) for each in heard])
+    near = np.unique(np.clip(np.flatnonzero(spikes)[:, None] + np.arange(-1, 2), 0, count - first - 1))
+    lag_ms = ((first + near) * step - before.shape[0]) * 1000.0 / rate_hz
     clearest, gain = np.zeros(count - first), np.zeros(count - first)
-    for answer in answers:
-        after = answer[first:count]
-        z = after / (_around(after, rate_hz / step) + _FAINTEST)
-        z[after < _UNUSUAL * _usual(answer[:silent], rate_hz / step)] = 0.0
-        z = np.sqrt(np.maximum(z**2 - rarer, 0.0))
-        gain = np.where(z > clearest, after, gain)
-        clearest = np.maximum(clearest, z)
+    for each in heard:
+        z = each.clearness(near, lag_ms)
+        gain[near] = np.where(z > clearest[near], each.answer[near], gain[near])
+        clearest[near] = np.maximum(clearest[near], z)
     apart = max(1, int(samples_from_ms(_APART_MS, rate_hz) / step))
     peaks, _ = find_peaks(clearest, height=rules.reflection_prominence, distance=apart)
     lags = np.round((first + peaks + _vertex(gain, peaks)) * step - before.shape[0]).astype(np.intp)
     return lags, gain[peaks]
+
+
+class _Heard:
+    """The answers of one band after the blast, and the level that they have to exceed to be clear."""
+
+    def __init__(self, answer: NDArray[np.float64], silent: NDArray[np.float64], grain: int) -> None:
+        """Take the answers after the blast and those before the shot; `grain` values are a millisecond."""
+        self.answer = answer
+        self._loud = max(_UNUSUAL * _usual(silent, grain), _FAINTEST)
+        self._around = _around(answer, grain) + _FAINTEST
+
+    def spikes(self, prominence: float) -> NDArray[np.bool_]:
+        """Return which values stand out by so much, however late they come."""
+        return (self.answer >= self._loud) & (self.answer >= prominence * self._around)
+
+    def clearness(self, places: NDArray[np.intp], lag_ms: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return z of some values at these lags, less what the later ones have to have more; 0 for the usual ones."""
+        z = self.answer[places] / self._around[places]
+        rarer = 4.0 / np.pi * np.log(np.maximum(lag_ms / _USUAL_LAG_MS, 1.0))
+        z = np.sqrt(np.maximum(np.square(z) - rarer, 0.0))
+        return np.where(self.answer[places] < self._loud, 0.0, z)
 
 
 def _answers(
@@ -71,25 +92,31 @@ def _answers(
     from scipy.fft import ifft, next_fast_len, rfft
 
     size = next_fast_len(heard.shape[0] + template.shape[0], real=True)
-    whole, first = rfft(heard, size), rfft(template, size)
+    both = np.zeros((2, size))  # transforms side by side take half the time of one after the other
+    for row, wave in zip(both, (heard, template), strict=True):
+        row[: wave.shape[0]] = wave
+        _fade(row[: wave.shape[0]], rate_hz)
+    whole, first = rfft(both, axis=1)
     bands = [_bins(band, size, rate_hz) for band in _BANDS_HZ]
     length = next_fast_len(_OVERSAMPLING * max(band.stop - band.start for band in bands))
-    answers = []
-    for band in bands:
-        power = _running_mean(np.abs(whole[band]) ** 2, max(1, int(_SMOOTH_HZ * size / rate_hz)))
+    crossed, own = np.zeros((len(bands), length), np.complex128), []
+    for row, band in zip(crossed, bands, strict=True):
+        power = _running_mean(_power(whole[band]), max(1, int(_SMOOTH_HZ * size / rate_hz)))
         weight = 1.0 / (power + _FAINTEST)
-        own = float(np.sum(np.abs(first[band]) ** 2 * weight)) / length
-        answer = np.abs(ifft(whole[band] * np.conj(first[band]) * weight, length))
-        answers.append(answer / max(own, _FAINTEST))
-    return size / length, answers
+        own.append(max(float(_power(first[band]) @ weight) / length, _FAINTEST))
+        row[: power.shape[0]] = whole[band] * np.conj(first[band]) * weight
+    answers = np.abs(ifft(crossed, axis=1))
+    return size / length, [answer / gain for answer, gain in zip(answers, own, strict=True)]
 
 
-def _faded(wave: NDArray[np.float64], rate_hz: int) -> NDArray[np.float64]:
-    """Return a sound that ends in half a cosine, of 6 ms or half its length."""
+def _power(spectrum: NDArray[np.complex128]) -> NDArray[np.float64]:
+    return np.square(spectrum.real) + np.square(spectrum.imag)
+
+
+def _fade(wave: NDArray[np.float64], rate_hz: int) -> None:
+    """Let a sound end in half a cosine, of 6 ms or half its length."""
     fade = min(samples_from_ms(_FADE_MS, rate_hz), wave.shape[0] // 2)
-    faded = wave.copy()
-    faded[wave.shape[0] - fade :] *= np.cos(np.linspace(0.0, 0.5 * np.pi, fade)) ** 2
-    return faded
+    wave[wave.shape[0] - fade :] *= np.cos(np.linspace(0.0, 0.5 * np.pi, fade)) ** 2
 
 
 def _bins(band_hz: tuple[float, float], size: int, rate_hz: int) -> slice:
@@ -97,21 +124,28 @@ def _bins(band_hz: tuple[float, float], size: int, rate_hz: int) -> slice:
     return slice(int(low_hz * size / rate_hz), int(min(high_hz, 0.45 * rate_hz) * size / rate_hz))
 
 
-def _around(answer: NDArray[np.float64], values_per_s: float) -> NDArray[np.float64]:
-    """Return the median around each value, of the means of a millisecond each."""
-    grain = max(1, int(_GRAIN_MS * 1e-3 * values_per_s))
+def _around(answer: NDArray[np.float64], grain: int) -> NDArray[np.float64]:
+    """Return the median around each value, of the means of a millisecond, `grain` values, each."""
+    from scipy.ndimage import median_filter
+
     missing = -answer.shape[0] % grain
-    means = np.pad(answer, (0, missing), mode="edge").reshape(-1, grain).mean(axis=1)
+    means = np.add.reduceat(answer, np.arange(0, answer.shape[0], grain)) / grain
+    means[-1] += missing * answer[-1] / grain
     reach = min(int(_AROUND_MS / _GRAIN_MS), means.shape[0] - 1)
-    views = np.lib.stride_tricks.sliding_window_view(np.pad(means, reach, mode="reflect"), 2 * reach + 1)
-    return np.asarray(np.repeat(np.median(views, axis=1), grain)[: answer.shape[0]], np.float64)
+    medians = median_filter(means, 2 * reach + 1, mode="mirror")
+    return np.asarray(np.repeat(medians, grain)[: answer.shape[0]], np.float64)
 
 
-def _usual(answer: NDArray[np.float64], values_per_s: float) -> float:
+def _usual(answer: NDArray[np.float64], grain: int) -> float:
     """Return what the peaks of one millisecond in twenty reach: knocks in a row do, an earlier shot is too rare."""
-    grain = max(1, int(_GRAIN_MS * 1e-3 * values_per_s))
-    whole = answer[answer.shape[0] % grain :].reshape(-1, grain)
-    return float(np.quantile(whole.max(axis=1), _USUAL)) if whole.size else 0.0
+    starts = np.arange(answer.shape[0] % grain, answer.shape[0], grain)
+    if not starts.size:
+        return 0.0
+    peaks = np.sort(np.maximum.reduceat(answer, starts))
+    place = _USUAL * (peaks.size - 1)
+    below = int(place)
+    above = min(below + 1, peaks.size - 1)
+    return float(peaks[below] + (place - below) * (peaks[above] - peaks[below]))
 
 
 def _running_mean(values: NDArray[np.float64], width: int) -> NDArray[np.float64]:

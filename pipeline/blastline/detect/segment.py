@@ -52,14 +52,16 @@ def segment(
     wave = samples[onset:stop].astype(np.float64)
     before = samples[max(0, onset - samples_from_ms(BACKGROUND_MS, rate_hz)) : onset].astype(np.float64)
     wave -= np.mean(before) if before.size else wave[0]  # a constant is no sound
-    background = float(np.std(before)) if before.size else 0.0
+    still = before - np.mean(before) if before.size else before
+    background = float(np.sqrt(still @ still / still.size)) if before.size else 0.0
     peak = float(np.abs(wave[: samples_from_ms(PEAK_MS, rate_hz)]).max(initial=0.0))
-    blast = _blast_length(wave, peak, _usual_power(before, rate_hz), rate_hz=rate_hz, rules=rules)
-    room_db = _echo_room_db(wave, blast, rate_hz=rate_hz, rules=rules)
-    echoes: list[tuple[int, float]] = []
-    if room_db >= rules.reflection_level_db:
-        still = before - np.mean(before) if before.size else before
-        echoes = _reflections(wave, still, rate_hz=rate_hz, rules=rules)
+    blast = _blast_length(wave, peak, _usual_power(still, rate_hz), rate_hz=rate_hz, rules=rules)
+    room_db, echoes = None, []
+    if rules.reflection_level_db is not None:
+        room_db = _echo_room_db(wave, blast, rate_hz=rate_hz, rules=rules)
+        if room_db >= rules.reflection_level_db:
+            found = discrete_reflections(wave, still, rate_hz=rate_hz, rules=rules)
+            echoes = _strong_enough(found, rules.reflection_level_db)
     blast = min([blast, *(lag for lag, _ in echoes[:1])])
     at = film_start + onset
     length, ended = _decay(wave, peak, background, rate_hz=rate_hz, rules=rules)
@@ -102,11 +104,11 @@ def _blast_length(wave: NDArray[np.float64], peak: float, usual: float, *, rate_
     return max(1, top + int(found[0]) if found.size else longest)
 
 
-def _usual_power(before: NDArray[np.float64], rate_hz: int) -> float:
+def _usual_power(still: NDArray[np.float64], rate_hz: int) -> float:
     """Return the median power of the 5 ms stretches before the onset: an earlier shot among them hides no blast."""
     grain = max(1, samples_from_ms(_USUAL_MS, rate_hz))
-    grains = before[before.shape[0] % grain :].reshape(-1, grain)
-    return float(np.median(np.mean(np.square(grains - np.mean(before)), axis=1))) if grains.size else 0.0
+    grains = np.square(still[still.shape[0] % grain :]).reshape(-1, grain)
+    return float(np.median(grains.mean(axis=1))) if grains.size else 0.0
 
 
 def _echo_room_db(wave: NDArray[np.float64], blast: int, *, rate_hz: int, rules: SegmentRules) -> float:
@@ -115,25 +117,27 @@ def _echo_room_db(wave: NDArray[np.float64], blast: int, *, rate_hz: int, rules:
     In the difference over a sample or over a sixth of a millisecond, whichever gives more: an echo off something soft
     has lost its edge. Neither hears the slow roar that outlasts a blast.
     """
+    from scipy.ndimage import uniform_filter1d
+
     earliest = max(blast, samples_from_ms(rules.earliest_reflection_ms, rate_hz))
     late = wave[: samples_from_ms(rules.latest_reflection_ms, rate_hz) + blast]
     room = 0.0
     for lag in (1, max(1, samples_from_ms(_DULL_LAG_MS, rate_hz))):
-        heard = late - np.concatenate([np.zeros(lag), late])[: late.shape[0]]
-        sums = np.concatenate([[0.0], np.cumsum(heard**2)])
-        energies = sums[blast:] - sums[:-blast]
-        if energies[earliest:].size and energies[0] > 0.0:
-            room = max(room, float(np.sqrt(max(0.0, energies[earliest:].max()) / energies[0])))
+        heard = late.copy()
+        heard[lag:] -= late[:-lag]
+        power = np.square(heard, out=heard)
+        first = float(power[:blast].mean())
+        if power.shape[0] >= earliest + blast and first > 0.0:
+            means = uniform_filter1d(power[earliest:], blast)
+            inside = means[blast // 2 : blast // 2 + power.shape[0] - earliest - blast + 1]
+            room = max(room, float(np.sqrt(max(0.0, inside.max()) / first)))
     return db_from_gain(room)
 
 
-def _reflections(
-    wave: NDArray[np.float64], before: NDArray[np.float64], *, rate_hz: int, rules: SegmentRules
-) -> list[tuple[int, float]]:
+def _strong_enough(found: tuple[NDArray[np.intp], NDArray[np.float64]], least_db: float) -> list[tuple[int, float]]:
     """Return the lags in samples and the levels in dB of the reflections that are strong enough to count."""
-    found = zip(*discrete_reflections(wave, before, rate_hz=rate_hz, rules=rules), strict=True)
-    levels = [(int(lag), db_from_gain(float(gain))) for lag, gain in found]
-    return [(lag, level_db) for lag, level_db in levels if rules.reflection_level_db <= level_db <= _LOUDEST_DB]
+    levels = [(int(lag), db_from_gain(float(gain))) for lag, gain in zip(*found, strict=True)]
+    return [(lag, level_db) for lag, level_db in levels if least_db <= level_db <= _LOUDEST_DB]
 
 
 def _decay(

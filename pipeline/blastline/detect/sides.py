@@ -32,6 +32,8 @@ def beside(tier: QualityRules) -> QualityRules:
         asked,
         threshold=own.sides_threshold,
         company_threshold=own.sides_company_threshold,
+        burst_threshold=own.sides_company_threshold,
+        round_threshold=own.sides_company_threshold,
         report_from=min(asked.report_from, own.sides_company_threshold),
     )
     return msgspec.structs.replace(tier, verify=verify)

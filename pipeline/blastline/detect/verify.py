@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..errors import RuleError
 from .bandshape import bandshape_names
 from .features import feature_names
+from .forest import Forest, ForestFile, grown, probabilities, score
 from .network import Network, NetworkFile, fits, log_odds, wired
 from .picture import Pictures
 
@@ -23,24 +24,6 @@ BEYOND_DOUBT = 3.0
 
 SCREEN_SHARE = 1.0 / 3.0
 """How much the screen's odds weigh beside the networks': on sources never heard F1 .69 with it, .66 without."""
-
-
-class Tree(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """One tree, node by node; a leaf has feature -1. Values at most the threshold go left."""
-
-    feature: list[int]
-    threshold: list[float]
-    left: list[int]
-    right: list[int]
-    value: list[float]
-
-
-class ForestFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Boosted trees and what their features are called, in order; the score is the baseline and a leaf of each tree."""
-
-    features: tuple[str, ...]
-    baseline: float
-    trees: list[Tree]
 
 
 class SieveFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -58,22 +41,6 @@ class ModelFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     screen: SieveFile
     networks: list[NetworkFile]
     training: dict[str, Any]
-
-
-@dataclass(frozen=True, eq=False)
-class Forest:
-    """Trees as arrays (trees, nodes), ready to be walked by many candidates at once.
-
-    `left` and `right` are places in the arrays laid flat.
-    """
-
-    feature: NDArray[np.intp]
-    threshold: NDArray[np.float64]
-    left: NDArray[np.intp]
-    right: NDArray[np.intp]
-    value: NDArray[np.float64]
-    baseline: float
-    depth: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,59 +122,6 @@ def load_verifier(path: Path, *, networks: int) -> Verifier:
     return Verifier(gate, screen, tuple(wired(network) for network in model.networks[:networks]))
 
 
-def grown(file: ForestFile) -> Forest:
-    """Return the trees padded to one size; a leaf leads to itself, so that walking on changes nothing."""
-    nodes = max((len(tree.value) for tree in file.trees), default=1)
-    shape = (len(file.trees), nodes)
-    feature, left, right = np.zeros(shape, np.intp), np.zeros(shape, np.intp), np.zeros(shape, np.intp)
-    threshold, value = np.full(shape, np.inf), np.zeros(shape)
-    for row, tree in enumerate(file.trees):
-        count = len(tree.value)
-        place = np.arange(count)
-        leaf = np.array(tree.feature) < 0
-        feature[row, :count] = np.where(leaf, 0, tree.feature)
-        threshold[row, :count] = np.where(leaf, np.inf, tree.threshold)
-        left[row, :count] = np.where(leaf, place, tree.left)
-        right[row, :count] = np.where(leaf, place, tree.right)
-        value[row, :count] = tree.value
-    depth = _depth(left, right)
-    first = np.arange(shape[0])[:, None] * nodes
-    return Forest(feature, threshold, left + first, right + first, value, file.baseline, depth)
-
-
 def _probability(odds: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return log-odds as probabilities, to four digits."""
     return np.asarray(np.round(1.0 / (1.0 + np.exp(-odds)), 4), np.float64)
-
-
-def probabilities(rows: NDArray[np.float64], forest: Forest) -> NDArray[np.float64]:
-    """Return the logistic function of each row's score, shape (n,)."""
-    return np.asarray(1.0 / (1.0 + np.exp(-score(rows, forest))), np.float64)
-
-
-def score(rows: NDArray[np.float64], forest: Forest) -> NDArray[np.float64]:
-    """Return the summed leaves of each row, the log-odds of a shot, shape (n,)."""
-    trees, nodes = forest.value.shape
-    place = np.broadcast_to(np.arange(trees) * nodes, (rows.shape[0], trees))
-    first = np.arange(rows.shape[0])[:, None] * rows.shape[1]
-    laid_flat = np.ascontiguousarray(rows).reshape(-1)
-    for _ in range(forest.depth):
-        goes_left = laid_flat.take(first + forest.feature.take(place)) <= forest.threshold.take(place)
-        place = np.where(goes_left, forest.left.take(place), forest.right.take(place))
-    return np.asarray(forest.baseline + forest.value.take(place).sum(axis=1), np.float64)
-
-
-def _depth(left: NDArray[np.intp], right: NDArray[np.intp]) -> int:
-    """Return the number of steps after which every walk has ended in a leaf."""
-    trees = np.arange(left.shape[0])[:, None]
-    reached = np.zeros_like(left, dtype=bool)
-    reached[:, :1] = True
-    depth = 0
-    while True:
-        onward = np.zeros_like(reached)
-        inner = reached & (left != np.arange(left.shape[1]))
-        if not inner.any():
-            return depth
-        np.logical_or.at(onward, (np.broadcast_to(trees, left.shape)[inner], left[inner]), True)
-        np.logical_or.at(onward, (np.broadcast_to(trees, left.shape)[inner], right[inner]), True)
-        reached, depth = onward, depth + 1

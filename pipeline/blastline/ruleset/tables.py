@@ -63,22 +63,27 @@ class VerifyRules(Table, frozen=True):
     looked at more closely.
 
     A candidate is a shot from `threshold` on, or from `company_threshold` on where a shot of the first kind lies within
-    `company_s`: films fire in scenes. From `report_from` on it is at least listed among the timeline's rejections.
+    `company_s`: films fire in scenes. [bursts] says how fast a gun fires: a run that fast, each of its shots reaching
+    `burst_threshold`, is sure as a whole, and what is that near to a shot is another round from `round_threshold` on.
+    From `report_from` on a candidate is at least listed among the timeline's rejections.
     """
 
     model: str
-    networks: Annotated[int, Meta(ge=1, le=3)]
+    networks: Annotated[int, Meta(ge=1, le=8)]
     look_from: Ratio
     threshold: Ratio
     company_threshold: Ratio
     company_s: NonNegative
+    burst_threshold: Ratio
+    round_threshold: Ratio
     report_from: Ratio
 
     def __post_init__(self) -> None:
         """Refuse thresholds out of order."""
-        if not self.report_from <= self.company_threshold <= self.threshold:
-            order = f"{self.report_from}, {self.company_threshold}, {self.threshold}"
-            raise ValueError(f"report_from, company_threshold, threshold = {order}: expected ascending values")
+        names = ("report_from", "round_threshold", "company_threshold", "burst_threshold", "threshold")
+        values = [getattr(self, name) for name in names]
+        if values != sorted(values):
+            raise ValueError(f"{', '.join(names)} = {', '.join(map(str, values))}: expected ascending values")
 
 
 class ChannelRules(Table, frozen=True):
@@ -103,17 +108,20 @@ class ChannelRules(Table, frozen=True):
 
 
 class SegmentRules(Table, frozen=True):
-    """Where the blast ends, what counts as a reflection, and when the decay is over."""
+    """Where the blast ends, what counts as a reflection, and when the decay is over.
+
+    Without a `reflection_level_db` no reflections are looked for.
+    """
 
     longest_blast_ms: Positive
     blast_decay_db: Annotated[float, Meta(gt=0.0, le=60.0)]
     earliest_reflection_ms: Positive
     latest_reflection_ms: Positive
-    reflection_level_db: Annotated[float, Meta(ge=-60.0, le=0.0)]
     reflection_prominence: Annotated[float, Meta(ge=1.0, le=20.0)]
     decay_db: Annotated[float, Meta(gt=0.0, le=80.0)]
     shortest_ms: Positive
     longest_ms: Positive
+    reflection_level_db: Annotated[float, Meta(ge=-60.0, le=0.0)] | None = None
 
     def __post_init__(self) -> None:
         """Refuse ranges that are empty."""

@@ -5,8 +5,9 @@ import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from io import FileIO
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 
@@ -25,8 +26,8 @@ _LITTLE_ENDIAN = frozenset({"WAV", "WAVEX", "RF64"})
 class PcmTrack:
     """The samples of an uncompressed file."""
 
-    def __init__(self, file: Any, table: ChunkTable, packed: "PackedSamples | None" = None) -> None:
-        """Take over an open `soundfile.SoundFile`, what its header declares, and its packed 24-bit samples."""
+    def __init__(self, file: Any, table: ChunkTable, packed: "ShortSamples | PackedSamples | None" = None) -> None:
+        """Take over an open `soundfile.SoundFile`, what its header declares, and its samples of 16 or 24 bits."""
         self._file = file
         self._packed = packed
         frame_bytes = _BYTES[file.subtype] * file.channels
@@ -58,7 +59,10 @@ class PcmTrack:
     def read(self, start: int, frames: int) -> Samples:
         """Return up to `frames` frames from `start`, shape (frames, channels)."""
         if self._packed is not None:
-            return self._packed.read(start, max(0, min(frames, self._file.frames - start)))
+            try:
+                return self._packed.read(start, max(0, min(frames, self._file.frames - start)))
+            except OSError as error:
+                raise SoundtrackError(f"cannot be read after sample {start}: {error.strerror}") from error
         if self._file.tell() != start:
             self._file.seek(start)
         try:
@@ -83,6 +87,22 @@ class PcmTrack:
 
 
 @dataclass(frozen=True)
+class ShortSamples:
+    """Little-endian 16-bit samples in an open, unbuffered file: read as they are, faster than by libsndfile."""
+
+    file: FileIO
+    start: int
+    channels: int
+
+    def read(self, start: int, frames: int) -> Samples:
+        """Return `frames` frames from `start`, shape (frames, channels)."""
+        short = np.empty((frames, self.channels), "<i2")
+        self.file.seek(self.start + start * short.itemsize * self.channels)
+        there = self.file.readinto(short.reshape(-1).view(np.uint8).data) // (short.itemsize * self.channels)
+        return np.asarray(np.multiply(short[:there], _SHORT_STEP, dtype=np.float32))
+
+
+@dataclass(frozen=True)
 class PackedSamples:
     """Little-endian 24-bit samples in an open file: unpacked here, four times as fast as by libsndfile.
 
@@ -90,7 +110,7 @@ class PackedSamples:
     unbuffered, since a search for holes moves its place.
     """
 
-    file: BinaryIO
+    file: FileIO
     start: int
     channels: int
 
@@ -111,7 +131,7 @@ class PackedSamples:
         return np.asarray(samples, np.float32).reshape(-1, self.channels)
 
 
-def _next_data(file: BinaryIO, place: int) -> int:
+def _next_data(file: FileIO, place: int) -> int:
     """Return where a file has the next byte that is not in a hole; `place` itself where the system cannot tell."""
     if not hasattr(os, "SEEK_DATA"):
         return place
@@ -149,10 +169,13 @@ def open_pcm(path: Path, table: ChunkTable | None) -> PcmTrack | None:
     except (soundfile.SoundFileError, TypeError):  # TypeError: a name that ends in .raw
         return None
     if file.subtype in _BYTES and file.frames:
-        packed = None
-        if file.subtype == "PCM_24" and file.format in _LITTLE_ENDIAN and file.endian in ("FILE", "LITTLE"):
+        packed: ShortSamples | PackedSamples | None = None
+        if file.format in _LITTLE_ENDIAN and file.endian in ("FILE", "LITTLE"):
             start = path.stat().st_size - table.present_bytes
-            packed = PackedSamples(path.open("rb", buffering=0), start, file.channels)
+            if file.subtype == "PCM_16":
+                packed = ShortSamples(path.open("rb", buffering=0), start, file.channels)
+            elif file.subtype == "PCM_24":
+                packed = PackedSamples(path.open("rb", buffering=0), start, file.channels)
         return PcmTrack(file, table, packed)
     file.close()
     return None

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..detect.find import described, let_all_pass, stretches
+from ..detect.find import described, let_all_pass
+from ..detect.stretches import stretches
 from ..detect.tracks import Grid, pieces
 from ..model import Clip
 from ..ruleset import QualityRules

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from ..synth import (
     ShotTruth,
     film_scene,
+    plain_bed,
+    plain_negative,
+    plain_shot,
     random_bed,
     random_negative,
     random_shot,
@@ -28,6 +31,7 @@ SOUNDS_PER_MIX = 20
 LEVELS_DB = (3.0, 40.0)
 SHORTEST_BED_S = 4.0
 CODED_SHARE, VARIED_SHARE, CUT_SHARE = 0.3, 0.8, 0.2
+PLAIN_SHARES = (0.0, 0.2, 0.5, 0.8)
 DROWNED_DB = 3.0
 """A shot that stands out by less teaches nothing: it counts neither way."""
 
@@ -58,6 +62,11 @@ def synthetic_mix(seed: int) -> Lesson:
     return partial(_synthetic_mix, seed)
 
 
+def plain_mix(seed: int) -> Lesson:
+    """Return lessons of blasts, swells, clicks and knocks as textbooks draw them; one in four has no shot."""
+    return partial(_plain_mix, seed)
+
+
 def synthetic_film(seed: int, density: Density = CROWDED) -> Lesson:
     """Return lessons that are scenes as `blastline synth` makes them: bursts, rooms, changing beds, one master.
 
@@ -83,6 +92,18 @@ def _synthetic_mix(seed: int, number: int) -> Mix:
     rng = np.random.default_rng([seed, number])
     sounds = [_synthetic_sound(rng, shot=bool(rng.random() < 0.5)) for _ in range(SOUNDS_PER_MIX)]
     return _mixed(random_bed(rng, RATE_HZ, MIX_S), sounds, rng)
+
+
+def _plain_mix(seed: int, number: int) -> Mix:
+    rng = np.random.default_rng([seed, number])
+    armed = PLAIN_SHARES[int(rng.integers(len(PLAIN_SHARES)))]
+    sounds = []
+    for _ in range(SOUNDS_PER_MIX):
+        if rng.random() < armed:
+            sounds.append(Sound(*plain_shot(rng, RATE_HZ)))
+        else:
+            sounds.append(Sound(plain_negative(rng, RATE_HZ)))
+    return _mixed(plain_bed(rng, RATE_HZ, MIX_S), sounds, rng)
 
 
 def _gun_free_film(seed: int, density: Density, number: int) -> Mix:

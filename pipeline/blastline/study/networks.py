@@ -1,4 +1,4 @@
-"""The networks that judge candidates: trained with PyTorch, exported for `detect.network`.
+"""The networks that judge candidates, as PyTorch trains them, and their export for `detect.network`.
 
 Every convolution and the first dense layer are batch-normalised while training; the export folds that into the weights.
 """
@@ -6,12 +6,12 @@ Every convolution and the first dense layer are batch-normalised while training;
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..detect.network import FEATURE_LIMIT, KERNEL, PICTURE_SCALE_DB, LayerFile, NetworkFile
+from ..detect.network import KERNEL, LayerFile, NetworkFile
 from ..detect.picture import NEAR, WIDE, Raster
 
 if TYPE_CHECKING:
@@ -21,26 +21,6 @@ if TYPE_CHECKING:
 NEAR_LAYERS = ((16, 1), (24, 2), (48, 2), (48, 2))
 WIDE_LAYERS = ((16, 2), (32, 2), (48, 2), (64, 2))
 HIDDEN = 96
-SETTINGS: dict[str, Any] = {
-    "epochs": 10,
-    "batch": 256,
-    "learning_rate": 2e-3,
-    "weight_decay": 1e-2,
-    "dropout": 0.3,
-    "tilt": 0.4,
-    "picture_noise": 0.1,
-    "feature_noise": 0.05,
-}
-
-
-@dataclass(frozen=True, eq=False)
-class Examples:
-    """What networks learn from: pictures (half precision, to save memory), features and whether a shot."""
-
-    near: NDArray[np.float16]
-    wide: NDArray[np.float16]
-    rows: NDArray[np.float32]
-    shots: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,42 +66,6 @@ def new_judge(features: int, dropout: float) -> Judge:
     return Judge(near, wide, head)
 
 
-def fit_network(examples: Examples, seed: int, settings: dict[str, Any] = SETTINGS) -> NetworkFile:
-    """Return a network trained on the examples; the same seed on the same machine gives the same network."""
-    import torch
-    from torch import nn
-
-    torch.manual_seed(seed)
-    means = examples.rows.mean(axis=0, dtype=np.float64)
-    spreads = examples.rows.std(axis=0, dtype=np.float64) + 1e-6
-    limited = np.clip((examples.rows - means) / spreads, -FEATURE_LIMIT, FEATURE_LIMIT).astype(np.float32)
-    rows, truth = torch.from_numpy(limited), torch.from_numpy(examples.shots.astype(np.float32))
-    near, wide = torch.from_numpy(examples.near), torch.from_numpy(examples.wide)
-    judge = new_judge(rows.shape[1], settings["dropout"])
-    batches = max(1, truth.shape[0] // settings["batch"])
-    optimiser = torch.optim.AdamW(
-        judge.parts().parameters(), lr=settings["learning_rate"], weight_decay=settings["weight_decay"]
-    )
-    pace = torch.optim.lr_scheduler.OneCycleLR(
-        optimiser, settings["learning_rate"], total_steps=settings["epochs"] * batches
-    )
-    judge.parts().train()
-    for _ in range(settings["epochs"]):
-        for some in torch.randperm(truth.shape[0])[: batches * settings["batch"]].chunk(batches):
-            odds = judge.odds(
-                _coloured(near[some], settings),
-                _coloured(wide[some], settings),
-                rows[some] + settings["feature_noise"] * torch.randn(len(some), rows.shape[1]),
-            )
-            loss = nn.functional.binary_cross_entropy_with_logits(odds, truth[some])
-            optimiser.zero_grad()
-            loss.backward()
-            optimiser.step()
-            pace.step()
-    judge.parts().eval()
-    return exported(judge, means, spreads)
-
-
 def exported(judge: Judge, means: NDArray[np.float64], spreads: NDArray[np.float64]) -> NetworkFile:
     """Return a trained network as `detect.network` reads it, its numbers to five digits."""
     from torch import nn
@@ -153,17 +97,6 @@ def _convolutions(raster: Raster, layers: tuple[tuple[int, int], ...]) -> tuple[
         ]
         channels, height, width = outputs, -(-height // stride), -(-width // stride)
     return nn.Sequential(*parts), channels * height * width
-
-
-def _coloured(picture: Tensor, settings: dict[str, Any]) -> Tensor:
-    """Return pictures as the network takes them, half of them tilted as another microphone would, with some noise."""
-    import torch
-
-    levels = picture.float() / PICTURE_SCALE_DB + 1.0
-    count, _, bands = levels.shape
-    tilt = torch.linspace(-0.5, 0.5, bands) * torch.randn(count, 1, 1) * settings["tilt"]
-    tilted = tilt * (torch.rand(count, 1, 1) < 0.5)
-    return levels + tilted + settings["picture_noise"] * torch.randn_like(levels)
 
 
 def _convolution_files(part: nn.Sequential) -> list[LayerFile]:

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..detect.verify import ForestFile, SieveFile, Tree
+from ..detect.forest import ForestFile, Tree
+from ..detect.verify import SieveFile
 
 _COMMON = {
     "min_samples_leaf": 30,

@@ -23,40 +23,21 @@ from numpy.typing import NDArray
 
 from ..detect.bandshape import bandshape_names
 from ..detect.features import feature_names
+from ..detect.forest import grown
 from ..detect.network import wired
 from ..detect.picture import Pictures, pictures
-from ..detect.verify import SCHEMA, ModelFile, Sieve, SieveFile, Verifier, grown
+from ..detect.verify import SCHEMA, ModelFile, Sieve, SieveFile, Verifier
 from ..ruleset import QualityRules, load_rules
 from .candidates import Candidates, best_f1, candidates, joined
-from .corpus import Recording, read_corpus
-from .lessons import MIX_S, RATE_HZ, SPARSE, Lesson, gun_free_film, recorded_mix, synthetic_film, synthetic_mix
+from .courses import FOLDS, Course, courses
+from .lessons import MIX_S, RATE_HZ, Lesson
 from .mixes import Mix
-from .networks import SETTINGS, Examples, fit_network
 from .sieves import GATE_SETTINGS, SCREEN_SETTINGS, fit_sieve
+from .teaching import SETTINGS, Examples, fit_network
 
 _Thing = TypeVar("_Thing")
 
-FOLDS = 4
-FOLD_SEED = 7  # the parts are the same for every training seed
-FILMS_PER_MIX = 6
-SPARSE_SHARE = 0.6  # so many films in which sounds stand alone come to each crowded one
-GUN_FREE_SHARE = 0.4  # so many films without a gun come to each film with some
-TESTED_EVERY = 12  # of the films one in so many is held out
 GATE_LOSS, SCREEN_LOSS = 0.01, 0.025
-
-
-@dataclass(frozen=True)
-class Course:
-    """Lessons of one kind: how they are made, how many, and whether they are learnt from or only tested on."""
-
-    name: str
-    lesson: Lesson
-    count: int
-    tested_every: int
-
-    def tested(self, number: int) -> bool:
-        """Return whether a lesson is held out."""
-        return bool(self.tested_every) and number % self.tested_every == 0
 
 
 @dataclass(frozen=True)
@@ -66,22 +47,6 @@ class Kept:
     path: Path
     course: str
     tested: bool
-
-
-def courses(corpus: Sequence[Path], *, synthetic: int, recorded: int, seed: int, hold_out: int | None) -> list[Course]:
-    """Return the courses of a training run; the recordings' sources are parted into `FOLDS`."""
-    sparse = round(SPARSE_SHARE * synthetic)
-    made = [
-        Course("film", synthetic_film(seed), synthetic, TESTED_EVERY),
-        Course("gun-free", gun_free_film(seed + 50), round(GUN_FREE_SHARE * synthetic), 0),
-        Course("sparse-film", synthetic_film(seed + 60, SPARSE), sparse, TESTED_EVERY),
-        Course("sparse-gun-free", gun_free_film(seed + 70, SPARSE), round(GUN_FREE_SHARE * sparse), 0),
-        Course("mix", synthetic_mix(seed + 1), synthetic // FILMS_PER_MIX, 0),
-    ]
-    for fold, recordings in enumerate(by_fold(read_corpus(corpus), FOLDS, FOLD_SEED) if recorded else ()):
-        lesson = recorded_mix(recordings, seed + 2 + fold)
-        made.append(Course(f"recorded-{fold}", lesson, -(-recorded // FOLDS), 1 if fold == hold_out else 0))
-    return made
 
 
 def keep_lessons(work: Path, course: Course, pool: ProcessPoolExecutor) -> list[Kept]:
@@ -228,18 +193,6 @@ def main() -> None:
         work = options.work or Path(made)
         model = train(every, work, networks=options.networks, seed=options.seed, jobs=options.jobs)
     options.output.write_bytes(msgspec.json.encode(model) + b"\n")
-
-
-def by_fold(recordings: Sequence[Recording], folds: int, seed: int) -> list[list[Recording]]:
-    """Return recordings in parts that share no source, each with sources of shots and of negatives; none for none."""
-    armed = {r.source for r in recordings if r.gunshot}
-    parts: list[list[Recording]] = [[] for _ in range(folds)]
-    rng = np.random.default_rng(seed)
-    for sources in (sorted(armed), sorted({r.source for r in recordings} - armed)):
-        rng.shuffle(sources)
-        for place, source in enumerate(sources):
-            parts[place % folds] += [r for r in recordings if r.source == source]
-    return [part for part in parts if part]
 
 
 def _said(thing: _Thing, what: str) -> _Thing:

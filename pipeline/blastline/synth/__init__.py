@@ -8,6 +8,7 @@ from .files import render_scene, synthesise, truth_of, write_scene
 from .film import film_scene
 from .mix import SceneAudio
 from .negatives import NEGATIVE_KINDS, NegativeKind, random_negative
+from .plain import plain_bed, plain_negative, plain_shot
 from .rooms import ENVIRONMENTS, draw_place
 from .scene import Scene, load_scene
 from .shots import random_shot
@@ -31,6 +32,9 @@ __all__ = [
     "film_scene",
     "in_place",
     "load_scene",
+    "plain_bed",
+    "plain_negative",
+    "plain_shot",
     "random_bed",
     "random_negative",
     "random_shot",

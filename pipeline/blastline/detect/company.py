@@ -1,0 +1,85 @@
+"""Which candidates are believed: the sure ones, and in their company those that alone would not be sure enough.
+
+surely a shot ──► near it, less surely                     films fire in scenes
+run of likely ones, as fast as a gun fires ──► sure        guns do what nothing else does for so short a time
+believed ──► the next as fast as a gun fires, unlikely     one round is followed by another
+"""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model import Rejection, Shot
+from ..ruleset import BurstRules, QualityRules
+from ..units import samples_from_ms, samples_from_s
+
+
+def in_company(
+    shots: Iterable[Shot], *, rate_hz: int, tier: QualityRules
+) -> tuple[tuple[Shot, ...], tuple[Rejection, ...]]:
+    """Return the shots that are believed, in order of time, and the rest.
+
+    A shot is sure from `threshold` on, or as one of a run of `fewest_shots` that each reach `burst_threshold`. It takes
+    along what reaches `company_threshold` within `company_s`. From each that is believed, the next within
+    `longest_gap_ms` is believed from `round_threshold` on.
+    """
+    ordered = sorted(shots, key=lambda s: s.onset)
+    rules, channels = tier.verify, tier.channels
+    onsets = np.array([shot.onset for shot in ordered], np.intp)
+    surety = np.array([shot.confidence for shot in ordered])
+    aside = np.array([shot.heard_in == "sides" for shot in ordered], bool)
+    sure = surety >= np.where(aside, channels.sides_threshold, rules.threshold)
+    sure |= _in_a_run(onsets, surety, rules.burst_threshold, rate_hz=rate_hz, rules=tier.bursts)
+    enough = surety >= np.where(aside, channels.sides_company_threshold, rules.company_threshold)
+    believed = sure | (enough & _near(onsets, onsets[sure], samples_from_s(rules.company_s, rate_hz)))
+    rounds = surety >= np.where(aside, channels.sides_company_threshold, rules.round_threshold)
+    believed = _with_rounds(onsets, believed, rounds, samples_from_ms(tier.bursts.longest_gap_ms, rate_hz))
+    refused = tuple(
+        Rejection(
+            shot.onset,
+            "alone, and not sure enough for that" if likely else "does not sound like a shot",
+            {"probability": shot.confidence},
+        )
+        for shot, kept, likely in zip(ordered, believed, enough, strict=True)
+        if not kept
+    )
+    return tuple(shot for shot, kept in zip(ordered, believed, strict=True) if kept), refused
+
+
+def _near(places: NDArray[np.intp], others: NDArray[np.intp], reach: int) -> NDArray[np.bool_]:
+    """Return which places have one of the others, which ascend, within reach."""
+    return np.asarray(
+        np.searchsorted(others, places + reach, side="right") > np.searchsorted(others, places - reach, side="left")
+    )
+
+
+def _in_a_run(
+    onsets: NDArray[np.intp], surety: NDArray[np.float64], least: float, *, rate_hz: int, rules: BurstRules
+) -> NDArray[np.bool_]:
+    """Return which candidates belong to a run that is sure as a whole; of those too near each other one counts."""
+    shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
+    runs: list[list[int]] = []
+    for place in np.flatnonzero(surety >= least).tolist():
+        gap = onsets[place] - onsets[runs[-1][-1]] if runs else longest + 1
+        if gap > longest:
+            runs.append([place])
+        elif gap >= shortest:
+            runs[-1].append(place)
+        elif surety[place] > surety[runs[-1][-1]]:
+            runs[-1][-1] = place
+    found = np.zeros(onsets.size, bool)
+    found[[place for run in runs if len(run) >= rules.fewest_shots for place in run]] = True
+    return found
+
+
+def _with_rounds(
+    onsets: NDArray[np.intp], believed: NDArray[np.bool_], rounds: NDArray[np.bool_], gap: int
+) -> NDArray[np.bool_]:
+    """Return the believed with all those that lead to one of them in steps of at most `gap` from round to round."""
+    members = np.flatnonzero(believed | rounds)
+    chains: Sequence[NDArray[np.intp]] = np.split(members, np.flatnonzero(np.diff(onsets[members]) > gap) + 1)
+    kept = believed.copy()
+    for chain in chains:
+        kept[chain] = believed[chain].any()
+    return kept

@@ -1,0 +1,60 @@
+"""What a training run learns from and is tested on: courses of lessons, and how many of each."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from .corpus import Recording, read_corpus
+from .lessons import SPARSE, Lesson, gun_free_film, plain_mix, recorded_mix, synthetic_film, synthetic_mix
+
+FOLDS = 4
+FOLD_SEED = 7  # the parts are the same for every training seed
+FILMS_PER_MIX = 6
+SPARSE_SHARE = 0.6  # so many films in which sounds stand alone come to each crowded one
+GUN_FREE_SHARE = 0.4  # so many films without a gun come to each film with some
+PLAIN_SHARE = 0.4  # so many mixes of textbook sounds come to each film
+TESTED_EVERY = 12  # of the films one in so many is held out
+
+
+@dataclass(frozen=True)
+class Course:
+    """Lessons of one kind: how they are made, how many, and whether they are learnt from or only tested on."""
+
+    name: str
+    lesson: Lesson
+    count: int
+    tested_every: int
+
+    def tested(self, number: int) -> bool:
+        """Return whether a lesson is held out."""
+        return bool(self.tested_every) and number % self.tested_every == 0
+
+
+def courses(corpus: Sequence[Path], *, synthetic: int, recorded: int, seed: int, hold_out: int | None) -> list[Course]:
+    """Return the courses of a training run; the recordings' sources are parted into `FOLDS`."""
+    sparse = round(SPARSE_SHARE * synthetic)
+    made = [
+        Course("film", synthetic_film(seed), synthetic, TESTED_EVERY),
+        Course("gun-free", gun_free_film(seed + 50), round(GUN_FREE_SHARE * synthetic), 0),
+        Course("sparse-film", synthetic_film(seed + 60, SPARSE), sparse, TESTED_EVERY),
+        Course("sparse-gun-free", gun_free_film(seed + 70, SPARSE), round(GUN_FREE_SHARE * sparse), 0),
+        Course("mix", synthetic_mix(seed + 1), synthetic // FILMS_PER_MIX, 0),
+    ]
+    for fold, recordings in enumerate(by_fold(read_corpus(corpus), FOLDS, FOLD_SEED) if recorded else ()):
+        lesson = recorded_mix(recordings, seed + 2 + fold)
+        made.append(Course(f"recorded-{fold}", lesson, -(-recorded // FOLDS), 1 if fold == hold_out else 0))
+    return [*made, Course("plain", plain_mix(seed + 80), round(PLAIN_SHARE * synthetic), TESTED_EVERY)]
+
+
+def by_fold(recordings: Sequence[Recording], folds: int, seed: int) -> list[list[Recording]]:
+    """Return recordings in parts that share no source, each with sources of shots and of negatives; none for none."""
+    armed = {r.source for r in recordings if r.gunshot}
+    parts: list[list[Recording]] = [[] for _ in range(folds)]
+    rng = np.random.default_rng(seed)
+    for sources in (sorted(armed), sorted({r.source for r in recordings} - armed)):
+        rng.shuffle(sources)
+        for place, source in enumerate(sources):
+            parts[place % folds] += [r for r in recordings if r.source == source]
+    return [part for part in parts if part]

@@ -1,0 +1,151 @@
+"""Sounds as textbooks draw them: bare blasts, swells, clicks and knocks over coloured noise and tones.
+
+`shots` and `negatives` imitate recordings. These do not: they say what makes a blast a blast, and keep a model from
+taking the richness of recordings for it. A shot rises at once, a swell never does.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from .chance import between, chance, fork, log_between, pick
+from .echoes import overlaid
+from .impacts import modes, series
+from .tone import Samples, bandpass, highpass, lowpass, rms, saturate
+from .waves import band_burst, boom, friedlander, normalised
+
+_LONGEST_S = 3.0
+
+
+def plain_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, tuple[int, ...]]:
+    """Return one blast or a burst of up to 12, each with echoes and a tail of noise, and where the blasts begin."""
+    blast = _blast(rng, rate_hz)
+    if chance(rng, 0.7):
+        return blast, (0,)
+    gap_s = 60.0 / log_between(rng, (400.0, 1_300.0))
+    rounds = int(rng.integers(2, 13))
+    gaps = gap_s * (1.0 + 0.02 * rng.standard_normal(rounds - 1))
+    places = [0, *np.round(np.cumsum(gaps) * rate_hz).astype(int).tolist()]
+    levels_db = 1.5 * rng.standard_normal(rounds)
+    parts = [(at, blast * 10.0 ** (level / 20.0)) for at, level in zip(places, levels_db.tolist(), strict=True)]
+    return normalised(overlaid(parts)), tuple(places)
+
+
+def plain_negative(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return a swell, a click, a knock or a tone, alone or in a row."""
+    kind = pick(rng, _NEGATIVES)
+    if chance(rng, 0.75):
+        return kind(rng, rate_hz)
+    gap_s = log_between(rng, (0.08, 1.0))
+    sounds = [kind(fork(rng), rate_hz)] * 2 if chance(rng, 0.5) else [kind(fork(rng), rate_hz) for _ in range(3)]
+    count = int(rng.integers(1, max(2, min(20, round(4.0 / gap_s)))))
+    gaps = gap_s * (1.0 + between(rng, (0.0, 0.1)) * rng.uniform(-1.0, 1.0, count))
+    return series(rng, sounds, gaps_s=gaps, levels_db=1.5, rate_hz=rate_hz)
+
+
+def plain_bed(rng: np.random.Generator, rate_hz: int, seconds: float) -> Samples:
+    """Return noise with a slope over frequency and a level that wanders, and up to three gliding tones a second."""
+    frames = round(seconds * rate_hz)
+    steps = max(2, round(seconds / between(rng, (1.0, 6.0))))
+    wander_db = np.interp(np.linspace(0.0, 1.0, frames), np.linspace(0.0, 1.0, steps), rng.uniform(-8.0, 8.0, steps))
+    noise = _sloped(fork(rng), frames, between(rng, (-2.2, 0.0)))
+    bed = np.asarray(noise * 10.0 ** ((between(rng, (-60.0, -25.0)) + wander_db) / 20.0))
+    level = rms(bed)
+    for _ in range(round(seconds * between(rng, (0.0, 3.0)))):
+        tone = _gliding(rng, rate_hz, log_between(rng, (80.0, 5_000.0)), between(rng, (0.1, 1.5)))
+        at = int(rng.integers(max(1, frames - len(tone))))
+        bed[at : at + len(tone)] += tone[: frames - at] * level * 10.0 ** (between(rng, (-12.0, 14.0)) / 20.0)
+    return bed
+
+
+def _blast(rng: np.random.Generator, rate_hz: int) -> Samples:
+    rise_ms = pick(rng, (0.0, 0.0, 0.05, 0.2, 0.5))
+    wave = friedlander(rate_hz, positive_ms=log_between(rng, (0.2, 5.0)), rise_ms=rise_ms, decay=between(rng, (0.7, 2)))
+    parts = [(0, wave), (round(between(rng, (1.0, 20.0)) * 1e-3 * rate_hz), wave * between(rng, (0.0, 0.8)))]
+    for _ in range(int(rng.integers(0, 6))):
+        parts.append((round(log_between(rng, (0.012, 0.4)) * rate_hz), wave * between(rng, (0.05, 0.6))))
+    decay_s = log_between(rng, (0.1, 2.5)) / math.log(1e3)
+    frames = round(min(_LONGEST_S, 7.0 * decay_s) * rate_hz)
+    tail = fork(rng).standard_normal(frames) * np.exp(-np.arange(frames) / (decay_s * rate_hz))
+    tail = lowpass(tail, log_between(rng, (300.0, 20_000.0)), rate_hz=rate_hz)
+    parts.append((round(between(rng, (0.0, 5.0)) * 1e-3 * rate_hz), tail / 3.0 * log_between(rng, (0.003, 0.5))))
+    sound = lowpass(overlaid(parts), log_between(rng, (1_500.0, 22_000.0)), rate_hz=rate_hz, order=pick(rng, (1, 2)))
+    if chance(rng, 0.4):
+        sound = highpass(sound, log_between(rng, (20.0, 200.0)), rate_hz=rate_hz)
+    sound = normalised(sound)
+    return saturate(sound, between(rng, (0.0, 20.0))) if chance(rng, 0.3) else sound
+
+
+def _swell(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return noise or a low tone that takes 12 to 250 ms to rise."""
+    attack_s, decay_s = log_between(rng, (0.012, 0.25)), log_between(rng, (0.03, 1.0))
+    frames = round(min(_LONGEST_S, 3.0 * attack_s + 7.0 * decay_s) * rate_hz)
+    times = np.arange(frames) / rate_hz
+    if chance(rng, 0.7):
+        low_hz = log_between(rng, (15.0, 1_500.0))
+        sound = bandpass(
+            fork(rng).standard_normal(frames), low_hz, low_hz * log_between(rng, (1.5, 60.0)), rate_hz=rate_hz
+        )
+    else:
+        start_hz = log_between(rng, (25.0, 250.0))
+        sound = boom(
+            rate_hz,
+            start_hz=start_hz,
+            stop_hz=start_hz * between(rng, (0.3, 1.2)),
+            attack_ms=0.3 * attack_s * 1e3,
+            decay_ms=1e3 * max(decay_s, 0.05),
+        )[:frames]
+        times = times[: len(sound)]
+    if chance(rng, 0.5):
+        rise = 1.0 - np.exp(-times / attack_s)
+    else:
+        rise = np.minimum(times / attack_s, 1.0) ** between(rng, (0.7, 2.0))
+    return normalised(sound * rise * np.exp(-times / decay_s))
+
+
+def _click(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return a burst of noise of a quarter of a millisecond to three, in all of the band or a part of it."""
+    low_hz = log_between(rng, (20.0, 4_000.0))
+    band_hz = (low_hz, min(0.4 * rate_hz, low_hz * log_between(rng, (4.0, 500.0))))
+    decay_ms = log_between(rng, (0.04, 0.5))
+    return band_burst(fork(rng), rate_hz, band_hz=band_hz, attack_ms=0.0, decay_ms=decay_ms)
+
+
+def _knock(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return 1 to 10 damped tones that begin together, at once or within some milliseconds."""
+    count = int(rng.integers(1, 11))
+    frequencies_hz = np.exp(rng.uniform(math.log(80.0), math.log(6_000.0), count))
+    decays_s = np.exp(rng.uniform(math.log(0.005), math.log(0.25), count))
+    sound = modes(rate_hz, frequencies_hz, decays_s, 10.0 ** (rng.uniform(-20.0, 0.0, count) / 20.0))
+    attack_s = log_between(rng, (0.0002, 0.008))
+    return normalised(sound * (1.0 - np.exp(-np.arange(1, len(sound) + 1) / (attack_s * rate_hz))))
+
+
+def _tone(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return a tone that glides, with a rise of 1 ms and more."""
+    return _gliding(rng, rate_hz, log_between(rng, (60.0, 6_000.0)), log_between(rng, (0.03, 1.5)))
+
+
+_NEGATIVES: tuple[Callable[[np.random.Generator, int], Samples], ...] = (_swell, _swell, _click, _knock, _knock, _tone)
+
+
+def _gliding(rng: np.random.Generator, rate_hz: int, hz: float, seconds: float) -> Samples:
+    """Return a tone with up to four overtones that glides by a sixth at most, under a bow of a sine's power."""
+    frames = max(2, round(seconds * rate_hz))
+    phase = 2.0 * math.pi * np.cumsum(np.linspace(hz, hz * between(rng, (0.8, 1.25)), frames)) / rate_hz
+    harmonics = range(1, int(rng.integers(2, 7)))
+    tone = sum((np.sin(n * phase) / n for n in harmonics if n * hz < 0.4 * rate_hz), np.zeros(frames))
+    bow = np.sin(math.pi * np.arange(frames) / frames) ** between(rng, (0.3, 2.0))
+    return normalised(tone * bow)
+
+
+def _sloped(rng: np.random.Generator, frames: int, power: float) -> Samples:
+    """Return noise with an rms of 1 whose power spectrum goes with the frequency to a power, flat below 20 Hz."""
+    from scipy.fft import irfft, next_fast_len, rfft
+
+    size = next_fast_len(frames, real=True)
+    spectrum = rfft(rng.standard_normal(size))
+    bins = np.maximum(np.arange(len(spectrum)), size / 2_400.0)
+    noise = irfft(spectrum * (bins / bins[-1]) ** (power / 2.0), size)[:frames]
+    return np.asarray(noise / rms(noise), np.float64)

@@ -1,0 +1,83 @@
+"""Which candidates are believed, alone and in company."""
+
+import numpy as np
+import pytest
+
+from blastline.detect.company import in_company
+from blastline.model import Shot, Span
+from blastline.ruleset import load_rules
+
+RATE_HZ = 48_000
+TIER = load_rules("standard").tier
+VERIFY, BURSTS = TIER.verify, TIER.bursts
+FAST_MS = (BURSTS.shortest_gap_ms + BURSTS.longest_gap_ms) / 2
+
+
+def shot(at_ms: float, confidence: float) -> Shot:
+    onset = round(at_ms * RATE_HZ / 1000)
+    span = Span(onset, onset + 480)
+    return Shot(onset, confidence, peak_dbfs=-6.0, snr_db=20.0, blast=span, reflections=(), span=span)
+
+
+def believed_ms(*shots: Shot) -> list[float]:
+    kept, refused = in_company(shots, rate_hz=RATE_HZ, tier=TIER)
+    assert sorted([s.onset for s in kept] + [r.at_sample for r in refused]) == sorted(s.onset for s in shots)
+    return [s.onset * 1000 / RATE_HZ for s in kept]
+
+
+def test_an_unsure_shot_needs_the_company_of_a_sure_one() -> None:
+    reach_ms = 1000.0 * VERIFY.company_s
+    unsure = [shot(at_ms, VERIFY.company_threshold) for at_ms in (20_000 - reach_ms, 20_000 + reach_ms)]
+    far = shot(20_001 + reach_ms + BURSTS.longest_gap_ms, VERIFY.company_threshold)
+    assert believed_ms(*unsure, far) == []
+    assert believed_ms(far, shot(20_000, VERIFY.threshold), *unsure) == [
+        20_000 - reach_ms,
+        20_000,
+        20_000 + reach_ms,
+    ]
+
+
+def test_rounds_follow_from_one_to_the_next_before_and_after_a_believed_shot() -> None:
+    rounds = [shot(20_000 + n * FAST_MS, VERIFY.round_threshold) for n in range(-40, 41) if n]
+    assert believed_ms(*rounds) == []
+    assert len(believed_ms(*rounds, shot(20_000, VERIFY.threshold))) == 81
+
+
+def test_a_gap_that_is_too_long_for_a_gun_ends_the_rounds() -> None:
+    after = [shot(20_000 + at_ms, VERIFY.round_threshold) for at_ms in (FAST_MS, FAST_MS + BURSTS.longest_gap_ms + 1)]
+    assert believed_ms(shot(20_000, VERIFY.threshold), *after) == [20_000, 20_000 + FAST_MS]
+
+
+def test_what_reaches_less_than_a_round_is_never_believed() -> None:
+    beneath = shot(20_000 + FAST_MS, VERIFY.round_threshold - 0.01)
+    assert believed_ms(shot(20_000, VERIFY.threshold), beneath) == [20_000]
+
+
+@pytest.mark.parametrize("gap_ms", [BURSTS.shortest_gap_ms, FAST_MS, BURSTS.longest_gap_ms])
+def test_likely_shots_as_fast_as_a_gun_fires_are_sure_together(gap_ms: float) -> None:
+    run = [shot(20_000 + n * gap_ms, VERIFY.burst_threshold) for n in range(BURSTS.fewest_shots)]
+    assert len(believed_ms(*run)) == BURSTS.fewest_shots
+    assert believed_ms(*run[1:]) == []
+    assert believed_ms(*run[1:], shot(20_000, VERIFY.burst_threshold - 0.01)) == []
+
+
+def test_slower_than_any_gun_is_no_run() -> None:
+    gap_ms = BURSTS.longest_gap_ms + 1
+    assert believed_ms(*[shot(20_000 + n * gap_ms, VERIFY.burst_threshold) for n in range(20)]) == []
+
+
+def test_doublets_nearer_than_a_gun_fires_count_once_in_a_run() -> None:
+    near_ms = BURSTS.shortest_gap_ms / 2
+    places_ms = [20_000 + n * FAST_MS + more for n in range(BURSTS.fewest_shots - 1) for more in (0.0, near_ms)]
+    assert believed_ms(*[shot(at_ms, VERIFY.burst_threshold) for at_ms in places_ms]) == []
+
+
+def test_order_changes_nothing_and_a_delay_delays() -> None:
+    rng = np.random.default_rng(5)
+    places_ms = np.sort(rng.uniform(0, 60_000, 300))
+    shots = [shot(at_ms, p) for at_ms, p in zip(places_ms.tolist(), rng.random(300).tolist(), strict=True)]
+    kept = believed_ms(*shots)
+    assert 50 < len(kept) < 300
+    assert believed_ms(*(shots[n] for n in rng.permutation(300))) == kept
+    later = believed_ms(*(shot(s.onset * 1000 / RATE_HZ + 250, s.confidence) for s in shots))
+    np.testing.assert_allclose(np.array(later), np.array(kept) + 250, atol=1e-9)
