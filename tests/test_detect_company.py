@@ -13,10 +13,10 @@ VERIFY, BURSTS = TIER.verify, TIER.bursts
 FAST_MS = (BURSTS.shortest_gap_ms + BURSTS.longest_gap_ms) / 2
 
 
-def shot(at_ms: float, confidence: float) -> Shot:
+def shot(at_ms: float, confidence: float, peak_dbfs: float = -6.0) -> Shot:
     onset = round(at_ms * RATE_HZ / 1000)
     span = Span(onset, onset + 480)
-    return Shot(onset, confidence, peak_dbfs=-6.0, snr_db=20.0, blast=span, reflections=(), span=span)
+    return Shot(onset, confidence, peak_dbfs=peak_dbfs, snr_db=20.0, blast=span, reflections=(), span=span)
 
 
 def believed_ms(*shots: Shot) -> list[float]:
@@ -25,10 +25,15 @@ def believed_ms(*shots: Shot) -> list[float]:
     return [s.onset * 1000 / RATE_HZ for s in kept]
 
 
+def pair(confidence: float = VERIFY.company_threshold) -> tuple[Shot, Shot]:
+    """Return two shots of a burst, the first one sure."""
+    return shot(20_000, VERIFY.threshold), shot(20_000 + FAST_MS, confidence)
+
+
 def test_an_unsure_shot_needs_the_company_of_a_sure_one() -> None:
     reach_ms = 1000.0 * VERIFY.company_s
     unsure = [shot(at_ms, VERIFY.company_threshold) for at_ms in (20_000 - reach_ms, 20_000 + reach_ms)]
-    far = shot(20_001 + reach_ms + BURSTS.longest_gap_ms, VERIFY.company_threshold)
+    far = shot(20_001 + reach_ms, VERIFY.company_threshold)
     assert believed_ms(*unsure, far) == []
     assert believed_ms(far, shot(20_000, VERIFY.threshold), *unsure) == [
         20_000 - reach_ms,
@@ -37,20 +42,34 @@ def test_an_unsure_shot_needs_the_company_of_a_sure_one() -> None:
     ]
 
 
-def test_rounds_follow_from_one_to_the_next_before_and_after_a_believed_shot() -> None:
-    rounds = [shot(20_000 + n * FAST_MS, VERIFY.round_threshold) for n in range(-40, 41) if n]
+def test_two_shots_of_a_burst_take_its_rounds_along_before_and_after_them() -> None:
+    rounds = [shot(20_000 + n * FAST_MS, VERIFY.round_threshold) for n in range(-40, 41) if n not in (0, 1)]
     assert believed_ms(*rounds) == []
-    assert len(believed_ms(*rounds, shot(20_000, VERIFY.threshold))) == 81
+    assert believed_ms(*rounds, shot(20_000, VERIFY.threshold)) == [20_000]
+    assert len(believed_ms(*rounds, *pair())) == 81
+
+
+def test_doublets_nearer_than_a_gun_fires_are_no_two_shots() -> None:
+    doublet = shot(20_000 + BURSTS.shortest_gap_ms / 2, VERIFY.threshold)
+    after = shot(20_000 + FAST_MS, VERIFY.round_threshold)
+    assert len(believed_ms(shot(20_000, VERIFY.threshold), doublet, after)) == 2
+
+
+def test_what_is_softer_is_no_round_but_perhaps_an_echo() -> None:
+    at_ms = 20_000 + 2 * FAST_MS
+    assert len(believed_ms(*pair(), shot(at_ms, VERIFY.round_threshold, -6.0 - BURSTS.echo_drop_db + 0.1))) == 3
+    assert len(believed_ms(*pair(), shot(at_ms, VERIFY.round_threshold, -6.0 - BURSTS.echo_drop_db))) == 2
+    assert len(believed_ms(*pair(), shot(at_ms, VERIFY.company_threshold, -40.0))) == 3
 
 
 def test_a_gap_that_is_too_long_for_a_gun_ends_the_rounds() -> None:
-    after = [shot(20_000 + at_ms, VERIFY.round_threshold) for at_ms in (FAST_MS, FAST_MS + BURSTS.longest_gap_ms + 1)]
-    assert believed_ms(shot(20_000, VERIFY.threshold), *after) == [20_000, 20_000 + FAST_MS]
+    late_ms = 20_000 + 2 * FAST_MS + BURSTS.longest_gap_ms + 1
+    after = [shot(at_ms, VERIFY.round_threshold) for at_ms in (20_000 + 2 * FAST_MS, late_ms)]
+    assert believed_ms(*pair(), *after) == [20_000, 20_000 + FAST_MS, 20_000 + 2 * FAST_MS]
 
 
 def test_what_reaches_less_than_a_round_is_never_believed() -> None:
-    beneath = shot(20_000 + FAST_MS, VERIFY.round_threshold - 0.01)
-    assert believed_ms(shot(20_000, VERIFY.threshold), beneath) == [20_000]
+    assert len(believed_ms(*pair(), shot(20_000 + 2 * FAST_MS, VERIFY.round_threshold - 0.01))) == 2
 
 
 @pytest.mark.parametrize("gap_ms", [BURSTS.shortest_gap_ms, FAST_MS, BURSTS.longest_gap_ms])
@@ -81,3 +100,7 @@ def test_order_changes_nothing_and_a_delay_delays() -> None:
     assert believed_ms(*(shots[n] for n in rng.permutation(300))) == kept
     later = believed_ms(*(shot(s.onset * 1000 / RATE_HZ + 250, s.confidence) for s in shots))
     np.testing.assert_allclose(np.array(later), np.array(kept) + 250, atol=1e-9)
+
+
+def test_nothing_is_believed_of_nothing() -> None:
+    assert believed_ms() == []

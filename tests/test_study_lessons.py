@@ -9,7 +9,7 @@ from blastline.detect.verify import Sieve
 from blastline.ruleset import load_rules
 from blastline.study.candidates import Candidates, best_f1, candidates, joined
 from blastline.study.codecs import BITS_PER_S, Codec, coded
-from blastline.study.lessons import RATE_HZ, synthetic_film, synthetic_mix, without_drowned
+from blastline.study.lessons import RATE_HZ, plain_mix, synthetic_film, synthetic_mix, without_drowned
 from blastline.study.mixes import Mix, Sound
 from blastline.study.sieves import GATE_SETTINGS, fit_sieve
 from blastline.study.variants import at_speed, repeated, varied
@@ -58,7 +58,7 @@ def test_shots_that_no_candidate_meets_are_counted() -> None:
     assert found.missed == 2
 
 
-@pytest.mark.parametrize("lesson", [synthetic_film(5), synthetic_mix(5)])
+@pytest.mark.parametrize("lesson", [synthetic_film(5), synthetic_mix(5), plain_mix(5)])
 def test_a_lesson_is_always_the_same_and_its_shots_add_up(lesson: object) -> None:
     assert callable(lesson)
     film, again = lesson(3), lesson(3)

@@ -5,7 +5,7 @@ run of likely ones, as fast as a gun fires ──► sure        guns do what no
 believed ──► the next as fast as a gun fires, unlikely     one round is followed by another
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +21,9 @@ def in_company(
     """Return the shots that are believed, in order of time, and the rest.
 
     A shot is sure from `threshold` on, or as one of a run of `fewest_shots` that each reach `burst_threshold`. It takes
-    along what reaches `company_threshold` within `company_s`. From each that is believed, the next within
-    `longest_gap_ms` is believed from `round_threshold` on.
+    along what reaches `company_threshold` within `company_s`. Two shots in a burst take along the other rounds of it
+    from `round_threshold` on: what lies within `longest_gap_ms` from one to the next, unless it is `echo_drop_db`
+    softer than they are.
     """
     ordered = sorted(shots, key=lambda s: s.onset)
     rules, channels = tier.verify, tier.channels
@@ -34,7 +35,8 @@ def in_company(
     enough = surety >= np.where(aside, channels.sides_company_threshold, rules.company_threshold)
     believed = sure | (enough & _near(onsets, onsets[sure], samples_from_s(rules.company_s, rate_hz)))
     rounds = surety >= np.where(aside, channels.sides_company_threshold, rules.round_threshold)
-    believed = _with_rounds(onsets, believed, rounds, samples_from_ms(tier.bursts.longest_gap_ms, rate_hz))
+    peaks_dbfs = np.array([shot.peak_dbfs for shot in ordered])
+    believed = _with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=tier.bursts)
     refused = tuple(
         Rejection(
             shot.onset,
@@ -74,12 +76,20 @@ def _in_a_run(
 
 
 def _with_rounds(
-    onsets: NDArray[np.intp], believed: NDArray[np.bool_], rounds: NDArray[np.bool_], gap: int
+    onsets: NDArray[np.intp],
+    believed: NDArray[np.bool_],
+    rounds: NDArray[np.bool_],
+    peaks_dbfs: NDArray[np.float64],
+    *,
+    rate_hz: int,
+    rules: BurstRules,
 ) -> NDArray[np.bool_]:
-    """Return the believed with all those that lead to one of them in steps of at most `gap` from round to round."""
+    """Return the believed with the rounds of bursts that have two of them, as far as those are about as loud."""
+    shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
     members = np.flatnonzero(believed | rounds)
-    chains: Sequence[NDArray[np.intp]] = np.split(members, np.flatnonzero(np.diff(onsets[members]) > gap) + 1)
     kept = believed.copy()
-    for chain in chains:
-        kept[chain] = believed[chain].any()
+    for burst in np.split(members, np.flatnonzero(np.diff(onsets[members]) > longest) + 1):
+        sure = burst[believed[burst]]
+        if sure.size and onsets[sure[-1]] - onsets[sure[0]] >= shortest:
+            kept[burst] |= peaks_dbfs[burst] > np.median(peaks_dbfs[sure]) - rules.echo_drop_db
     return kept

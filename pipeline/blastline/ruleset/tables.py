@@ -64,8 +64,8 @@ class VerifyRules(Table, frozen=True):
 
     A candidate is a shot from `threshold` on, or from `company_threshold` on where a shot of the first kind lies within
     `company_s`: films fire in scenes. [bursts] says how fast a gun fires: a run that fast, each of its shots reaching
-    `burst_threshold`, is sure as a whole, and what is that near to a shot is another round from `round_threshold` on.
-    From `report_from` on a candidate is at least listed among the timeline's rejections.
+    `burst_threshold`, is sure as a whole, and two shots that fast take along their burst's other rounds, if about as
+    loud, from `round_threshold` on. From `report_from` on a candidate is at least listed among the rejections.
     """
 
     model: str
