@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from blastline.detect.bandshape import band_levels
 from blastline.detect.bursts import group_bursts, keep_apart, part_from_echoes, without_echoes
 from blastline.detect.onset import refine_onsets
 from blastline.detect.scan import candidate_steps, rises
 from blastline.detect.segment import segment
+from blastline.detect.sparse import bands_near
 from blastline.detect.stretches import stretches
 from blastline.detect.tracks import BANDS, Grid, pieces
 from blastline.model import Clip, Reflection, Shot, Span
@@ -313,3 +315,30 @@ def test_of_two_shots_nearer_than_any_gun_the_surer_stays() -> None:
     assert [s.onset for s in kept] == [20 * 48, 60 * 48]
     assert [r.at_sample for r in dropped] == [0]
     assert dropped[0].evidence["probability"] == 0.6
+
+
+def test_bands_looked_up_near_a_place_are_those_of_the_scan() -> None:
+    samples = film(seconds=4.0, noise=0.1)
+    samples[96_000:] *= np.float32(4.0)
+    grid = Grid(RATE_HZ)
+    scanned = np.concatenate([piece.bands for piece in pieces(clips(samples, 5_000), RATE_HZ)])
+    whole = np.concatenate([piece.samples for piece in pieces(clips(samples, 5_000), RATE_HZ, with_bands=False)])
+    places = np.array([20_000, 120_000])
+    sparse = bands_near(whole, places, grid)
+    assert sparse.shape == scanned.shape
+    for place in places // grid.hop:
+        near = slice(place - 7, place + 17)
+        np.testing.assert_allclose(np.sqrt(sparse[near]), np.sqrt(scanned[near]), rtol=1e-2, atol=1e-6)
+    ours, theirs = (band_levels(bands, places, grid)[:, -1] for bands in (sparse, scanned))
+    attack = slice(3, 8)  # the segments whose frames are all there
+    np.testing.assert_allclose(ours[:, attack], theirs[:, attack], atol=0.02)
+    np.testing.assert_allclose(ours, theirs, atol=2.0)  # of noise, a mean of an eighth as many frames
+
+
+def test_a_film_without_scanned_bands_has_the_same_other_tracks() -> None:
+    samples = film(seconds=2.5)
+    with_bands, without = (list(pieces(clips(samples, 7_000), RATE_HZ, with_bands=asked)) for asked in (True, False))
+    for one, other in zip(with_bands, without, strict=True):
+        assert other.bands.shape == (0, BANDS)
+        for track in ("samples", "peak", "slope"):
+            np.testing.assert_array_equal(getattr(one, track), getattr(other, track))

@@ -170,3 +170,14 @@ def test_the_report_gives_every_reason() -> None:
     assert all(each.about.capitalize() in page for each in event.decisions)
     assert event.drive is not None
     assert event.drive.reason in page
+
+
+def test_a_tier_without_a_level_looks_for_no_reflections() -> None:
+    tier = msgspec.structs.replace(TIER, segment=msgspec.structs.replace(TIER.segment, reflection_level_db=None))
+    wave = bang(1, decay_s=0.002, echo_db=-3.0).astype(np.float32)
+    shot = segment(wave, 9600, film_start=0, film_stop=len(wave), confidence=1.0, rate_hz=RATE_HZ, rules=tier.segment)
+    assert heard_in(wave).reflections
+    assert shot.reflections == ()
+    assert shot.evidence is not None
+    assert shot.evidence.echo_room_db is None
+    assert decisions(shot, tier, rate_hz=RATE_HZ)[0].choice == "none looked for"

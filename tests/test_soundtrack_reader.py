@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from blastline.errors import SoundtrackError
 from blastline.model import Clip, Source, Span
 from blastline.soundtrack import Cue, open_soundtrack, timecode_at, write_drive
+from blastline.soundtrack.recent import Recent
 
 RATE_HZ = 48_000
 FRAMES = 70_000
@@ -267,3 +268,19 @@ def test_streams_and_channels_that_are_not_there_are_refused(tmp_path: Path) -> 
 def test_a_name_that_is_no_text_is_refused() -> None:
     with pytest.raises(SoundtrackError, match="the name is not valid UTF-8; rename the file"):
         open_soundtrack(Path("bad\udcff.wav"))
+
+
+@pytest.mark.parametrize("size", [1, 7, 100, 350])
+def test_what_was_decoded_last_can_be_read_again(size: int) -> None:
+    samples = np.random.default_rng(size).uniform(-1.0, 1.0, (1000, 3)).astype(np.float32)
+    recent = Recent(300)
+    for start in range(0, 1000, size):
+        recent.append(samples[start : start + size])
+        stop = min(start + size, 1000)
+        span = Span(max(0, stop - 300), stop)
+        there = recent.read(span)
+        assert there is not None
+        np.testing.assert_allclose(there, samples[span.start : span.stop], rtol=2.0**-7)
+        assert recent.read(Span(stop - 1, stop + 1)) is None
+    assert recent.read(Span(699, 900)) is None
+    assert recent.read(Span(700, 701)) is not None

@@ -26,8 +26,8 @@ from .scan import candidate_steps
 from .segment import segment
 from .sides import Sorted, as_heard, beside, joined
 from .sparse import bands_near
-from .stretches import Stretch, stretches
-from .tracks import Grid, Piece, pieces
+from .stretches import Stretch, side_by_side, stretches
+from .tracks import Grid, pieces
 from .verify import Verifier
 
 _SAME_ONSET_MS = 3.0
@@ -106,28 +106,12 @@ def _heard(
         for found, refused in map(search, stretches(cut(film))):
             yield place(found), refused
         return
-    mains, sides = _side_by_side(film, cut)
-    search_beside = partial(search, tier=beside(tier))
-    # map, unlike a loop, lets go of one stretch before it asks for the other
-    for here, there in zip(map(search, mains), map(search_beside, sides), strict=True):
-        found, refused = joined(here, there, rate_hz=rate_hz, sure=tier.verify.threshold)
-        yield place(found, beside=[shot.onset for shot in there[0]]), refused
-
-
-def _side_by_side(
-    film: Iterable[Clip], cut: Callable[[Iterable[Clip]], Iterator[Piece]]
-) -> tuple[Iterator[Stretch], Iterator[Stretch]]:
-    """Return the stretches of the mains and of the sides, which have to be taken in turns."""
     clips: deque[Clip] = deque()
-    beside_them: deque[Piece] = deque()
-    sides = cut(map(as_heard, _taken_from(clips)))
-
-    def mains() -> Iterator[Piece]:
-        for piece, beside_it in zip(cut(_kept_in(clips, film)), sides, strict=True):
-            beside_them.append(beside_it)
-            yield piece
-
-    return stretches(mains()), stretches(_taken_from(beside_them))
+    search_beside = partial(search, tier=beside(tier))
+    for mains, sides in side_by_side(cut(_kept_in(clips, film)), cut(map(as_heard, _taken_from(clips)))):
+        there = search_beside(sides)
+        found, refused = joined(search(mains), there, rate_hz=rate_hz, sure=tier.verify.threshold)
+        yield place(found, beside=[shot.onset for shot in there[0]]), refused
 
 
 def _kept_in(queue: deque[_T], items: Iterable[_T]) -> Iterator[_T]:

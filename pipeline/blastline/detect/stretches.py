@@ -33,19 +33,27 @@ def stretches(film: Iterable[Piece]) -> Iterator[Stretch]:
     |left|    core    |right|
                  |left|    core    |right|
     """
-    rest = iter(film)
+    for (stretch,) in side_by_side(film):
+        yield stretch
+
+
+def side_by_side(*films: Iterable[Piece]) -> Iterator[tuple[Stretch, ...]]:
+    """Yield the stretches of films that are cut alike, those of each place together; they are read in turns."""
+    rest = zip(*films, strict=True)
     first = next(rest, None)
     if first is None:
         return
-    room, left = _Room(first, LEFT_PIECES + CORE_PIECES + RIGHT_PIECES), 0
-    for piece in chain([first], rest):
-        room.append(piece)
-        if room.held == left + CORE_PIECES + RIGHT_PIECES:
-            yield room.stretch(left, CORE_PIECES)
-            room.keep(LEFT_PIECES + RIGHT_PIECES)
+    rooms, left = [_Room(piece, LEFT_PIECES + CORE_PIECES + RIGHT_PIECES) for piece in first], 0
+    for together in chain([first], rest):
+        for room, piece in zip(rooms, together, strict=True):
+            room.append(piece)
+        if rooms[0].held == left + CORE_PIECES + RIGHT_PIECES:
+            yield tuple(room.stretch(left, CORE_PIECES) for room in rooms)
+            for room in rooms:
+                room.keep(LEFT_PIECES + RIGHT_PIECES)
             left = LEFT_PIECES
-    if room.held > left:
-        yield room.stretch(left, room.held - left)
+    if rooms[0].held > left:
+        yield tuple(room.stretch(left, room.held - left) for room in rooms)
 
 
 class _Room:

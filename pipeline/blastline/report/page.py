@@ -1,6 +1,6 @@
 """The page, put together."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from ..model import Check, Cutter, Event, Timeline
@@ -35,33 +35,38 @@ def write_report(
     they are, under how the result was made; `exports` are the files that other tools open.
     """
     why = pictured(timeline.events, timeline.checks)
-    pictures = [
+    pictures = (
         _picture(event, why[event.id], timeline, audio=audio, drive=drive, profile=profile)
         for event in timeline.events
         if event.id in why
-    ]
-    path.write_text(_page(timeline, overview, why, pictures, exports, options or {}), encoding="utf-8")
+    )
+    with path.open("w", encoding="utf-8") as file:  # part by part: the whole would be in memory several times
+        file.writelines(_page(timeline, overview, why, pictures, exports, options or {}))
 
 
 def _page(
     timeline: Timeline,
     overview: Overview,
     why: Mapping[str, str],
-    pictures: Sequence[str],
+    pictures: Iterable[str],
     exports: Sequence[ExportRow],
     options: Mapping[str, str],
-) -> str:
+) -> Iterator[str]:
+    """Yield the page part by part."""
     failed = failures(timeline.checks)
     rejected = rejections_table(timeline.rejections, timeline.source.sample_rate_hz)
     title = f"{timeline.source.name} – blastline report"
-    return (
+    yield (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width,initial-scale=1">'
         f"<title>{safe(title)}</title><style>{STYLE}</style></head><body>\n"
         f"<header>{heading(timeline)}{verdict(timeline)}{warnings(timeline)}{tiles(timeline)}{_contents(exports)}</header>\n<main>\n"
         f"{_section('film', 'The film', _film(timeline, overview, failed, why))}"
-        f"{_section('pictures', 'Shots in pictures', _pictures(timeline, pictures))}"
-        f"{_section('shots-all', 'Every shot', _shots(timeline, failed, why))}"
+        '<section id="pictures"><h2>Shots in pictures</h2>'
+    )
+    yield from _pictures(timeline, pictures)
+    yield (
+        f"</section>\n{_section('shots-all', 'Every shot', _shots(timeline, failed, why))}"
         f"{_section('checks', 'Checks', checks_tables(timeline.checks, linked=why))}"
         f"{_section('files', 'Files for other tools', exports_table(exports)) if exports else ''}"
         f"{_section('rejected', 'Not taken for shots', rejected)}"
@@ -112,9 +117,10 @@ def _legend(*entries: tuple[str, str, str]) -> str:
     return f'<ul class="legend">{items}</ul>'
 
 
-def _pictures(timeline: Timeline, pictures: Sequence[str]) -> str:
+def _pictures(timeline: Timeline, pictures: Iterable[str]) -> Iterator[str]:
     if not timeline.events:
-        return "<p>There is nothing to show: no shots were found in this film.</p>"
+        yield "<p>There is nothing to show: no shots were found in this film.</p>"
+        return
     legend = _legend(
         ("audio", "", "sound"),
         ("band", "", "sound in the band of vibration: what should be felt"),
@@ -127,7 +133,8 @@ def _pictures(timeline: Timeline, pictures: Sequence[str]) -> str:
         ("window", "area", "window and its fades"),
     )
     note = rule() if len(timeline.events) > MOST_PICTURES else "Every shot is shown."
-    return f'<p class="note">{note}</p>{legend}{"".join(pictures)}'
+    yield f'<p class="note">{note}</p>{legend}'
+    yield from pictures
 
 
 def _picture(

@@ -5,7 +5,7 @@ than half precision.
 """
 
 import sys
-from collections import deque
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,31 +18,40 @@ _HALF_BITS = 16
 
 
 class Recent:
-    """A window of all channels that moves along while a film is decoded, in 16 bits a sample."""
+    """A window of all channels that moves along while a film is decoded, in 16 bits a sample.
+
+    One array, written round and round: many small ones would leave the memory in pieces that are of no use later.
+    """
 
     def __init__(self, frames: int) -> None:
         """Keep at least so many of the last frames."""
         self._frames = frames
-        self._pieces: deque[tuple[int, NDArray[np.uint16]]] = deque()
+        self._room: NDArray[np.uint16] | None = None
         self._stop = 0
 
     def append(self, samples: Samples) -> None:
         """Add the samples that follow, shape (frames, channels), and let go of those that are too old."""
-        halves = np.ascontiguousarray(samples, np.float32).view(np.uint16).reshape(*samples.shape, 2)
-        self._pieces.append((self._stop, halves[:, :, _UPPER].copy()))
+        if self._room is None:
+            self._room = np.empty((self._frames, samples.shape[1]), np.uint16)
+        halves = np.ascontiguousarray(samples, np.float32).view(np.uint16).reshape(*samples.shape, 2)[:, :, _UPPER]
+        kept = halves[-self._frames :]
         self._stop += samples.shape[0]
-        while len(self._pieces) > 1 and self._pieces[1][0] <= self._stop - self._frames:
-            self._pieces.popleft()
+        for room, part in self._parts(Span(self._stop - kept.shape[0], self._stop)):
+            room[:] = kept[part]
 
     def read(self, span: Span) -> Samples | None:
         """Return the samples of a span, or None where they are no longer, or not yet, here."""
-        if not self._pieces or span.start < self._pieces[0][0] or span.stop > self._stop or not span:
+        if self._room is None or span.start < self._stop - self._frames or span.stop > self._stop or not span:
             return None
-        halves = np.concatenate(
-            [
-                piece[max(0, span.start - start) : max(0, span.stop - start)]
-                for start, piece in self._pieces
-                if start < span.stop
-            ]
-        )
-        return (halves.astype(np.uint32) << _HALF_BITS).view(np.float32)
+        halves = np.empty((len(span), self._room.shape[1]), np.uint32)
+        for room, part in self._parts(span):
+            halves[part] = room
+        return (halves << _HALF_BITS).view(np.float32)
+
+    def _parts(self, span: Span) -> Iterator[tuple[NDArray[np.uint16], slice]]:
+        """Yield where each part of a span is kept, and which of its frames these are."""
+        assert self._room is not None
+        first = span.start % self._frames
+        before_the_end = min(len(span), self._frames - first)
+        yield self._room[first : first + before_the_end], slice(0, before_the_end)
+        yield self._room[: len(span) - before_the_end], slice(before_the_end, len(span))
