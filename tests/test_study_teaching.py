@@ -24,8 +24,9 @@ def examples(count: int, seed: int) -> Examples:
     return Examples(near.astype(np.float16), wide.astype(np.float16), rows.astype(np.float32), shots)
 
 
-def test_a_network_tells_what_it_was_taught_from_what_it_was_not_shown() -> None:
-    network = wired(fit_network(examples(600, 1), 3, QUICK))
+@pytest.mark.parametrize("averaged", [False, True])
+def test_a_network_tells_what_it_was_taught_from_what_it_was_not_shown(averaged: bool) -> None:
+    network = wired(fit_network(examples(600, 1), 3, averaged=averaged, settings=QUICK))
     fresh = examples(300, 2)
     odds = log_odds(
         network, fresh.rows.astype(np.float64), Pictures(*(p.astype(np.float32) for p in (fresh.near, fresh.wide)))
@@ -34,6 +35,8 @@ def test_a_network_tells_what_it_was_taught_from_what_it_was_not_shown() -> None
 
 
 def test_the_same_seed_teaches_the_same_and_another_one_something_else() -> None:
-    first, again, other = (fit_network(examples(100, 1), seed, QUICK | {"epochs": 1}) for seed in (3, 3, 4))
+    first, again, other = (
+        fit_network(examples(100, 1), seed, averaged=True, settings=QUICK | {"epochs": 1}) for seed in (3, 3, 4)
+    )
     assert first == again
     assert first.head[-1].weights != other.head[-1].weights

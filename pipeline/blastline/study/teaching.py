@@ -1,7 +1,9 @@
-"""Teaching networks: examples in, a network out.
+"""Teaching networks: examples in, a network out, in one of two ways that err differently.
 
-What is exported is the average of the weights over most of the training at a constant pace (Izmailov et al. 2018,
-"Averaging weights leads to wider optima"; Cha et al. 2021 for sources never heard).
+- annealed: the pace rises and falls once (Smith & Topin 2017), and the last weights count: surer of what is like the
+  lessons.
+- averaged: at a constant pace, and the average of the weights over most of the training counts (Izmailov et al. 2018;
+  Cha et al. 2021): better on sources never heard.
 """
 
 from __future__ import annotations
@@ -68,7 +70,7 @@ class Material:
         return near, wide, rows, self.shots[which]
 
 
-def fit_network(examples: Examples, seed: int, settings: dict[str, Any] = SETTINGS) -> NetworkFile:
+def fit_network(examples: Examples, seed: int, *, averaged: bool, settings: dict[str, Any] = SETTINGS) -> NetworkFile:
     """Return a network trained on the examples; the same seed on the same machine gives the same network."""
     import torch
 
@@ -84,22 +86,24 @@ def fit_network(examples: Examples, seed: int, settings: dict[str, Any] = SETTIN
     )
     judge = new_judge(limited.shape[1], settings["dropout"])
     judge.parts().to(memory_format=torch.channels_last)  # twice as fast on a processor
-    return exported(_taught(judge, material, settings), means, spreads)
+    return exported(_taught(judge, material, settings, averaged=averaged), means, spreads)
 
 
-def _taught(judge: Judge, material: Material, settings: dict[str, Any]) -> Judge:
-    """Return a judge with the average of the weights that the given one had, from a share of the steps on."""
+def _taught(judge: Judge, material: Material, settings: dict[str, Any], *, averaged: bool) -> Judge:
+    """Return the judge after its lessons, or one with the average of the weights it had from a share of them on."""
     import torch
     from torch import nn
     from torch.optim.swa_utils import AveragedModel
 
     batches = max(1, material.count // settings["batch"])
-    steps = settings["epochs"] * batches
-    optimiser = torch.optim.AdamW(
-        judge.parts().parameters(), lr=settings["learning_rate"], weight_decay=settings["weight_decay"]
-    )
-    warm_up = max(1, round(settings["warm_up"] * steps))
-    pace = torch.optim.lr_scheduler.LambdaLR(optimiser, lambda step: min(1.0, (step + 1) / warm_up))
+    steps, rate = settings["epochs"] * batches, settings["learning_rate"]
+    optimiser = torch.optim.AdamW(judge.parts().parameters(), lr=rate, weight_decay=settings["weight_decay"])
+    pace: torch.optim.lr_scheduler.LRScheduler
+    if averaged:
+        warm_up = max(1, round(settings["warm_up"] * steps))
+        pace = torch.optim.lr_scheduler.LambdaLR(optimiser, lambda step: min(1.0, (step + 1) / warm_up))
+    else:
+        pace = torch.optim.lr_scheduler.OneCycleLR(optimiser, rate, total_steps=steps + 1)
     average = AveragedModel(judge.parts())
     judge.parts().train()
     for step in range(steps):
@@ -111,9 +115,12 @@ def _taught(judge: Judge, material: Material, settings: dict[str, Any]) -> Judge
         loss.backward()
         optimiser.step()
         pace.step()
-        if step >= settings["averaged_from"] * steps:
+        if averaged and step >= settings["averaged_from"] * steps:
             average.update_parameters(judge.parts())
-    return _normalised(Judge(*average.module.children()), material, settings)
+    if averaged:
+        return _normalised(Judge(*average.module.children()), material, settings)
+    judge.parts().eval()
+    return judge
 
 
 def _normalised(judge: Judge, material: Material, settings: dict[str, Any]) -> Judge:

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from ..detect.bandshape import bandshape_names
 from ..detect.features import feature_names
 from ..detect.forest import grown
-from ..detect.network import wired
+from ..detect.network import NetworkFile, wired
 from ..detect.picture import Pictures, pictures
 from ..detect.verify import SCHEMA, ModelFile, Sieve, SieveFile, Verifier
 from ..ruleset import QualityRules, load_rules
@@ -115,6 +115,11 @@ def fit_sieves(learnt: Candidates, seed: int) -> tuple[SieveFile, SieveFile]:
     return gate, screen
 
 
+def _network(examples: Examples, seed: int, number: int) -> NetworkFile:
+    """Return the network of a number: one annealed, one averaged, and so on in turns."""
+    return fit_network(examples, seed + number, averaged=number % 2 == 1)
+
+
 def score(model: ModelFile, tested: Candidates, kept: Sequence[Kept], pool: ProcessPoolExecutor) -> dict[str, Any]:
     """Return the best F1 on candidates that were held out, by the screen alone and by one to all networks."""
     left = sieved(tested, model.gate, model.screen)
@@ -145,7 +150,7 @@ def train(every: Sequence[Course], work: Path, *, networks: int, seed: int, jobs
         left = sieved(learnt, gate, screen)
         _say(f"{left.shots.size} of them pass gate and screen, {int(left.shots.sum())} of them shots")
         examples = look(left, kept, pool)
-        judges = [_said(fit_network(examples, seed + number), f"network {number + 1}") for number in range(networks)]
+        judges = [_said(_network(examples, seed, number), f"network {number + 1}") for number in range(networks)]
         training: dict[str, Any] = {
             "command": "python -m blastline.study.train",
             "seed": seed,
