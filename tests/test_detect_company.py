@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from blastline.detect.company import in_company
+from blastline.detect.company import in_company, worth_parting
 from blastline.model import Shot, Span
 from blastline.ruleset import load_rules
 
@@ -104,3 +104,29 @@ def test_order_changes_nothing_and_a_delay_delays() -> None:
 
 def test_nothing_is_believed_of_nothing() -> None:
     assert believed_ms() == []
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_is_not_worth_parting_is_never_believed(seed: int) -> None:
+    """Parting a film in cores, and leaving out there what is no round of a burst, changes nothing."""
+    rng = np.random.default_rng(seed)
+    places_ms = np.unique(np.round(rng.uniform(0, 60_000, 400)))
+    surety = rng.random(places_ms.size) ** 3
+    shots = [shot(at_ms, p) for at_ms, p in zip(places_ms.tolist(), surety.tolist(), strict=True)]
+    onsets = np.array([s.onset for s in shots], np.intp)
+    worth = np.zeros(onsets.size, bool)
+    for start in range(0, 60 * RATE_HZ + 1, 20 * RATE_HZ):
+        inside = (onsets >= start) & (onsets < start + 20 * RATE_HZ)
+        core = Span(start, start + 20 * RATE_HZ)
+        worth[inside] = worth_parting(onsets[inside], surety[inside], rate_hz=RATE_HZ, tier=TIER, core=core)
+    assert np.sum(~worth & (surety >= VERIFY.round_threshold)) > 0
+    assert believed_ms(*shots) == believed_ms(*(s for s, kept in zip(shots, worth, strict=True) if kept))
+
+
+def test_a_round_at_the_edge_of_a_core_may_belong_to_a_burst_beyond_it() -> None:
+    core = Span(0, 20 * RATE_HZ)
+    edges_ms = (0.0, BURSTS.longest_gap_ms, 10_000.0, 20_000.0 - BURSTS.longest_gap_ms, 19_999.0)
+    onsets = np.array([round(at_ms * RATE_HZ / 1000) for at_ms in edges_ms], np.intp)
+    surety = np.full(onsets.size, VERIFY.round_threshold)
+    worth = worth_parting(onsets, surety, rate_hz=RATE_HZ, tier=TIER, core=core)
+    assert worth.tolist() == [True, True, False, True, True]

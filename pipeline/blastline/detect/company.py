@@ -10,9 +10,11 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Rejection, Shot
+from ..model import Rejection, Shot, Span
 from ..ruleset import BurstRules, QualityRules
 from ..units import samples_from_ms, samples_from_s
+
+_ROUNDING = 2  # samples that a gap may gain on its way to another rate
 
 
 def in_company(
@@ -38,15 +40,37 @@ def in_company(
     peaks_dbfs = np.array([shot.peak_dbfs for shot in ordered])
     believed = _with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=tier.bursts)
     refused = tuple(
-        Rejection(
-            shot.onset,
-            "alone, and not sure enough for that" if likely else "does not sound like a shot",
-            {"probability": shot.confidence},
-        )
+        _alone(shot) if likely else unlike_a_shot(shot.onset, shot.confidence)
         for shot, kept, likely in zip(ordered, believed, enough, strict=True)
         if not kept
     )
     return tuple(shot for shot, kept in zip(ordered, believed, strict=True) if kept), refused
+
+
+def unlike_a_shot(onset: int, probability: float) -> Rejection:
+    """Return the rejection of what is hardly a shot."""
+    return Rejection(onset, "does not sound like a shot", {"probability": probability})
+
+
+def _alone(shot: Shot) -> Rejection:
+    return Rejection(shot.onset, "alone, and not sure enough for that", {"probability": shot.confidence})
+
+
+def worth_parting(
+    onsets: NDArray[np.intp], surety: NDArray[np.float64], *, rate_hz: int, tier: QualityRules, core: Span
+) -> NDArray[np.bool_]:
+    """Return which candidates `in_company` could believe, given those of a stretch's core, ascending.
+
+    The others need no parts: they are rounds of no burst. What a burst beyond the core may reach is worth it.
+    """
+    longest = samples_from_ms(tier.bursts.longest_gap_ms, rate_hz) + _ROUNDING
+    worth = surety >= tier.verify.company_threshold
+    members = np.flatnonzero(surety >= tier.verify.round_threshold)
+    for burst in np.split(members, np.flatnonzero(np.diff(onsets[members]) > longest) + 1):
+        at = onsets[burst]
+        if worth[burst].any() or (at < core.start + longest).any() or (at >= core.stop - longest).any():
+            worth[burst] = True
+    return worth
 
 
 def _near(places: NDArray[np.intp], others: NDArray[np.intp], reach: int) -> NDArray[np.bool_]:

@@ -15,7 +15,7 @@ from ..ruleset import QualityRules
 from ..units import samples_from_ms
 from .bandshape import band_levels, bandshape
 from .bursts import group_bursts, keep_apart, part_from_echoes, without_echoes
-from .company import in_company
+from .company import in_company, unlike_a_shot, worth_parting
 from .direction import placed
 from .features import features
 from .neighbours import neighbourhood
@@ -168,26 +168,24 @@ def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier
     screen = partial(verifier.screen.lets_pass, at_least=tier.verify.look_from)
     found = described(stretch, grid, tier, gate=verifier.gate.lets_pass, screen=screen)
     verdicts = verifier.verdicts(found.rows, pictures(stretch.samples, found.onsets, grid.rate_hz))
+    at = found.onsets + stretch.start
+    worth = worth_parting(at, verdicts.surety, rate_hz=grid.rate_hz, tier=tier, core=stretch.core)
     shots = [
         segment(
             stretch.samples,
-            int(onset),
+            int(found.onsets[index]),
             film_start=stretch.start,
             film_stop=stretch.stop,
-            confidence=float(p),
+            confidence=float(verdicts.surety[index]),
             rate_hz=grid.rate_hz,
             rules=tier.segment,
-            screen=float(screen_p),
-            networks=int(networks),
+            screen=float(verdicts.screened[index]),
+            networks=int(verdicts.networks[index]),
         )
-        for onset, p, screen_p, networks in zip(
-            found.onsets, verdicts.surety, verdicts.screened, verdicts.networks, strict=True
-        )
-        if p >= tier.verify.round_threshold
+        for index in np.flatnonzero(worth)
     ]
     refused = [
-        Rejection(int(onset) + stretch.start, "does not sound like a shot", {"probability": float(p)})
-        for onset, p in zip(found.onsets, verdicts.surety, strict=True)
-        if tier.verify.report_from <= p < tier.verify.round_threshold
+        unlike_a_shot(int(at[index]), float(verdicts.surety[index]))
+        for index in np.flatnonzero(~worth & (verdicts.surety >= tier.verify.report_from))
     ]
     return in_film(shots, refused, rate_hz)
