@@ -9,8 +9,8 @@ from blastline.detect.verify import Sieve
 from blastline.ruleset import load_rules
 from blastline.study.candidates import Candidates, best_f1, candidates, joined
 from blastline.study.codecs import BITS_PER_S, Codec, coded
-from blastline.study.lessons import RATE_HZ, plain_mix, synthetic_film, synthetic_mix, without_drowned
-from blastline.study.mixes import Mix, Sound
+from blastline.study.lessons import plain_mix, synthetic_film, synthetic_mix, without_drowned
+from blastline.study.mixes import RATE_HZ, Mix, Sound
 from blastline.study.sieves import GATE_SETTINGS, fit_sieve
 from blastline.study.variants import at_speed, repeated, varied
 from media import require_encoder

@@ -11,8 +11,7 @@ from ..detect.stretches import stretches
 from ..detect.tracks import Grid, pieces
 from ..model import Clip
 from ..ruleset import QualityRules
-from .lessons import RATE_HZ
-from .mixes import Mix
+from .mixes import RATE_HZ, Mix
 
 ON_TARGET_MS, NEAR_TARGET_MS = 8.0, 20.0
 SHOCK_LEAD_MS, SHOCK_ON_TARGET_MS = 60.0, 3.0

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from .corpus import Recording, read_corpus
-from .lessons import SPARSE, Lesson, gun_free_film, plain_mix, recorded_mix, synthetic_film, synthetic_mix
+from .lessons import SPARSE, Lesson, designed_mix, gun_free_film, plain_mix, recorded_mix, synthetic_film, synthetic_mix
 
 FOLDS = 4
 FOLD_SEED = 7  # the parts are the same for every training seed
@@ -15,6 +15,7 @@ FILMS_PER_MIX = 6
 SPARSE_SHARE = 0.6  # so many films in which sounds stand alone come to each crowded one
 GUN_FREE_SHARE = 0.4  # so many films without a gun come to each film with some
 PLAIN_SHARE = 0.4  # so many mixes of textbook sounds come to each film
+DESIGNED_SHARE = 0.8  # and so many of sounds as designers build them
 TESTED_EVERY = 12  # of the films one in so many is held out
 
 
@@ -45,7 +46,11 @@ def courses(corpus: Sequence[Path], *, synthetic: int, recorded: int, seed: int,
     for fold, recordings in enumerate(by_fold(read_corpus(corpus), FOLDS, FOLD_SEED) if recorded else ()):
         lesson = recorded_mix(recordings, seed + 2 + fold)
         made.append(Course(f"recorded-{fold}", lesson, -(-recorded // FOLDS), 1 if fold == hold_out else 0))
-    return [*made, Course("plain", plain_mix(seed + 80), round(PLAIN_SHARE * synthetic), TESTED_EVERY)]
+    return [
+        *made,
+        Course("plain", plain_mix(seed + 80), round(PLAIN_SHARE * synthetic), TESTED_EVERY),
+        Course("designed", designed_mix(seed + 90), round(DESIGNED_SHARE * synthetic), TESTED_EVERY),
+    ]
 
 
 def by_fold(recordings: Sequence[Recording], folds: int, seed: int) -> list[list[Recording]]:

@@ -16,14 +16,14 @@ from ..synth import random_bed, random_negative
 from ..units import gain_from_db, samples_from_ms
 from .cases import GUN_FREE_EVERY, Case, near_each_other
 from .corpus import Recording, load_sound
-from .lessons import MIX_S, RATE_HZ, SHORTEST_BED_S, SOUNDS_PER_MIX, by_source, drawn, recorded_bed
-from .mixes import Sound, as_16_bit, mix
+from .lessons import SOUNDS_PER_MIX
+from .mixes import MIX_S, RATE_HZ, Sound, as_16_bit, mix
+from .recorded import LONGEST_S, SHORTEST_BED_S, by_source, drawn, recorded_bed
 
 Samples = NDArray[np.float64]
 
 CLIP_S = 30.0
 CLIP_LEVELS_DB = (-6.0, 0.0, 6.0)
-_LONGEST_S = 6.0
 _LEAD_MS, _TAIL_MS, _FADE_MS = 5.0, 2000.0, 20.0
 
 
@@ -98,7 +98,7 @@ def _sound(sounds: Stock, rng: np.random.Generator, *, shot: bool) -> Sound:
     recording = drawn(sounds.shots if shot else sounds.others, rng)
     samples = load_sound(recording, RATE_HZ).astype(np.float64)
     onsets = tuple(round(onset * RATE_HZ) for onset in recording.onsets_s if onset * RATE_HZ < samples.size - 1)
-    longest = int(_LONGEST_S * RATE_HZ)
+    longest = int(LONGEST_S * RATE_HZ)
     if not onsets and samples.size > longest:
         start = int(rng.integers(samples.size - longest))
         samples = samples[start : start + longest]

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from ..synth import (
     ShotTruth,
+    designed_negative,
+    designed_shot,
     film_scene,
     plain_bed,
     plain_negative,
@@ -21,16 +23,13 @@ from ..synth import (
     truth_of,
 )
 from .codecs import BITS_PER_S, coded
-from .corpus import Recording, load_sound
-from .mixes import Mix, Sound, as_16_bit, mix
-from .variants import varied
+from .corpus import Recording
+from .mixes import MIX_S, RATE_HZ, Mix, Sound, as_16_bit, mix
+from .recorded import SHORTEST_BED_S, by_source, drawn, recorded_bed, recorded_variant
 
-RATE_HZ = 48_000
-MIX_S = 60.0
 SOUNDS_PER_MIX = 20
 LEVELS_DB = (3.0, 40.0)
-SHORTEST_BED_S = 4.0
-CODED_SHARE, VARIED_SHARE, CUT_SHARE = 0.3, 0.8, 0.2
+CODED_SHARE, CUT_SHARE = 0.3, 0.2
 PLAIN_SHARES = (0.0, 0.2, 0.5, 0.8)
 DROWNED_DB = 3.0
 """A shot that stands out by less teaches nothing: it counts neither way."""
@@ -65,6 +64,11 @@ def synthetic_mix(seed: int) -> Lesson:
 def plain_mix(seed: int) -> Lesson:
     """Return lessons of blasts, swells, clicks and knocks as textbooks draw them; one in four has no shot."""
     return partial(_plain_mix, seed)
+
+
+def designed_mix(seed: int) -> Lesson:
+    """Return lessons of shots as designers build them among other sudden sounds; one in four has no shot."""
+    return partial(_designed_mix, seed)
 
 
 def synthetic_film(seed: int, density: Density = CROWDED) -> Lesson:
@@ -104,6 +108,26 @@ def _plain_mix(seed: int, number: int) -> Mix:
         else:
             sounds.append(Sound(plain_negative(rng, RATE_HZ)))
     return _mixed(plain_bed(rng, RATE_HZ, MIX_S), sounds, rng)
+
+
+def _designed_mix(seed: int, number: int) -> Mix:
+    rng = np.random.default_rng([seed, number])
+    armed = PLAIN_SHARES[int(rng.integers(len(PLAIN_SHARES)))]
+    sounds = []
+    for _ in range(SOUNDS_PER_MIX):
+        if rng.random() < armed:
+            sounds.append(Sound(*designed_shot(rng, RATE_HZ)))
+        else:
+            sounds.append(Sound(_any_negative(rng)))
+    return _mixed(random_bed(rng, RATE_HZ, MIX_S), sounds, rng)
+
+
+def _any_negative(rng: np.random.Generator) -> NDArray[np.float64]:
+    """Return a sudden sound as physics, a designer or a textbook makes it."""
+    kind = rng.random()
+    if kind < 0.4:
+        return random_negative(rng, RATE_HZ)[0]
+    return designed_negative(rng, RATE_HZ) if kind < 0.75 else plain_negative(rng, RATE_HZ)
 
 
 def _gun_free_film(seed: int, density: Density, number: int) -> Mix:
@@ -180,7 +204,7 @@ def _recorded_mix(
         if rng.random() < synthetic:
             sounds.append(_synthetic_sound(rng, shot=shot))
         else:
-            sounds.append(_recorded_sound(drawn(shots if shot else negatives, rng), rng))
+            sounds.append(recorded_variant(drawn(shots if shot else negatives, rng), rng))
     bed = random_bed(rng, RATE_HZ, MIX_S) if rng.random() < synthetic or not beds else recorded_bed(beds, rng)
     return _mixed(bed, sounds, rng)
 
@@ -197,43 +221,6 @@ def _perhaps_coded(samples: NDArray[np.float32], rng: np.random.Generator) -> ND
         return samples
     codec = list(BITS_PER_S)[int(rng.integers(len(BITS_PER_S)))]
     return coded(samples, codec, bits_per_s=int(rng.choice(BITS_PER_S[codec])), rate_hz=RATE_HZ)
-
-
-def by_source(recordings: Iterable[Recording]) -> list[list[Recording]]:
-    """Return recordings grouped by source and kind, so that a large source does not outweigh the others."""
-    groups: dict[tuple[str, str], list[Recording]] = {}
-    for recording in recordings:
-        kind = "" if recording.gunshot else recording.sub_label
-        groups.setdefault((recording.source, kind), []).append(recording)
-    return list(groups.values())
-
-
-def drawn(groups: list[list[Recording]], rng: np.random.Generator) -> Recording:
-    """Return a recording of a group, groups drawn evenly."""
-    group = groups[int(rng.integers(len(groups)))]
-    return group[int(rng.integers(len(group)))]
-
-
-def _recorded_sound(recording: Recording, rng: np.random.Generator) -> Sound:
-    samples = load_sound(recording, RATE_HZ).astype(np.float64)
-    onsets = tuple(round(onset * RATE_HZ) for onset in recording.onsets_s if onset * RATE_HZ < samples.shape[0] - 1)
-    longest = int(6.0 * RATE_HZ)
-    if not onsets and samples.shape[0] > longest:
-        start = int(rng.integers(samples.shape[0] - longest))
-        samples = samples[start : start + longest]
-    sound = Sound(samples, onsets)
-    return varied(sound, rng, RATE_HZ) if rng.random() < VARIED_SHARE else sound
-
-
-def recorded_bed(beds: list[Recording], rng: np.random.Generator, seconds: float = MIX_S) -> NDArray[np.float64]:
-    """Return a bed of up to three long recordings without shots, each repeated as often as needed."""
-    length = int(seconds * RATE_HZ)
-    bed = np.zeros(length)
-    for _ in range(int(rng.integers(1, 4))):
-        layer = load_sound(beds[int(rng.integers(len(beds)))], RATE_HZ).astype(np.float64)
-        rms = float(np.sqrt(np.mean(layer**2))) or 1.0
-        bed += np.resize(layer, length) / rms * rng.uniform(0.02, 0.2)
-    return bed
 
 
 def _synthetic_sound(rng: np.random.Generator, *, shot: bool) -> Sound:

@@ -16,6 +16,9 @@ from ..units import gain_from_db
 
 Samples = NDArray[np.float64]
 
+RATE_HZ = 48_000
+MIX_S = 60.0
+
 
 @dataclass(frozen=True, eq=False)
 class Sound:

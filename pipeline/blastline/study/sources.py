@@ -10,7 +10,7 @@ from .cases import FILM_S, Case, random_films, recordings, scenes
 from .corpus import Recording, read_corpus
 from .courses import FOLD_SEED, FOLDS, by_fold
 from .filmlike import CLIP_S, film_mixes, one_shot_clips, stock
-from .lessons import MIX_S
+from .mixes import MIX_S
 
 
 @dataclass(frozen=True)

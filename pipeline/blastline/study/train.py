@@ -30,8 +30,8 @@ from ..detect.verify import SCHEMA, ModelFile, Sieve, SieveFile, Verifier
 from ..ruleset import QualityRules, load_rules
 from .candidates import Candidates, best_f1, candidates, joined
 from .courses import FOLDS, Course, courses
-from .lessons import MIX_S, RATE_HZ, Lesson
-from .mixes import Mix
+from .lessons import Lesson
+from .mixes import MIX_S, RATE_HZ, Mix
 from .sieves import GATE_SETTINGS, SCREEN_SETTINGS, fit_sieve
 from .teaching import SETTINGS, Examples, fit_network
 

@@ -3,6 +3,7 @@
 from .apart import stands_out_db
 from .beds import BED_KINDS, BedKind, random_bed
 from .colour import draw_colour, record
+from .designed import designed_negative, designed_shot
 from .echoes import in_place
 from .files import render_scene, synthesise, truth_of, write_scene
 from .film import film_scene
@@ -26,6 +27,8 @@ __all__ = [
     "ShotTruth",
     "Truth",
     "decode_truth",
+    "designed_negative",
+    "designed_shot",
     "draw_colour",
     "draw_place",
     "encode_truth",

@@ -1,0 +1,211 @@
+"""Gunshots as sound designers and game makers build them: layers of noise and tones, cut, driven and copied.
+
+    crack + body + thump + tail + mechanics      each begins within some milliseconds of the first
+      through overdrive, a sampler's rate and bits, a microphone, a place; cut short; repeated as it is or anew
+
+`shots` follows the physics of a gun. Much of what films and games fire was never a gun: it is drier, it rises within
+milliseconds instead of microseconds, and the rounds of a burst are often one sample again and again.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from .chance import between, chance, fork, log_between, pick
+from .colour import draw_colour, record
+from .echoes import in_place, overlaid
+from .impacts import draw_body, series, struck
+from .rooms import ENVIRONMENTS, draw_place
+from .tone import Samples, lowpass, saturate, trimmed
+from .waves import band_burst, boom, normalised
+
+_LONGEST_S = 2.5
+_SAMPLER_RATES_HZ = (8_000.0, 11_025.0, 16_000.0, 22_050.0)
+_ROUNDS_PER_MINUTE = (400.0, 1_300.0)
+
+
+def designed_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, tuple[int, ...]]:
+    """Return one shot or a burst of up to 16 rounds, with a peak of 1, and where the rounds begin."""
+    design = fork(rng)
+    rounds = 1 if chance(rng, 0.65) else int(rng.integers(2, 17))
+    if chance(rng, 0.6):
+        one = _finished(rng, _round(fork(design), rate_hz), rate_hz)
+        sounds = [one] * rounds
+    else:
+        seed = int(design.integers(2**62))
+        layers = [_round(np.random.default_rng(seed), rate_hz, noise=fork(rng)) for _ in range(rounds)]
+        chain = int(rng.integers(2**62))
+        sounds = [_finished(np.random.default_rng(chain), sound, rate_hz) for sound in layers]
+    return _fired(rng, sounds, rate_hz)
+
+
+def designed_negative(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return what is made of the same stuff and is no shot: a swell, a shot played backwards, a bleep, a rattle."""
+    kind = pick(rng, _NEGATIVES)
+    sound = _finished(rng, kind(fork(rng), rate_hz), rate_hz)
+    if chance(rng, 0.75):
+        return sound
+    gap_s = log_between(rng, (0.07, 0.8))
+    count = int(rng.integers(1, max(2, min(16, round(3.0 / gap_s)))))
+    return series(rng, [sound], gaps_s=np.full(count, gap_s), levels_db=1.0, rate_hz=rate_hz)
+
+
+def _swell(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return the layers of a shot that take 15 to 150 ms to rise."""
+    sound = _round(rng, rate_hz)
+    rise = round(log_between(rng, (0.015, 0.15)) * rate_hz)
+    longer = np.concatenate([sound, np.zeros(rise)])
+    attack = np.minimum(np.arange(len(longer)) / rise, 1.0) ** between(rng, (0.7, 2.0))
+    breath = band_burst(
+        fork(rng),
+        rate_hz,
+        band_hz=(log_between(rng, (40.0, 800.0)), log_between(rng, (1_000.0, 12_000.0))),
+        attack_ms=rise * 1e3 / rate_hz,
+        decay_ms=log_between(rng, (20.0, 250.0)),
+    )
+    return normalised(overlaid([(0, longer * attack), (0, breath)]))
+
+
+def _backwards(rng: np.random.Generator, rate_hz: int) -> Samples:
+    sound = trimmed(_round(rng, rate_hz), floor=0.02)
+    return sound[::-1].copy()
+
+
+def _bleep(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return one to three gliding tones of a menu, a pick-up or an alarm, from a sine to a square wave."""
+    parts, at_s = [], 0.0
+    for _ in range(int(rng.integers(1, 4))):
+        seconds = log_between(rng, (0.03, 0.4))
+        frames = max(2, round(seconds * rate_hz))
+        start_hz = log_between(rng, (120.0, 4_000.0))
+        glide = np.geomspace(start_hz, start_hz * log_between(rng, (0.4, 2.5)), frames)
+        wave = np.sin(2.0 * math.pi * np.cumsum(glide) / rate_hz)
+        fall = np.exp(-np.arange(frames) / (between(rng, (0.15, 2.0)) * frames))
+        attack = np.minimum(np.arange(frames) / (log_between(rng, (0.0003, 0.02)) * rate_hz), 1.0)
+        parts.append((round(at_s * rate_hz), saturate(wave, pick(rng, (0.0, 6.0, 30.0))) * fall * attack))
+        at_s += seconds * between(rng, (0.5, 1.2))
+    return normalised(overlaid(parts))
+
+
+def _rattle(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return a ratchet, a chain or static: clicks of one or two kinds, fast, regular or at random."""
+    low_hz = log_between(rng, (200.0, 4_000.0))
+    band_hz = (low_hz, min(0.4 * rate_hz, low_hz * log_between(rng, (2.0, 20.0))))
+    clicks = [
+        band_burst(fork(rng), rate_hz, band_hz=band_hz, attack_ms=0.05, decay_ms=log_between(rng, (0.2, 6.0)))
+        for _ in range(int(rng.integers(1, 3)))
+    ]
+    gap_s, loose = log_between(rng, (0.012, 0.12)), pick(rng, (0.02, 0.2, 1.0))
+    count = int(rng.integers(4, max(5, min(120, round(2.5 / gap_s)))))
+    gaps_s = gap_s * np.abs(1.0 + loose * rng.standard_normal(count))
+    return series(rng, clicks, gaps_s=gaps_s, levels_db=between(rng, (0.5, 6.0)), rate_hz=rate_hz)
+
+
+_NEGATIVES: tuple[Callable[[np.random.Generator, int], Samples], ...] = (_swell, _backwards, _bleep, _rattle)
+
+
+def _fired(rng: np.random.Generator, sounds: list[Samples], rate_hz: int) -> tuple[Samples, tuple[int, ...]]:
+    """Return rounds one after another at a gun's rate, each going on beneath the next or cut by it."""
+    gap = 60.0 / log_between(rng, _ROUNDS_PER_MINUTE) * rate_hz
+    jitter = pick(rng, (0.0, 0.01, 0.04))
+    gaps = gap * (1.0 + jitter * rng.standard_normal(len(sounds) - 1))
+    places = [0, *np.round(np.cumsum(gaps)).astype(int).tolist()]
+    cut = chance(rng, 0.3)
+    parts = []
+    for number, (at, sound) in enumerate(zip(places, sounds, strict=True)):
+        stop = places[number + 1] - at if cut and number + 1 < len(places) else len(sound)
+        parts.append((at, sound[:stop] * 10.0 ** (-abs(rng.standard_normal()) / 20.0)))
+    return normalised(overlaid(parts)), tuple(places)
+
+
+def _round(rng: np.random.Generator, rate_hz: int, *, noise: np.random.Generator | None = None) -> Samples:
+    """Return the layers of one round; they are drawn from `rng`, their noise from `noise` if that is another one."""
+    noise = noise or fork(rng)
+    layers = _layers(rng, noise, rate_hz)
+    late_ms = pick(rng, (0.0, 0.0, 1.0)) * between(rng, (0.3, 4.0))  # all but one layer come so much after it
+    first = int(rng.integers(len(layers)))
+    parts = []
+    for number, (level_db, layer) in enumerate(layers):
+        delay_ms = 0.0 if number == first else late_ms + pick(rng, (0.0, 1.0)) * between(rng, (0.0, 3.0))
+        parts.append((round(delay_ms * 1e-3 * rate_hz), layer * 10.0 ** (level_db / 20.0)))
+    return normalised(overlaid(parts + _mechanics(rng, fork(noise), rate_hz))[: round(_LONGEST_S * rate_hz)])
+
+
+def _layers(rng: np.random.Generator, noise: np.random.Generator, rate_hz: int) -> list[tuple[float, Samples]]:
+    """Return crack and body, in most designs also thump or tail, each with its level in dB."""
+
+    def burst(low_hz: float, high_hz: float, attack_ms: float, decay_ms: float) -> Samples:
+        return band_burst(fork(noise), rate_hz, band_hz=(low_hz, high_hz), attack_ms=attack_ms, decay_ms=decay_ms)
+
+    crack = burst(
+        log_between(rng, (60.0, 2_500.0)),
+        log_between(rng, (2_500.0, 18_000.0)),
+        pick(rng, (0.0, log_between(rng, (0.1, 4.0)))),
+        log_between(rng, (0.7, 16.0)),
+    )
+    body = burst(
+        log_between(rng, (30.0, 500.0)),
+        log_between(rng, (500.0, 6_000.0)),
+        log_between(rng, (0.05, 5.0)),
+        log_between(rng, (4.0, 90.0)),
+    )
+    layers = [(0.0, crack), (between(rng, (-10.0, 8.0)), body)]
+    if chance(rng, 0.6):
+        start_hz = log_between(rng, (80.0, 500.0))
+        stop_hz = start_hz * log_between(rng, (0.15, 0.8))
+        attack_ms, decay_ms = log_between(rng, (0.2, 6.0)), log_between(rng, (12.0, 150.0))
+        thump = boom(rate_hz, start_hz=start_hz, stop_hz=stop_hz, attack_ms=attack_ms, decay_ms=decay_ms)
+        layers.append((between(rng, (-14.0, 6.0)), thump))
+    if chance(rng, 0.7):
+        high_hz = log_between(rng, (600.0, 9_000.0))
+        low_hz = high_hz * log_between(rng, (0.02, 0.4))
+        tail = burst(low_hz, high_hz, log_between(rng, (0.5, 40.0)), log_between(rng, (40.0, 400.0)))
+        layers.append((between(rng, (-40.0, -8.0)), tail))
+    return layers
+
+
+def _mechanics(rng: np.random.Generator, noise: np.random.Generator, rate_hz: int) -> list[tuple[int, Samples]]:
+    """Return a bolt or a case that rings after the shot, in a third of the designs."""
+    if not chance(rng, 0.35):
+        return []
+    at = round(log_between(rng, (0.02, 0.3)) * rate_hz)
+    level = 10.0 ** (between(rng, (-36.0, -8.0)) / 20.0)
+    if chance(rng, 0.5):
+        return [(at, struck(noise, rate_hz, draw_body(rng, pick(rng, ("metal", "plastic", "sheet")))) * level)]
+    low_hz = log_between(rng, (500.0, 4_000.0))
+    decay_ms = between(rng, (1.0, 12.0))
+    click = band_burst(noise, rate_hz, band_hz=(low_hz, 3.0 * low_hz), attack_ms=0.2, decay_ms=decay_ms)
+    return [(at, click * level)]
+
+
+def _finished(rng: np.random.Generator, sound: Samples, rate_hz: int) -> Samples:
+    """Return a round through the chain of a sampler, a mixer and a place, cut short in two of five."""
+    if chance(rng, 0.5):
+        sound = saturate(sound, between(rng, (0.0, 30.0)))
+    if chance(rng, 0.4):
+        sound = _sampled(rng, sound, rate_hz)
+    if chance(rng, 0.4):
+        sound = lowpass(sound, log_between(rng, (1_200.0, 9_000.0)), rate_hz=rate_hz, order=pick(rng, (1, 2)))
+    if chance(rng, 0.4):
+        sound = record(sound, draw_colour(rng), rate_hz=rate_hz)
+    if chance(rng, 0.25):
+        sound, _ = in_place(rng, sound, draw_place(rng, pick(rng, ENVIRONMENTS)), rate_hz=rate_hz)
+    if chance(rng, 0.4):
+        sound = sound[: round(log_between(rng, (0.07, 0.8)) * rate_hz)].copy()
+    sound = sound[: round(_LONGEST_S * rate_hz)]
+    fade = round(between(rng, (0.05, 0.5)) * len(sound))
+    ending = np.linspace(1.0, 0.0, fade) ** between(rng, (0.5, 2.0))
+    return normalised(np.concatenate([sound[: len(sound) - fade], sound[len(sound) - fade :] * ending]))
+
+
+def _sampled(rng: np.random.Generator, sound: Samples, rate_hz: int) -> Samples:
+    """Return a sound as a sampler of few bits and a low rate plays it, with or without a filter behind it."""
+    sampler_hz = pick(rng, _SAMPLER_RATES_HZ)
+    dull = lowpass(sound, 0.45 * sampler_hz, rate_hz=rate_hz, order=6)
+    held = np.floor(np.arange(len(dull)) * sampler_hz / rate_hz) * rate_hz / sampler_hz
+    sampled = normalised(dull[np.minimum(np.ceil(held).astype(np.intp), len(dull) - 1)])
+    if chance(rng, 0.5):
+        steps = 2.0 ** int(rng.integers(4, 8))
+        sampled = np.round(sampled * steps) / steps
+    return lowpass(sampled, 0.5 * sampler_hz, rate_hz=rate_hz, order=4) if chance(rng, 0.6) else sampled
