@@ -130,3 +130,38 @@ def test_a_round_at_the_edge_of_a_core_may_belong_to_a_burst_beyond_it() -> None
     surety = np.full(onsets.size, VERIFY.round_threshold)
     worth = worth_parting(onsets, surety, rate_hz=RATE_HZ, tier=TIER, core=core)
     assert worth.tolist() == [True, True, False, True, True]
+
+
+def row(*confidences: float, gap_ms: float = 500.0, uneven: float = 0.0) -> list[Shot]:
+    """Return sounds at one pace, every other gap longer by a share."""
+    gaps_ms = [gap_ms * (1.0 + uneven * (n % 2)) for n in range(len(confidences))]
+    return [shot(20_000 + sum(gaps_ms[:n]), each) for n, each in enumerate(confidences)]
+
+
+SURE, UNSURE = VERIFY.threshold, VERIFY.company_threshold
+
+
+@pytest.mark.parametrize("gap_ms", [TIER.rows.shortest_gap_ms, 500.0, TIER.rows.longest_gap_ms])
+def test_a_sure_step_takes_no_even_row_of_steps_along(gap_ms: float) -> None:
+    steps = row(UNSURE, SURE, UNSURE, UNSURE, UNSURE, gap_ms=gap_ms)
+    kept, refused = in_company(steps, rate_hz=RATE_HZ, tier=TIER)
+    assert kept == ()
+    assert {each.reason for each in refused} == {"one of an even row, as of steps or blows"}
+    assert len(refused) == 5
+
+
+def test_who_fires_evenly_is_believed_where_most_shots_are_sure() -> None:
+    assert len(believed_ms(*row(SURE, UNSURE, SURE, UNSURE))) == 4
+    assert len(believed_ms(*row(*[SURE] * 20))) == 20
+
+
+def test_only_an_even_row_of_some_length_and_pace_is_one() -> None:
+    assert len(believed_ms(*row(UNSURE, SURE, UNSURE))) == 3
+    assert len(believed_ms(*row(UNSURE, SURE, UNSURE, UNSURE, uneven=1.5 * TIER.rows.unevenness))) == 4
+    assert len(believed_ms(*row(UNSURE, SURE, UNSURE, UNSURE, gap_ms=TIER.rows.longest_gap_ms + 1))) == 4
+    assert len(believed_ms(*row(UNSURE, SURE, UNSURE, UNSURE, gap_ms=TIER.rows.shortest_gap_ms - 1))) == 4
+
+
+def test_a_row_ends_where_its_pace_does() -> None:
+    late = [shot(20_000 + 5 * 500 + 800 * n, UNSURE) for n in (1, 2)]
+    assert believed_ms(*row(UNSURE, SURE, UNSURE, UNSURE, UNSURE, UNSURE), *late) == [s.onset / 48 for s in late]

@@ -3,6 +3,7 @@
 surely a shot ──► near it, less surely                     films fire in scenes
 run of likely ones, as fast as a gun fires ──► sure        guns do what nothing else does for so short a time
 believed ──► the next as fast as a gun fires, unlikely     one round is followed by another
+even row, slower than guns, half of it unsure ──► none     so come steps and blows
 """
 
 from collections.abc import Iterable
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from ..model import Rejection, Shot, Span
 from ..ruleset import BurstRules, QualityRules
 from ..units import samples_from_ms, samples_from_s
+from .rows import in_even_rows
 
 _ROUNDING = 2  # samples that a gap may gain on its way to another rate
 
@@ -25,26 +27,28 @@ def in_company(
     A shot is sure from `threshold` on, or as one of a run of `fewest_shots` that each reach `burst_threshold`. It takes
     along what reaches `company_threshold` within `company_s`. Two shots in a burst take along the other rounds of it
     from `round_threshold` on: what lies within `longest_gap_ms` from one to the next, unless it is `echo_drop_db`
-    softer than they are.
+    softer than they are. An even row of which fewer than half are sure by themselves has no shots (`RowRules`).
     """
     ordered = sorted(shots, key=lambda s: s.onset)
     rules, channels = tier.verify, tier.channels
     onsets = np.array([shot.onset for shot in ordered], np.intp)
     surety = np.array([shot.confidence for shot in ordered])
     aside = np.array([shot.heard_in == "sides" for shot in ordered], bool)
-    sure = surety >= np.where(aside, channels.sides_threshold, rules.threshold)
-    sure |= _in_a_run(onsets, surety, rules.burst_threshold, rate_hz=rate_hz, rules=tier.bursts)
+    by_itself = surety >= np.where(aside, channels.sides_threshold, rules.threshold)
+    sure = by_itself | _in_a_run(onsets, surety, rules.burst_threshold, rate_hz=rate_hz, rules=tier.bursts)
     enough = surety >= np.where(aside, channels.sides_company_threshold, rules.company_threshold)
     believed = sure | (enough & _near(onsets, onsets[sure], samples_from_s(rules.company_s, rate_hz)))
     rounds = surety >= np.where(aside, channels.sides_company_threshold, rules.round_threshold)
     peaks_dbfs = np.array([shot.peak_dbfs for shot in ordered])
     believed = _with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=tier.bursts)
+    in_row = np.zeros(onsets.size, bool)
+    in_row[believed] = in_even_rows(onsets[believed], by_itself[believed], rate_hz=rate_hz, rules=tier.rows)
     refused = tuple(
-        _alone(shot) if likely else unlike_a_shot(shot.onset, shot.confidence)
-        for shot, kept, likely in zip(ordered, believed, enough, strict=True)
-        if not kept
+        _refused(shot, in_row=even, likely=likely)
+        for shot, kept, even, likely in zip(ordered, believed, in_row, enough, strict=True)
+        if even or not kept
     )
-    return tuple(shot for shot, kept in zip(ordered, believed, strict=True) if kept), refused
+    return tuple(shot for shot, kept in zip(ordered, believed & ~in_row, strict=True) if kept), refused
 
 
 def unlike_a_shot(onset: int, probability: float) -> Rejection:
@@ -52,8 +56,12 @@ def unlike_a_shot(onset: int, probability: float) -> Rejection:
     return Rejection(onset, "does not sound like a shot", {"probability": probability})
 
 
-def _alone(shot: Shot) -> Rejection:
-    return Rejection(shot.onset, "alone, and not sure enough for that", {"probability": shot.confidence})
+def _refused(shot: Shot, *, in_row: bool, likely: bool) -> Rejection:
+    if in_row:
+        return Rejection(shot.onset, "one of an even row, as of steps or blows", {"probability": shot.confidence})
+    if likely:
+        return Rejection(shot.onset, "alone, and not sure enough for that", {"probability": shot.confidence})
+    return unlike_a_shot(shot.onset, shot.confidence)
 
 
 def worth_parting(

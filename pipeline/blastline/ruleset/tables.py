@@ -145,6 +145,22 @@ class BurstRules(Table, frozen=True):
         _ascending(self, "shortest_gap_ms", "longest_gap_ms")
 
 
+class RowRules(Table, frozen=True):
+    """What an even row is: `fewest` sounds or more, their gaps in a range, each within `unevenness` of the one before.
+
+    Steps, hammers and drums come so. A row of which fewer than half are sure by themselves has no shots.
+    """
+
+    fewest: Annotated[int, Meta(ge=3)]
+    shortest_gap_ms: Positive
+    longest_gap_ms: Positive
+    unevenness: Ratio
+
+    def __post_init__(self) -> None:
+        """Refuse gaps that no row can have."""
+        _ascending(self, "shortest_gap_ms", "longest_gap_ms")
+
+
 class WindowRules(Table, frozen=True):
     """How a shot's window lies around it; the fade-in is over `guard_ms` before the onset."""
 
@@ -181,6 +197,7 @@ class QualityRules(Table, frozen=True):
     channels: ChannelRules
     segment: SegmentRules
     bursts: BurstRules
+    rows: RowRules
     windows: WindowRules
     render: RenderRules
 
