@@ -105,7 +105,8 @@ def within(
             needed = allowed.in_words(RESERVE * predicted["draft"], gauge.film_s)
             raise RuleError(
                 f"{allowed.asked}: allows {said(allowed_s)} of CPU for the {_length(gauge.film_s)} of {film}, but "
-                f"draft, the fastest quality, takes about {said(predicted['draft'])}; {needed} would do"
+                f"draft, the fastest quality, takes about {said(predicted['draft'])}, and a tenth is kept in reserve; "
+                f"{needed} would do"
             )
     note = chosen(allowed, allowed_s, picked, predicted)
     return replace(options, quality=picked, budget=model.Budget(allowed.asked, allowed_s, predicted, note))

@@ -16,7 +16,7 @@ TIERS: tuple[Quality, ...] = get_args(Quality)
 OFF = "off"
 
 CHANGES: Mapping[Quality, tuple[str, ...]] = {
-    "draft": ("scan.band_jump_db=4.5", "scan.jump_db=9.0", "verify.look_from=0.02", "verify.look_from=0.3"),
+    "draft": (f"scan.band_jump_db={OFF}", "scan.jump_db=9.0", "verify.look_from=0.02", "verify.look_from=0.3"),
     "standard": (
         f"scan.band_jump_db={OFF}",
         "scan.band_jump_db=6.0",
