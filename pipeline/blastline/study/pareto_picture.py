@@ -53,7 +53,9 @@ def _draw_detection(axes: Any, study: ParetoStudy) -> None:
         _point(axes, score.name, cost, score.f1)
         if score.name in TIERS:
             axes.plot([cost] * 2, [sure.low, sure.high], color=_TIER, lw=1.0, alpha=0.6)
-            _label(axes, score.name, (cost, sure.high), (0, 3), align="center")
+            # the middle tier's name below its interval: tiers may stand close
+            above = score.name != "standard"
+            _label(axes, score.name, (cost, sure.high if above else sure.low), (0, 3 if above else -11), align="center")
     for number, peer in enumerate(sorted(study.peers, key=lambda each: each.cost.times_read)):
         _point(axes, peer.name, peer.cost.times_read, peer.f1, colour=_OTHER)
         _label(axes, peer.name, (peer.cost.times_read, peer.f1), (6, -12 if number % 2 else 4))
