@@ -163,5 +163,12 @@ def test_only_an_even_row_of_some_length_and_pace_is_one() -> None:
 
 
 def test_a_row_ends_where_its_pace_does() -> None:
-    late = [shot(20_000 + 5 * 500 + 800 * n, UNSURE) for n in (1, 2)]
+    late = [shot(20_000 + 5 * 500 + 800 * n, confidence) for n, confidence in ((1, UNSURE), (2, SURE))]
     assert believed_ms(*row(UNSURE, SURE, UNSURE, UNSURE, UNSURE, UNSURE), *late) == [s.onset / 48 for s in late]
+
+
+def test_a_refused_row_vouches_for_nobody() -> None:
+    near = shot(23_000, UNSURE)
+    assert len(believed_ms(shot(20_500, SURE), near)) == 2
+    assert believed_ms(*row(UNSURE, SURE, UNSURE, UNSURE), near) == []
+    assert believed_ms(*row(UNSURE, SURE, UNSURE, UNSURE), near, shot(24_100, SURE)) == [23_000, 24_100]

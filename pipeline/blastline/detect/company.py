@@ -3,7 +3,7 @@
 surely a shot ──► near it, less surely                     films fire in scenes
 run of likely ones, as fast as a gun fires ──► sure        guns do what nothing else does for so short a time
 believed ──► the next as fast as a gun fires, unlikely     one round is followed by another
-even row, slower than guns, half of it unsure ──► none     so come steps and blows
+even row, at a walking pace, half of it unsure ──► none    so come steps and blows
 """
 
 from collections.abc import Iterable
@@ -27,7 +27,8 @@ def in_company(
     A shot is sure from `threshold` on, or as one of a run of `fewest_shots` that each reach `burst_threshold`. It takes
     along what reaches `company_threshold` within `company_s`. Two shots in a burst take along the other rounds of it
     from `round_threshold` on: what lies within `longest_gap_ms` from one to the next, unless it is `echo_drop_db`
-    softer than they are. An even row of which fewer than half are sure by themselves has no shots (`RowRules`).
+    softer than they are. An even row of which fewer than half are sure by themselves has no shots and vouches
+    for none (`RowRules`).
     """
     ordered = sorted(shots, key=lambda s: s.onset)
     rules, channels = tier.verify, tier.channels
@@ -43,12 +44,17 @@ def in_company(
     believed = _with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=tier.bursts)
     in_row = np.zeros(onsets.size, bool)
     in_row[believed] = in_even_rows(onsets[believed], by_itself[believed], rate_hz=rate_hz, rules=tier.rows)
+    if in_row.any():  # what is refused vouches for nobody
+        rest = [shot for shot, even in zip(ordered, in_row, strict=True) if not even]
+        steps = [_one_of_a_row(shot) for shot, even in zip(ordered, in_row, strict=True) if even]
+        shots_left, others = in_company(rest, rate_hz=rate_hz, tier=tier)
+        return shots_left, tuple(sorted([*others, *steps], key=lambda each: each.at_sample))
     refused = tuple(
-        _refused(shot, in_row=even, likely=likely)
-        for shot, kept, even, likely in zip(ordered, believed, in_row, enough, strict=True)
-        if even or not kept
+        _alone(shot) if likely else unlike_a_shot(shot.onset, shot.confidence)
+        for shot, kept, likely in zip(ordered, believed, enough, strict=True)
+        if not kept
     )
-    return tuple(shot for shot, kept in zip(ordered, believed & ~in_row, strict=True) if kept), refused
+    return tuple(shot for shot, kept in zip(ordered, believed, strict=True) if kept), refused
 
 
 def unlike_a_shot(onset: int, probability: float) -> Rejection:
@@ -56,12 +62,12 @@ def unlike_a_shot(onset: int, probability: float) -> Rejection:
     return Rejection(onset, "does not sound like a shot", {"probability": probability})
 
 
-def _refused(shot: Shot, *, in_row: bool, likely: bool) -> Rejection:
-    if in_row:
-        return Rejection(shot.onset, "one of an even row, as of steps or blows", {"probability": shot.confidence})
-    if likely:
-        return Rejection(shot.onset, "alone, and not sure enough for that", {"probability": shot.confidence})
-    return unlike_a_shot(shot.onset, shot.confidence)
+def _alone(shot: Shot) -> Rejection:
+    return Rejection(shot.onset, "alone, and not sure enough for that", {"probability": shot.confidence})
+
+
+def _one_of_a_row(shot: Shot) -> Rejection:
+    return Rejection(shot.onset, "one of an even row, as of steps or blows", {"probability": shot.confidence})
 
 
 def worth_parting(

@@ -1,4 +1,4 @@
-"""Even rows: what comes again and again at one pace, slower than any gun fires by itself."""
+"""Even rows: what comes again and again at one pace, slower than automatic fire of a weapon that a person carries."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +16,14 @@ def in_even_rows(
     the others of their row along.
     """
     found = np.zeros(onsets.size, bool)
+    if onsets.size < rules.fewest:
+        return found
     shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
     gaps = np.diff(onsets)
     paced = (gaps >= shortest) & (gaps <= longest)
     goes_on = paced[1:] & paced[:-1] & (np.abs(np.diff(gaps)) <= rules.unevenness * gaps[:-1])
     for row in np.split(np.arange(gaps.size), np.flatnonzero(~goes_on) + 1):
-        members = np.arange(row[0], row[-1] + 2) if row.size else row
+        members = np.arange(row[0], row[-1] + 2)
         if members.size >= rules.fewest and 2 * sure[members].sum() < members.size:
             found[members] = True
     return found

@@ -5,7 +5,7 @@ they were recorded: no variants, nothing synthetic, but for a bed or other sound
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +18,7 @@ from .cases import GUN_FREE_EVERY, Case, near_each_other
 from .corpus import Recording, load_sound
 from .lessons import SOUNDS_PER_MIX
 from .mixes import MIX_S, RATE_HZ, Sound, as_16_bit, mix
-from .recorded import LONGEST_S, SHORTEST_BED_S, by_source, drawn, recorded_bed
+from .recorded import SHORTEST_BED_S, by_source, drawn, recorded_bed, recorded_sound
 
 Samples = NDArray[np.float64]
 
@@ -96,13 +96,8 @@ def _sound(sounds: Stock, rng: np.random.Generator, *, shot: bool) -> Sound:
     if not shot and not sounds.others:
         return Sound(random_negative(rng, RATE_HZ)[0])
     recording = drawn(sounds.shots if shot else sounds.others, rng)
-    samples = load_sound(recording, RATE_HZ).astype(np.float64)
-    onsets = tuple(round(onset * RATE_HZ) for onset in recording.onsets_s if onset * RATE_HZ < samples.size - 1)
-    longest = int(LONGEST_S * RATE_HZ)
-    if not onsets and samples.size > longest:
-        start = int(rng.integers(samples.size - longest))
-        samples = samples[start : start + longest]
-    return Sound(samples, onsets, () if recording.timed else onsets)
+    sound = recorded_sound(recording, rng)
+    return sound if recording.timed else replace(sound, unsure=sound.onsets)
 
 
 def _bed(sounds: Stock, rng: np.random.Generator, seconds: float) -> Samples:

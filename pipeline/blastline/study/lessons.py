@@ -24,13 +24,13 @@ from ..synth import (
 )
 from .codecs import BITS_PER_S, coded
 from .corpus import Recording
-from .mixes import MIX_S, RATE_HZ, Mix, Sound, as_16_bit, mix
+from .mixes import MIX_S, RATE_HZ, Mix, Samples, Sound, as_16_bit, mix
 from .recorded import SHORTEST_BED_S, by_source, drawn, recorded_bed, recorded_variant
 
 SOUNDS_PER_MIX = 20
 LEVELS_DB = (3.0, 40.0)
 CODED_SHARE, CUT_SHARE = 0.3, 0.2
-PLAIN_SHARES = (0.0, 0.2, 0.5, 0.8)
+ARMED_SHARES = (0.0, 0.2, 0.5, 0.8)
 DROWNED_DB = 3.0
 """A shot that stands out by less teaches nothing: it counts neither way."""
 
@@ -99,35 +99,34 @@ def _synthetic_mix(seed: int, number: int) -> Mix:
 
 
 def _plain_mix(seed: int, number: int) -> Mix:
-    rng = np.random.default_rng([seed, number])
-    armed = PLAIN_SHARES[int(rng.integers(len(PLAIN_SHARES)))]
-    sounds = []
-    for _ in range(SOUNDS_PER_MIX):
-        if rng.random() < armed:
-            sounds.append(Sound(*plain_shot(rng, RATE_HZ)))
-        else:
-            sounds.append(Sound(plain_negative(rng, RATE_HZ)))
-    return _mixed(plain_bed(rng, RATE_HZ, MIX_S), sounds, rng)
+    return _armed_mix(np.random.default_rng([seed, number]), plain_shot, plain_negative, plain_bed)
 
 
 def _designed_mix(seed: int, number: int) -> Mix:
-    rng = np.random.default_rng([seed, number])
-    armed = PLAIN_SHARES[int(rng.integers(len(PLAIN_SHARES)))]
-    sounds = []
-    for _ in range(SOUNDS_PER_MIX):
-        if rng.random() < armed:
-            sounds.append(Sound(*designed_shot(rng, RATE_HZ)))
-        else:
-            sounds.append(Sound(_any_negative(rng)))
-    return _mixed(random_bed(rng, RATE_HZ, MIX_S), sounds, rng)
+    return _armed_mix(np.random.default_rng([seed, number]), designed_shot, _any_negative, random_bed)
 
 
-def _any_negative(rng: np.random.Generator) -> NDArray[np.float64]:
+def _armed_mix(
+    rng: np.random.Generator,
+    shot: Callable[[np.random.Generator, int], tuple[Samples, tuple[int, ...]]],
+    negative: Callable[[np.random.Generator, int], Samples],
+    bed: Callable[[np.random.Generator, int, float], Samples],
+) -> Mix:
+    """Return a mix whose sounds are shots to one of `ARMED_SHARES`, each family drawn by its own function."""
+    armed = ARMED_SHARES[int(rng.integers(len(ARMED_SHARES)))]
+    sounds = [
+        Sound(*shot(rng, RATE_HZ)) if rng.random() < armed else Sound(negative(rng, RATE_HZ))
+        for _ in range(SOUNDS_PER_MIX)
+    ]
+    return _mixed(bed(rng, RATE_HZ, MIX_S), sounds, rng)
+
+
+def _any_negative(rng: np.random.Generator, rate_hz: int) -> Samples:
     """Return a sudden sound as physics, a designer or a textbook makes it."""
     kind = rng.random()
     if kind < 0.4:
-        return random_negative(rng, RATE_HZ)[0]
-    return designed_negative(rng, RATE_HZ) if kind < 0.75 else plain_negative(rng, RATE_HZ)
+        return random_negative(rng, rate_hz)[0]
+    return designed_negative(rng, rate_hz) if kind < 0.75 else plain_negative(rng, rate_hz)
 
 
 def _gun_free_film(seed: int, density: Density, number: int) -> Mix:
@@ -209,7 +208,7 @@ def _recorded_mix(
     return _mixed(bed, sounds, rng)
 
 
-def _mixed(bed: NDArray[np.float64], sounds: list[Sound], rng: np.random.Generator) -> Mix:
+def _mixed(bed: Samples, sounds: list[Sound], rng: np.random.Generator) -> Mix:
     film = mix(bed, sounds, rng=rng, rate_hz=RATE_HZ, levels_db=LEVELS_DB)
     film = replace(film, samples=_perhaps_coded(film.samples, rng))
     return without_drowned(film, [[onset] for onset in film.onsets.tolist()])

@@ -29,15 +29,20 @@ def drawn(groups: list[list[Recording]], rng: np.random.Generator) -> Recording:
     return group[int(rng.integers(len(group)))]
 
 
-def recorded_variant(recording: Recording, rng: np.random.Generator) -> Sound:
-    """Return a recording, six seconds of it where it has no shot, four in five times varied."""
+def recorded_sound(recording: Recording, rng: np.random.Generator) -> Sound:
+    """Return a recording as it is, six seconds of it where it has no shot."""
     samples = load_sound(recording, RATE_HZ).astype(np.float64)
-    onsets = tuple(round(onset * RATE_HZ) for onset in recording.onsets_s if onset * RATE_HZ < samples.shape[0] - 1)
+    onsets = tuple(round(onset * RATE_HZ) for onset in recording.onsets_s if onset * RATE_HZ < samples.size - 1)
     longest = int(LONGEST_S * RATE_HZ)
-    if not onsets and samples.shape[0] > longest:
-        start = int(rng.integers(samples.shape[0] - longest))
+    if not onsets and samples.size > longest:
+        start = int(rng.integers(samples.size - longest))
         samples = samples[start : start + longest]
-    sound = Sound(samples, onsets)
+    return Sound(samples, onsets)
+
+
+def recorded_variant(recording: Recording, rng: np.random.Generator) -> Sound:
+    """Return a recording, four in five times varied."""
+    sound = recorded_sound(recording, rng)
     return varied(sound, rng, RATE_HZ) if rng.random() < VARIED_SHARE else sound
 
 
