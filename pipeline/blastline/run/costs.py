@@ -32,7 +32,10 @@ from .rendering import write_formats, write_report_of
 from .sampling import TIMED_FRAMES, Sampled, sampled
 
 FEW_SHOTS, FEW_PICTURES = 6, 2
-"""About so many shots of the sample are rendered in each tier, from all over it, and so many pictures drawn."""
+"""About so many shots of the sample are rendered in each tier, from all over it, and so many pictures drawn.
+
+The longer a window, the longer its picture takes: those nearest to the mean length stand for all.
+"""
 
 
 @dataclass(frozen=True)
@@ -126,7 +129,7 @@ class Gauge:
         heard, report = listen(self._track, setup.rules, no_progress, self._meter), self._meter is not None
         if not self._drives:
             return _Known(heard, _After(0.0, 0.0), 0.0)
-        some = _with_shots(heard, self._shots(heard, setup.rules, FEW_PICTURES)[:FEW_PICTURES], setup.rules)
+        some = _with_shots(heard, self._typical(heard, setup.rules), setup.rules)
         self._after(_with_shots(heard, some.found.shots[:1], setup.rules), setup, report=report)
         empty = self._after(_with_shots(heard, (), setup.rules), setup, report=report)
         if not report:
@@ -170,6 +173,14 @@ class Gauge:
         at, rate_hz = self._sample.loudest, self._track.rate_hz
         sound = self._track.cut(audio_around(at, frames=heard.source.frames, rate_hz=rate_hz, tier=rules.tier))
         return [shot_at(at, sound, confidence=1.0, tier=rules.tier)]
+
+    def _typical(self, heard: Listened, rules: Rules) -> Sequence[Shot]:
+        """Return the first shots of the windows whose lengths are nearest to the mean, `FEW_PICTURES` of them."""
+        if not heard.windows:
+            return self._shots(heard, rules, 1)
+        mean = sum(len(planned.window.span) for planned in heard.windows) / len(heard.windows)
+        nearest = sorted(heard.windows, key=lambda planned: abs(len(planned.window.span) - mean))
+        return [heard.found.shots[index] for index in sorted(each.shots[0] for each in nearest[:FEW_PICTURES])]
 
     def _after(self, heard: Listened, setup: Setup, *, report: bool) -> _After:
         """Do all that follows detection and return what it took."""
