@@ -106,11 +106,41 @@ def test_nothing_is_believed_of_nothing() -> None:
     assert believed_ms() == []
 
 
+def even_fire(*confidences: float, gap_ms: float = FAST_MS) -> list[Shot]:
+    return [shot(20_000 + n * gap_ms, confidence) for n, confidence in enumerate(confidences)]
+
+
+@pytest.mark.parametrize("gap_ms", [BURSTS.shortest_gap_ms, FAST_MS, BURSTS.longest_gap_ms])
+def test_even_fire_is_sure_as_a_whole_where_its_mean_is_enough(gap_ms: float) -> None:
+    less, more = VERIFY.round_threshold, 2 * VERIFY.even_threshold - VERIFY.round_threshold
+    assert len(believed_ms(*even_fire(*[VERIFY.even_threshold + 1e-9] * BURSTS.fewest_even, gap_ms=gap_ms))) == 4
+    assert len(believed_ms(*even_fire(less, more + 0.01, less, more + 0.01, gap_ms=gap_ms))) == 4
+    assert believed_ms(*even_fire(less, more - 0.01, less, more - 0.01, gap_ms=gap_ms)) == []
+
+
+def test_even_fire_is_fast_even_and_long_enough() -> None:
+    enough = [VERIFY.even_threshold + 0.1] * BURSTS.fewest_even
+    assert len(believed_ms(*even_fire(*enough))) == BURSTS.fewest_even
+    assert believed_ms(*even_fire(*enough[1:])) == []
+    assert believed_ms(*even_fire(*[*enough, *enough], gap_ms=BURSTS.longest_gap_ms + 1)) == []
+    assert believed_ms(*even_fire(*[*enough, *enough], gap_ms=BURSTS.shortest_gap_ms - 1)) == []
+    gaps_ms = [FAST_MS * (1.0 + (1.5 * BURSTS.unevenness if n % 2 else 0.0)) for n in range(12)]
+    uneven = [shot(20_000 + sum(gaps_ms[:n]), VERIFY.even_threshold + 0.1) for n in range(12)]
+    assert believed_ms(*uneven) == []
+
+
+def test_what_is_unlikelier_than_a_round_is_in_nobodys_even_fire() -> None:
+    """An echo between two rounds that hardly sounds like a shot does not break their pace."""
+    between = shot(20_000 + 1.5 * FAST_MS, VERIFY.round_threshold - 0.01)
+    assert len(believed_ms(*even_fire(*[VERIFY.even_threshold + 0.1] * 4), between)) == 4
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_what_is_not_worth_parting_is_never_believed(seed: int) -> None:
     """Parting a film in cores, and leaving out there what is no round of a burst, changes nothing."""
     rng = np.random.default_rng(seed)
-    places_ms = np.unique(np.round(rng.uniform(0, 60_000, 400)))
+    rows_ms = [start + np.arange(6) * FAST_MS for start in rng.uniform(0, 60_000, 20)]
+    places_ms = np.unique(np.round(np.concatenate([rng.uniform(0, 60_000, 200), *rows_ms])))
     surety = rng.random(places_ms.size) ** 3
     shots = [shot(at_ms, p) for at_ms, p in zip(places_ms.tolist(), surety.tolist(), strict=True)]
     onsets = np.array([s.onset for s in shots], np.intp)
@@ -130,6 +160,15 @@ def test_a_round_at_the_edge_of_a_core_may_belong_to_a_burst_beyond_it() -> None
     surety = np.full(onsets.size, VERIFY.round_threshold)
     worth = worth_parting(onsets, surety, rate_hz=RATE_HZ, tier=TIER, core=core)
     assert worth.tolist() == [True, True, False, True, True]
+
+
+def test_even_fire_is_worth_parting_however_unlikely_each_of_its_rounds() -> None:
+    surety = np.full(BURSTS.fewest_even, VERIFY.even_threshold)
+    assert VERIFY.even_threshold < VERIFY.company_threshold
+    onsets = np.array([s.onset for s in even_fire(*surety.tolist())], np.intp)
+    core = Span(0, 40 * RATE_HZ)
+    assert worth_parting(onsets, surety, rate_hz=RATE_HZ, tier=TIER, core=core).all()
+    assert not worth_parting(onsets[1:], surety[1:], rate_hz=RATE_HZ, tier=TIER, core=core).any()
 
 
 def row(*confidences: float, gap_ms: float = 500.0, uneven: float = 0.0) -> list[Shot]:

@@ -2,6 +2,7 @@
 
 surely a shot ──► near it, less surely                     films fire in scenes
 run of likely ones, as fast as a gun fires ──► sure        guns do what nothing else does for so short a time
+even run, less likely in the mean          ──► sure        a weapon keeps its pace
 believed ──► the next as fast as a gun fires, unlikely     one round is followed by another
 even row, at a walking pace, half of it unsure ──► none    so come steps and blows
 """
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from ..model import Rejection, Shot, Span
 from ..ruleset import BurstRules, QualityRules
 from ..units import samples_from_ms, samples_from_s
-from .rows import in_even_rows
+from .rows import in_even_fire, in_even_rows
 
 _ROUNDING = 2  # samples that a gap may gain on its way to another rate
 
@@ -24,24 +25,26 @@ def in_company(
 ) -> tuple[tuple[Shot, ...], tuple[Rejection, ...]]:
     """Return the shots that are believed, in order of time, and the rest.
 
-    A shot is sure from `threshold` on, or as one of a run of `fewest_shots` that each reach `burst_threshold`. It takes
-    along what reaches `company_threshold` within `company_s`. Two shots in a burst take along the other rounds of it
-    from `round_threshold` on: what lies within `longest_gap_ms` from one to the next, unless it is `echo_drop_db`
-    softer than they are. An even row of which fewer than half are sure by themselves has no shots and vouches
-    for none (`RowRules`).
+    A shot is sure from `threshold` on, or as one of a run of `fewest_shots` that each reach `burst_threshold`, or of
+    `fewest_even` at an even pace that reach `even_threshold` in the mean. It takes along what reaches
+    `company_threshold` within `company_s`. Two shots in a burst take along the other rounds of it from
+    `round_threshold` on: what lies within `longest_gap_ms` from one to the next, unless it is `echo_drop_db` softer
+    than they are. A slower even row of which fewer than half are sure by themselves has no shots and vouches for none
+    (`RowRules`).
     """
     ordered = sorted(shots, key=lambda s: s.onset)
-    rules, channels = tier.verify, tier.channels
+    rules, channels, bursts = tier.verify, tier.channels, tier.bursts
     onsets = np.array([shot.onset for shot in ordered], np.intp)
     surety = np.array([shot.confidence for shot in ordered])
     aside = np.array([shot.heard_in == "sides" for shot in ordered], bool)
     by_itself = surety >= np.where(aside, channels.sides_threshold, rules.threshold)
-    sure = by_itself | _in_a_run(onsets, surety, rules.burst_threshold, rate_hz=rate_hz, rules=tier.bursts)
+    rounds = surety >= np.where(aside, channels.sides_company_threshold, rules.round_threshold)
+    sure = by_itself | _in_a_run(onsets, surety, rules.burst_threshold, rate_hz=rate_hz, rules=bursts)
+    sure[rounds] |= in_even_fire(onsets[rounds], surety[rounds], rules.even_threshold, rate_hz=rate_hz, rules=bursts)
     enough = surety >= np.where(aside, channels.sides_company_threshold, rules.company_threshold)
     believed = sure | (enough & _near(onsets, onsets[sure], samples_from_s(rules.company_s, rate_hz)))
-    rounds = surety >= np.where(aside, channels.sides_company_threshold, rules.round_threshold)
     peaks_dbfs = np.array([shot.peak_dbfs for shot in ordered])
-    believed = _with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=tier.bursts)
+    believed = _with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=bursts)
     in_row = np.zeros(onsets.size, bool)
     in_row[believed] = in_even_rows(onsets[believed], by_itself[believed], rate_hz=rate_hz, rules=tier.rows)
     if in_row.any():  # what is refused vouches for nobody
@@ -82,7 +85,8 @@ def worth_parting(
     members = np.flatnonzero(surety >= tier.verify.round_threshold)
     for burst in np.split(members, np.flatnonzero(np.diff(onsets[members]) > longest) + 1):
         at = onsets[burst]
-        if worth[burst].any() or (at < core.start + longest).any() or (at >= core.stop - longest).any():
+        goes_beyond = (at < core.start + longest).any() or (at >= core.stop - longest).any()
+        if goes_beyond or worth[burst].any() or burst.size >= tier.bursts.fewest_even:
             worth[burst] = True
     return worth
 

@@ -33,6 +33,7 @@ def beside(tier: QualityRules) -> QualityRules:
         threshold=own.sides_threshold,
         company_threshold=own.sides_company_threshold,
         burst_threshold=own.sides_company_threshold,
+        even_threshold=own.sides_company_threshold,
         round_threshold=own.sides_company_threshold,
         report_from=min(asked.report_from, own.sides_company_threshold),
     )

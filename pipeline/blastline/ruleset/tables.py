@@ -64,8 +64,9 @@ class VerifyRules(Table, frozen=True):
 
     A candidate is a shot from `threshold` on, or from `company_threshold` on where a shot of the first kind lies within
     `company_s`: films fire in scenes. [bursts] says how fast a gun fires: a run that fast, each of its shots reaching
-    `burst_threshold`, is sure as a whole, and two shots that fast take along their burst's other rounds, if about as
-    loud, from `round_threshold` on. From `report_from` on a candidate is at least listed among the rejections.
+    `burst_threshold`, is sure as a whole, and so is an even one that reaches `even_threshold` in the mean. Two shots
+    that fast take along their burst's other rounds, if about as loud, from `round_threshold` on. From `report_from` on
+    a candidate is at least listed among the rejections.
     """
 
     model: str
@@ -75,15 +76,14 @@ class VerifyRules(Table, frozen=True):
     company_threshold: Ratio
     company_s: NonNegative
     burst_threshold: Ratio
+    even_threshold: Ratio
     round_threshold: Ratio
     report_from: Ratio
 
     def __post_init__(self) -> None:
         """Refuse thresholds out of order."""
-        names = ("report_from", "round_threshold", "company_threshold", "burst_threshold", "threshold")
-        values = [getattr(self, name) for name in names]
-        if values != sorted(values):
-            raise ValueError(f"{', '.join(names)} = {', '.join(map(str, values))}: expected ascending values")
+        _not_falling(self, "report_from", "round_threshold", "company_threshold", "burst_threshold", "threshold")
+        _not_falling(self, "round_threshold", "even_threshold", "burst_threshold")
 
 
 class ChannelRules(Table, frozen=True):
@@ -102,9 +102,7 @@ class ChannelRules(Table, frozen=True):
 
     def __post_init__(self) -> None:
         """Refuse thresholds out of order."""
-        if self.sides_company_threshold > self.sides_threshold:
-            order = f"{self.sides_company_threshold}, {self.sides_threshold}"
-            raise ValueError(f"sides_company_threshold, sides_threshold = {order}: expected ascending values")
+        _not_falling(self, "sides_company_threshold", "sides_threshold")
 
 
 class SegmentRules(Table, frozen=True):
@@ -132,13 +130,16 @@ class SegmentRules(Table, frozen=True):
 class BurstRules(Table, frozen=True):
     """Which shots belong together as automatic fire, and how near each other two shots can be at all.
 
-    What copies an earlier shot, and is weaker by `echo_drop_db` or more, is that shot's echo.
+    What copies an earlier shot, and is weaker by `echo_drop_db` or more, is that shot's echo. An even run has
+    `fewest_even` shots or more, and each gap is within `unevenness` of the one before.
     """
 
     shortest_gap_ms: Positive
     longest_gap_ms: Positive
     echo_drop_db: Positive
     fewest_shots: Annotated[int, Meta(ge=2)]
+    fewest_even: Annotated[int, Meta(ge=3)]
+    unevenness: Ratio
 
     def __post_init__(self) -> None:
         """Refuse gaps between shots that no burst can have."""
@@ -318,3 +319,9 @@ def _toml_lines(plain: dict[str, Any]) -> Iterator[str]:
 def _ascending(table: Table, low: str, high: str) -> None:
     if getattr(table, low) >= getattr(table, high):
         raise ValueError(f"{low} = {getattr(table, low)}: expected less than {high} = {getattr(table, high)}")
+
+
+def _not_falling(table: Table, *names: str) -> None:
+    values = [getattr(table, name) for name in names]
+    if values != sorted(values):
+        raise ValueError(f"{', '.join(names)} = {', '.join(map(str, values))}: expected ascending values")
