@@ -43,10 +43,12 @@ def test_an_unsure_shot_needs_the_company_of_a_sure_one() -> None:
 
 
 def test_two_shots_of_a_burst_take_its_rounds_along_before_and_after_them() -> None:
-    rounds = [shot(20_000 + n * FAST_MS, VERIFY.round_threshold) for n in range(-40, 41) if n not in (0, 1)]
+    reach = (BURSTS.most_unsure - 2) // 2
+    numbers = [n for n in range(-reach, reach + 1) if n not in (0, 1)]
+    rounds = [shot(20_000 + n * FAST_MS, VERIFY.round_threshold) for n in numbers]
     assert believed_ms(*rounds) == []
     assert believed_ms(*rounds, shot(20_000, VERIFY.threshold)) == [20_000]
-    assert len(believed_ms(*rounds, *pair())) == 81
+    assert len(believed_ms(*rounds, *pair())) == len(rounds) + 2
 
 
 def test_doublets_nearer_than_a_gun_fires_are_no_two_shots() -> None:
@@ -127,6 +129,23 @@ def test_even_fire_is_fast_even_and_long_enough() -> None:
     gaps_ms = [FAST_MS * (1.0 + (1.5 * BURSTS.unevenness if n % 2 else 0.0)) for n in range(12)]
     uneven = [shot(20_000 + sum(gaps_ms[:n]), VERIFY.even_threshold + 0.1) for n in range(12)]
     assert believed_ms(*uneven) == []
+
+
+def test_even_fire_beyond_a_magazine_is_a_machine_unless_half_of_it_is_sure() -> None:
+    likely, sure = VERIFY.burst_threshold, VERIFY.threshold
+    most, half = BURSTS.most_unsure, (BURSTS.most_unsure + 2) // 2
+    assert len(believed_ms(*even_fire(*[likely] * most))) == most
+    machine = even_fire(*[likely] * most, sure)
+    kept, refused = in_company(machine, rate_hz=RATE_HZ, tier=TIER)
+    assert kept == ()
+    assert {each.reason for each in refused} == {"one of a row that goes on as no gun does, as of a machine"}
+    assert len(believed_ms(*even_fire(*[likely, sure] * half))) == 2 * half
+
+
+def test_several_guns_may_fire_for_long() -> None:
+    rng = np.random.default_rng(3)
+    places_ms = 20_000 + np.cumsum(rng.uniform(BURSTS.shortest_gap_ms + 1, BURSTS.longest_gap_ms - 1, 60))
+    assert len(believed_ms(*[shot(at_ms, VERIFY.burst_threshold) for at_ms in places_ms.tolist()])) == 60
 
 
 def test_what_is_unlikelier_than_a_round_is_in_nobodys_even_fire() -> None:

@@ -5,9 +5,11 @@ run of likely ones, as fast as a gun fires ──► sure        guns do what no
 even run, less likely in the mean          ──► sure        a weapon keeps its pace
 believed ──► the next as fast as a gun fires, unlikely     one round is followed by another
 even row, at a walking pace, half of it unsure ──► none    so come steps and blows
+even run without an end, half of it unsure     ──► none    so do machines
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +17,21 @@ from numpy.typing import NDArray
 from ..model import Rejection, Shot, Span
 from ..ruleset import BurstRules, QualityRules
 from ..units import samples_from_ms, samples_from_s
-from .rows import in_even_fire, in_even_rows
+from .rows import in_endless_fire, in_even_fire, in_even_rows
 
 _ROUNDING = 2  # samples that a gap may gain on its way to another rate
+_ALONE = "alone, and not sure enough for that"
+_STEP = "one of an even row, as of steps or blows"
+_MACHINE = "one of a row that goes on as no gun does, as of a machine"
+
+
+@dataclass(frozen=True, eq=False)
+class _Belief:
+    """Of n candidates: which are believed, which would be so by themselves, and which in company."""
+
+    believed: NDArray[np.bool_]
+    by_itself: NDArray[np.bool_]
+    likely: NDArray[np.bool_]
 
 
 def in_company(
@@ -29,35 +43,59 @@ def in_company(
     `fewest_even` at an even pace that reach `even_threshold` in the mean. It takes along what reaches
     `company_threshold` within `company_s`. Two shots in a burst take along the other rounds of it from
     `round_threshold` on: what lies within `longest_gap_ms` from one to the next, unless it is `echo_drop_db` softer
-    than they are. A slower even row of which fewer than half are sure by themselves has no shots and vouches for none
-    (`RowRules`).
+    than they are. A slower even row (`RowRules`) and an even run of more than `most_unsure`, of which fewer than half
+    are sure by themselves, have no shots and vouch for none.
     """
-    ordered = sorted(shots, key=lambda s: s.onset)
+    left = sorted(shots, key=lambda s: s.onset)
+    refused: list[Rejection] = []
+    while True:
+        belief = _belief(left, rate_hz=rate_hz, tier=tier)
+        rows = _rows(left, belief, rate_hz=rate_hz, tier=tier)
+        if not any(rows):
+            break
+        refused += [_refused(shot, why) for shot, why in zip(left, rows, strict=True) if why]
+        left = [shot for shot, why in zip(left, rows, strict=True) if not why]
+    rest = [
+        _refused(shot, _ALONE) if likely else unlike_a_shot(shot.onset, shot.confidence)
+        for shot, kept, likely in zip(left, belief.believed, belief.likely, strict=True)
+        if not kept
+    ]
+    believed = tuple(shot for shot, kept in zip(left, belief.believed, strict=True) if kept)
+    return believed, tuple(sorted([*refused, *rest], key=lambda each: each.at_sample))
+
+
+def _belief(shots: Sequence[Shot], *, rate_hz: int, tier: QualityRules) -> _Belief:
+    """Return what is believed of candidates, ascending, as long as no row of them is refused."""
     rules, channels, bursts = tier.verify, tier.channels, tier.bursts
-    onsets = np.array([shot.onset for shot in ordered], np.intp)
-    surety = np.array([shot.confidence for shot in ordered])
-    aside = np.array([shot.heard_in == "sides" for shot in ordered], bool)
+    onsets = _onsets(shots)
+    surety = np.array([shot.confidence for shot in shots])
+    aside = np.array([shot.heard_in == "sides" for shot in shots], bool)
     by_itself = surety >= np.where(aside, channels.sides_threshold, rules.threshold)
     rounds = surety >= np.where(aside, channels.sides_company_threshold, rules.round_threshold)
     sure = by_itself | _in_a_run(onsets, surety, rules.burst_threshold, rate_hz=rate_hz, rules=bursts)
     sure[rounds] |= in_even_fire(onsets[rounds], surety[rounds], rules.even_threshold, rate_hz=rate_hz, rules=bursts)
-    enough = surety >= np.where(aside, channels.sides_company_threshold, rules.company_threshold)
-    believed = sure | (enough & _near(onsets, onsets[sure], samples_from_s(rules.company_s, rate_hz)))
-    peaks_dbfs = np.array([shot.peak_dbfs for shot in ordered])
+    likely = surety >= np.where(aside, channels.sides_company_threshold, rules.company_threshold)
+    believed = sure | (likely & _near(onsets, onsets[sure], samples_from_s(rules.company_s, rate_hz)))
+    peaks_dbfs = np.array([shot.peak_dbfs for shot in shots])
     believed = _with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=bursts)
-    in_row = np.zeros(onsets.size, bool)
-    in_row[believed] = in_even_rows(onsets[believed], by_itself[believed], rate_hz=rate_hz, rules=tier.rows)
-    if in_row.any():  # what is refused vouches for nobody
-        rest = [shot for shot, even in zip(ordered, in_row, strict=True) if not even]
-        steps = [_one_of_a_row(shot) for shot, even in zip(ordered, in_row, strict=True) if even]
-        shots_left, others = in_company(rest, rate_hz=rate_hz, tier=tier)
-        return shots_left, tuple(sorted([*others, *steps], key=lambda each: each.at_sample))
-    refused = tuple(
-        _alone(shot) if likely else unlike_a_shot(shot.onset, shot.confidence)
-        for shot, kept, likely in zip(ordered, believed, enough, strict=True)
-        if not kept
-    )
-    return tuple(shot for shot, kept in zip(ordered, believed, strict=True) if kept), refused
+    return _Belief(believed, by_itself, likely)
+
+
+def _rows(shots: Sequence[Shot], belief: _Belief, *, rate_hz: int, tier: QualityRules) -> list[str]:
+    """Return of each candidate why it is refused as one of a row, and nothing of those that are not."""
+    believed = np.flatnonzero(belief.believed)
+    onsets, by_itself = _onsets(shots)[believed], belief.by_itself[believed]
+    steps = believed[in_even_rows(onsets, by_itself, rate_hz=rate_hz, rules=tier.rows)]
+    machines = believed[in_endless_fire(onsets, by_itself, rate_hz=rate_hz, rules=tier.bursts)]
+    why = [""] * len(shots)
+    for places, reason in ((steps, _STEP), (machines, _MACHINE)):
+        for place in places.tolist():
+            why[place] = reason
+    return why
+
+
+def _onsets(shots: Sequence[Shot]) -> NDArray[np.intp]:
+    return np.array([shot.onset for shot in shots], np.intp)
 
 
 def unlike_a_shot(onset: int, probability: float) -> Rejection:
@@ -65,12 +103,8 @@ def unlike_a_shot(onset: int, probability: float) -> Rejection:
     return Rejection(onset, "does not sound like a shot", {"probability": probability})
 
 
-def _alone(shot: Shot) -> Rejection:
-    return Rejection(shot.onset, "alone, and not sure enough for that", {"probability": shot.confidence})
-
-
-def _one_of_a_row(shot: Shot) -> Rejection:
-    return Rejection(shot.onset, "one of an even row, as of steps or blows", {"probability": shot.confidence})
+def _refused(shot: Shot, why: str) -> Rejection:
+    return Rejection(shot.onset, why, {"probability": shot.confidence})
 
 
 def worth_parting(

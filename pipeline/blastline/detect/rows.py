@@ -39,6 +39,24 @@ def in_even_fire(
     return found
 
 
+def in_endless_fire(
+    onsets: NDArray[np.intp], sure: NDArray[np.bool_], *, rate_hz: int, rules: BurstRules
+) -> NDArray[np.bool_]:
+    """Return which onsets, ascending, belong to a run at a gun's pace that goes on as no gun does.
+
+    More than a magazine holds, half of the gaps near their median, and fewer than half of its sounds sure by
+    themselves: so do jackhammers and engines. Several guns at once may go on for as long, but keep no pace.
+    """
+    found = np.zeros(onsets.size, bool)
+    longest = samples_from_ms(rules.longest_gap_ms, rate_hz)
+    for run in np.split(np.arange(onsets.size), np.flatnonzero(np.diff(onsets) > longest) + 1):
+        if run.size > rules.most_unsure and 2 * sure[run].sum() < run.size:
+            gaps = np.diff(onsets[run])
+            usual = np.median(gaps)
+            found[run] = 2 * np.sum(np.abs(gaps - usual) <= rules.unevenness * usual) >= gaps.size
+    return found
+
+
 def _even_rows(onsets: NDArray[np.intp], shortest: int, longest: int, unevenness: float) -> list[NDArray[np.intp]]:
     """Return the longest rows of three and more whose gaps lie in a range, each near enough to the one before."""
     gaps = np.diff(onsets)

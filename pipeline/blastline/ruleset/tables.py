@@ -131,7 +131,8 @@ class BurstRules(Table, frozen=True):
     """Which shots belong together as automatic fire, and how near each other two shots can be at all.
 
     What copies an earlier shot, and is weaker by `echo_drop_db` or more, is that shot's echo. An even run has
-    `fewest_even` shots or more, and each gap is within `unevenness` of the one before.
+    `fewest_even` shots or more, and each gap is within `unevenness` of the one before. Of one that goes on
+    for more than `most_unsure`, half have to be sure by themselves.
     """
 
     shortest_gap_ms: Positive
@@ -140,6 +141,7 @@ class BurstRules(Table, frozen=True):
     fewest_shots: Annotated[int, Meta(ge=2)]
     fewest_even: Annotated[int, Meta(ge=3)]
     unevenness: Ratio
+    most_unsure: Count
 
     def __post_init__(self) -> None:
         """Refuse gaps between shots that no burst can have."""
