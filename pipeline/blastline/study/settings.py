@@ -28,6 +28,7 @@ CHANGES: Mapping[Quality, tuple[str, ...]] = {
         "verify.look_from=0.3",
         "verify.company_threshold=0.2",
         "verify.burst_threshold=0.85",
+        "verify.even_threshold=0.5",
         "verify.round_threshold=0.35",
         "render.solver_rate_hz=4000",
         "render.solver_rate_hz=16000",
