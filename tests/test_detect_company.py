@@ -131,6 +131,13 @@ def test_even_fire_is_fast_even_and_long_enough() -> None:
     assert believed_ms(*uneven) == []
 
 
+def test_even_fire_vouches_for_nothing_but_its_own_rounds() -> None:
+    fire = even_fire(*[VERIFY.even_threshold + 0.1] * BURSTS.fewest_even)
+    longest_ms = (BURSTS.fewest_even - 1) * FAST_MS + BURSTS.longest_gap_ms
+    assert len(believed_ms(*fire, shot(20_000 + longest_ms + 1, VERIFY.burst_threshold))) == BURSTS.fewest_even
+    assert len(believed_ms(*fire, shot(20_000 + longest_ms, VERIFY.round_threshold))) == BURSTS.fewest_even + 1
+
+
 def test_even_fire_beyond_a_magazine_is_a_machine_unless_half_of_it_is_sure() -> None:
     likely, sure = VERIFY.burst_threshold, VERIFY.threshold
     most, half = BURSTS.most_unsure, (BURSTS.most_unsure + 2) // 2

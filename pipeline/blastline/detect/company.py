@@ -2,7 +2,7 @@
 
 surely a shot ──► near it, less surely                     films fire in scenes
 run of likely ones, as fast as a gun fires ──► sure        guns do what nothing else does for so short a time
-even run, less likely in the mean          ──► sure        a weapon keeps its pace
+even run, less likely in the mean          ──► believed    a weapon keeps its pace
 believed ──► the next as fast as a gun fires, unlikely     one round is followed by another
 even row, at a walking pace, half of it unsure ──► none    so come steps and blows
 even run without an end, half of it unsure     ──► none    so do machines
@@ -39,9 +39,9 @@ def in_company(
 ) -> tuple[tuple[Shot, ...], tuple[Rejection, ...]]:
     """Return the shots that are believed, in order of time, and the rest.
 
-    A shot is sure from `threshold` on, or as one of a run of `fewest_shots` that each reach `burst_threshold`, or of
-    `fewest_even` at an even pace that reach `even_threshold` in the mean. It takes along what reaches
-    `company_threshold` within `company_s`. Two shots in a burst take along the other rounds of it from
+    A shot is sure from `threshold` on, or as one of a run of `fewest_shots` that each reach `burst_threshold`. It takes
+    along what reaches `company_threshold` within `company_s`. So many as `fewest_even` at an even pace are believed
+    where they reach `even_threshold` in the mean. Two shots in a burst take along the other rounds of it from
     `round_threshold` on: what lies within `longest_gap_ms` from one to the next, unless it is `echo_drop_db` softer
     than they are. A slower even row (`RowRules`) and an even run of more than `most_unsure`, of which fewer than half
     are sure by themselves, have no shots and vouch for none.
@@ -73,9 +73,11 @@ def _belief(shots: Sequence[Shot], *, rate_hz: int, tier: QualityRules) -> _Beli
     by_itself = surety >= np.where(aside, channels.sides_threshold, rules.threshold)
     rounds = surety >= np.where(aside, channels.sides_company_threshold, rules.round_threshold)
     sure = by_itself | _in_a_run(onsets, surety, rules.burst_threshold, rate_hz=rate_hz, rules=bursts)
-    sure[rounds] |= in_even_fire(onsets[rounds], surety[rounds], rules.even_threshold, rate_hz=rate_hz, rules=bursts)
     likely = surety >= np.where(aside, channels.sides_company_threshold, rules.company_threshold)
     believed = sure | (likely & _near(onsets, onsets[sure], samples_from_s(rules.company_s, rate_hz)))
+    believed[rounds] |= in_even_fire(
+        onsets[rounds], surety[rounds], rules.even_threshold, rate_hz=rate_hz, rules=bursts
+    )
     peaks_dbfs = np.array([shot.peak_dbfs for shot in shots])
     believed = _with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=bursts)
     return _Belief(believed, by_itself, likely)
