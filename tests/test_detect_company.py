@@ -237,3 +237,41 @@ def test_a_refused_row_vouches_for_nobody() -> None:
     assert len(believed_ms(shot(20_500, SURE), near)) == 2
     assert believed_ms(*row(UNSURE, SURE, UNSURE, UNSURE), near) == []
     assert believed_ms(*row(UNSURE, SURE, UNSURE, UNSURE), near, shot(24_100, SURE)) == [23_000, 24_100]
+
+
+def loop(*confidences: float, every_ms: float = 4000.0, softer_db: float = 0.0, late_ms: float = 0.0) -> list[Shot]:
+    """Return a sound that comes again after the same time, every other one softer or late by so much."""
+    return [
+        shot(20_000 + n * every_ms + late_ms * (n % 2), confidence, -6.0 - softer_db * (n % 2))
+        for n, confidence in enumerate(confidences)
+    ]
+
+
+MOST = [UNSURE] * (TIER.rows.fewest_returns - 1)
+
+
+@pytest.mark.parametrize("every_ms", [TIER.rows.longest_gap_ms, 4000.0, 1000.0 * TIER.rows.longest_loop_s])
+def test_what_comes_again_and_again_after_the_same_time_is_a_loop(every_ms: float) -> None:
+    near = [shot(each.onset * 1000 / RATE_HZ + 777, UNSURE) for each in loop(SURE, *MOST, every_ms=every_ms)]
+    kept, refused = in_company([*loop(SURE, *MOST, every_ms=every_ms), *near], rate_hz=RATE_HZ, tier=TIER)
+    assert kept == ()
+    assert "one of a loop: it comes again after the same time, and again" in {each.reason for each in refused}
+
+
+def test_only_what_returns_often_exactly_alike_and_unsure_is_a_loop() -> None:
+    assert len(believed_ms(*loop(SURE, *MOST[1:]))) == 2 + 1  # what is beyond the reach of the sure one is alone
+    fast_ms = TIER.rows.longest_gap_ms + 100.0
+    assert believed_ms(*loop(SURE, *MOST, every_ms=fast_ms)) == []
+    assert len(believed_ms(*loop(SURE, *MOST[1:], every_ms=fast_ms))) == len(MOST)
+    assert len(believed_ms(*loop(SURE, *MOST, every_ms=fast_ms, late_ms=3.0))) == len(MOST) + 1
+    assert (
+        len(believed_ms(*loop(SURE, *MOST, every_ms=fast_ms, softer_db=TIER.rows.loop_level_db + 1))) == len(MOST) + 1
+    )
+    assert len(believed_ms(*loop(SURE, SURE, SURE, *MOST[2:], every_ms=fast_ms))) == len(MOST) + 1
+    assert len(believed_ms(*loop(*[SURE] * 20, every_ms=fast_ms))) == 20
+
+
+def test_other_sounds_between_hide_no_loop() -> None:
+    others = [shot(at_ms, SURE) for at_ms in (19_011.0, 22_203.0, 25_017.0, 30_911.0, 34_501.0, 39_007.0)]
+    kept = believed_ms(*loop(*[UNSURE] * 6), *others)
+    assert kept == [each.onset * 1000 / RATE_HZ for each in others]

@@ -6,6 +6,7 @@ even run, less likely in the mean          ──► believed    a weapon keeps 
 believed ──► the next as fast as a gun fires, unlikely     one round is followed by another
 even row, at a walking pace, half of it unsure ──► none    so come steps and blows
 even run without an end, half of it unsure     ──► none    so do machines
+again and again after the same time, unsure    ──► none    so do loops of ambience
 """
 
 from collections.abc import Iterable, Sequence
@@ -17,12 +18,13 @@ from numpy.typing import NDArray
 from ..model import Rejection, Shot, Span
 from ..ruleset import BurstRules, QualityRules
 from ..units import samples_from_ms, samples_from_s
-from .rows import in_endless_fire, in_even_fire, in_even_rows
+from .rows import in_endless_fire, in_even_fire, in_even_rows, in_loops
 
 _ROUNDING = 2  # samples that a gap may gain on its way to another rate
 _ALONE = "alone, and not sure enough for that"
 _STEP = "one of an even row, as of steps or blows"
 _MACHINE = "one of a row that goes on as no gun does, as of a machine"
+_LOOP = "one of a loop: it comes again after the same time, and again"
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +46,7 @@ def in_company(
     where they reach `even_threshold` in the mean. Two shots in a burst take along the other rounds of it from
     `round_threshold` on: what lies within `longest_gap_ms` from one to the next, unless it is `echo_drop_db` softer
     than they are. A slower even row (`RowRules`) and an even run of more than `most_unsure`, of which fewer than half
-    are sure by themselves, have no shots and vouch for none.
+    are sure by themselves, have no shots and vouch for none; nor has what comes again and again after the same time.
     """
     left = sorted(shots, key=lambda s: s.onset)
     refused: list[Rejection] = []
@@ -86,12 +88,14 @@ def _belief(shots: Sequence[Shot], *, rate_hz: int, tier: QualityRules) -> _Beli
 def _rows(shots: Sequence[Shot], belief: _Belief, *, rate_hz: int, tier: QualityRules) -> list[str]:
     """Return of each candidate why it is refused as one of a row, and nothing of those that are not."""
     believed = np.flatnonzero(belief.believed)
-    onsets, by_itself = _onsets(shots)[believed], belief.by_itself[believed]
-    steps = believed[in_even_rows(onsets, by_itself, rate_hz=rate_hz, rules=tier.rows)]
-    machines = believed[in_endless_fire(onsets, by_itself, rate_hz=rate_hz, rules=tier.bursts)]
+    onsets, by_itself = _onsets(shots), belief.by_itself
+    peaks_dbfs = np.array([shot.peak_dbfs for shot in shots])
+    steps = in_even_rows(onsets[believed], by_itself[believed], rate_hz=rate_hz, rules=tier.rows)
+    machines = in_endless_fire(onsets[believed], by_itself[believed], rate_hz=rate_hz, rules=tier.bursts)
+    loops = in_loops(onsets, peaks_dbfs, by_itself, rate_hz=rate_hz, rules=tier.rows)[believed]
     why = [""] * len(shots)
-    for places, reason in ((steps, _STEP), (machines, _MACHINE)):
-        for place in places.tolist():
+    for refuse, reason in ((loops, _LOOP), (steps, _STEP), (machines, _MACHINE)):
+        for place in believed[refuse].tolist():
             why[place] = reason
     return why
 

@@ -1,10 +1,12 @@
-"""Even rows: what comes again and again at one pace, as steps and blows do and, faster, automatic fire."""
+"""What comes again and again: steps and blows at an even pace, faster automatic fire and machines, and loops."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..ruleset import BurstRules, RowRules
-from ..units import samples_from_ms
+from ..units import samples_from_ms, samples_from_s
+
+_SAME_LAG_MS = 1.0
 
 
 def in_even_rows(
@@ -55,6 +57,43 @@ def in_endless_fire(
             usual = np.median(gaps)
             found[run] = 2 * np.sum(np.abs(gaps - usual) <= rules.unevenness * usual) >= gaps.size
     return found
+
+
+def in_loops(
+    onsets: NDArray[np.intp],
+    peaks_dbfs: NDArray[np.float64],
+    sure: NDArray[np.bool_],
+    *,
+    rate_hz: int,
+    rules: RowRules,
+) -> NDArray[np.bool_]:
+    """Return which onsets, ascending, come again after the same time to the millisecond, and again, as loud as before.
+
+    So do sounds of an ambience that is a loop. Beyond an even row's gaps and up to `longest_loop_s`; where half of
+    `fewest_returns` and more are sure by themselves, somebody may fire like clockwork.
+    """
+    found = np.zeros(onsets.size, bool)
+    if onsets.size < rules.fewest_returns:
+        return found
+    shortest, longest = samples_from_ms(rules.longest_gap_ms, rate_hz), samples_from_s(rules.longest_loop_s, rate_hz)
+    start, stop = np.searchsorted(onsets, onsets + shortest), np.searchsorted(onsets, onsets + longest, side="right")
+    first = np.repeat(np.arange(onsets.size), stop - start)
+    second = np.concatenate([np.arange(*ends) for ends in zip(start, stop, strict=True)]).astype(np.intp)
+    lag, chains = onsets[second] - onsets[first], np.stack([first, second])
+    for times in range(2, rules.fewest_returns):
+        due = onsets[chains[0]] + times * lag
+        there = _nearest(onsets, due)
+        again = np.abs(onsets[there] - due) <= samples_from_ms(_SAME_LAG_MS, rate_hz)
+        chains, lag = np.concatenate([chains, there[None]])[:, again], lag[again]
+    alike = np.ptp(peaks_dbfs[chains], axis=0) <= rules.loop_level_db
+    found[chains[:, alike & (2 * sure[chains].sum(axis=0) < rules.fewest_returns)]] = True
+    return found
+
+
+def _nearest(onsets: NDArray[np.intp], places: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Return which of the onsets, ascending, is nearest to each place."""
+    after = np.clip(np.searchsorted(onsets, places), 1, onsets.size - 1)
+    return np.asarray(np.where(places - onsets[after - 1] <= onsets[after] - places, after - 1, after), np.intp)
 
 
 def _even_rows(onsets: NDArray[np.intp], shortest: int, longest: int, unevenness: float) -> list[NDArray[np.intp]]:

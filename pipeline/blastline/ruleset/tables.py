@@ -151,13 +151,18 @@ class BurstRules(Table, frozen=True):
 class RowRules(Table, frozen=True):
     """What an even row is: `fewest` sounds or more, their gaps in a range, each within `unevenness` of the one before.
 
-    Steps, hammers and drums come so. A row of which fewer than half are sure by themselves has no shots.
+    Steps, hammers and drums come so. A row of which fewer than half are sure by themselves has no shots. Nor has a
+    loop: what comes `fewest_returns` times, each time after the same time of up to `longest_loop_s`, its peaks within
+    `loop_level_db`.
     """
 
     fewest: Annotated[int, Meta(ge=3)]
     shortest_gap_ms: Positive
     longest_gap_ms: Positive
     unevenness: Ratio
+    fewest_returns: Annotated[int, Meta(ge=3)]
+    longest_loop_s: Annotated[float, Meta(gt=0.0, le=60.0)]
+    loop_level_db: Positive
 
     def __post_init__(self) -> None:
         """Refuse gaps that no row can have."""
