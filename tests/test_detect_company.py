@@ -271,6 +271,14 @@ def test_only_what_returns_often_exactly_alike_and_unsure_is_a_loop() -> None:
     assert len(believed_ms(*loop(*[SURE] * 20, every_ms=fast_ms))) == 20
 
 
+def test_what_is_not_worth_parting_makes_no_loop() -> None:
+    """Whether a faint candidate was parted depends on where a film's cores lie; what is believed must not."""
+    faint = [shot(20_000 + n * 4000.0, VERIFY.company_threshold - 0.01) for n in (1, 2, 3)]
+    turns = [shot(20_000 + n * 4000.0, UNSURE) for n in (0, 4)]
+    sure = shot(28_777, SURE)
+    assert believed_ms(*turns, sure, *faint) == believed_ms(*turns, sure) == [20_000, 28_777, 36_000]
+
+
 def test_other_sounds_between_hide_no_loop() -> None:
     others = [shot(at_ms, SURE) for at_ms in (19_011.0, 22_203.0, 25_017.0, 30_911.0, 34_501.0, 39_007.0)]
     kept = believed_ms(*loop(*[UNSURE] * 6), *others)

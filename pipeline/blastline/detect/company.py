@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..model import Rejection, Shot, Span
 from ..ruleset import BurstRules, QualityRules
 from ..units import samples_from_ms, samples_from_s
-from .rows import in_endless_fire, in_even_fire, in_even_rows, in_loops
+from .rows import in_endless_fire, in_even_fire, in_even_rows, in_loops, runs_of
 
 _ROUNDING = 2  # samples that a gap may gain on its way to another rate
 _ALONE = "alone, and not sure enough for that"
@@ -89,13 +89,14 @@ def _rows(shots: Sequence[Shot], belief: _Belief, *, rate_hz: int, tier: Quality
     """Return of each candidate why it is refused as one of a row, and nothing of those that are not."""
     believed = np.flatnonzero(belief.believed)
     onsets, by_itself = _onsets(shots), belief.by_itself
-    peaks_dbfs = np.array([shot.peak_dbfs for shot in shots])
     steps = in_even_rows(onsets[believed], by_itself[believed], rate_hz=rate_hz, rules=tier.rows)
     machines = in_endless_fire(onsets[believed], by_itself[believed], rate_hz=rate_hz, rules=tier.bursts)
-    loops = in_loops(onsets, peaks_dbfs, by_itself, rate_hz=rate_hz, rules=tier.rows)[believed]
+    returning = np.flatnonzero(belief.likely)  # a turn may be out of all company; what is less is not always parted
+    peaks_dbfs = np.array([shots[place].peak_dbfs for place in returning.tolist()])
+    loops = in_loops(onsets[returning], peaks_dbfs, by_itself[returning], rate_hz=rate_hz, rules=tier.rows)
     why = [""] * len(shots)
-    for refuse, reason in ((loops, _LOOP), (steps, _STEP), (machines, _MACHINE)):
-        for place in believed[refuse].tolist():
+    for refused, reason in ((returning[loops], _LOOP), (believed[steps], _STEP), (believed[machines], _MACHINE)):
+        for place in refused.tolist():
             why[place] = reason
     return why
 
@@ -123,7 +124,8 @@ def worth_parting(
     longest = samples_from_ms(tier.bursts.longest_gap_ms, rate_hz) + _ROUNDING
     worth = surety >= tier.verify.company_threshold
     members = np.flatnonzero(surety >= tier.verify.round_threshold)
-    for burst in np.split(members, np.flatnonzero(np.diff(onsets[members]) > longest) + 1):
+    for run in runs_of(onsets[members], longest):
+        burst = members[run]
         at = onsets[burst]
         goes_beyond = (at < core.start + longest).any() or (at >= core.stop - longest).any()
         if goes_beyond or worth[burst].any() or burst.size >= tier.bursts.fewest_even:
@@ -170,7 +172,8 @@ def _with_rounds(
     shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
     members = np.flatnonzero(believed | rounds)
     kept = believed.copy()
-    for burst in np.split(members, np.flatnonzero(np.diff(onsets[members]) > longest) + 1):
+    for run in runs_of(onsets[members], longest):
+        burst = members[run]
         sure = burst[believed[burst]]
         if sure.size and onsets[sure[-1]] - onsets[sure[0]] >= shortest:
             kept[burst] |= peaks_dbfs[burst] > np.median(peaks_dbfs[sure]) - rules.echo_drop_db

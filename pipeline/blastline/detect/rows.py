@@ -51,7 +51,7 @@ def in_endless_fire(
     """
     found = np.zeros(onsets.size, bool)
     longest = samples_from_ms(rules.longest_gap_ms, rate_hz)
-    for run in np.split(np.arange(onsets.size), np.flatnonzero(np.diff(onsets) > longest) + 1):
+    for run in runs_of(onsets, longest):
         if run.size > rules.most_unsure and 2 * sure[run].sum() < run.size:
             gaps = np.diff(onsets[run])
             usual = np.median(gaps)
@@ -88,6 +88,11 @@ def in_loops(
     alike = np.ptp(peaks_dbfs[chains], axis=0) <= rules.loop_level_db
     found[chains[:, alike & (2 * sure[chains].sum(axis=0) < rules.fewest_returns)]] = True
     return found
+
+
+def runs_of(onsets: NDArray[np.intp], longest_gap: int) -> list[NDArray[np.intp]]:
+    """Return the runs of onsets, ascending, that follow each other within a gap; one alone is a run, too."""
+    return np.split(np.arange(onsets.size), np.flatnonzero(np.diff(onsets) > longest_gap) + 1)
 
 
 def _nearest(onsets: NDArray[np.intp], places: NDArray[np.intp]) -> NDArray[np.intp]:
