@@ -1,8 +1,10 @@
 """Rules as data: what a user may tune, read from TOML into frozen, range-checked values.
 
-`tables` holds one struct for each table of a rule file, `files` finds, merges and reads them.
+`tables` holds one struct for each table of a tier and of `scenes.toml`; other rule files have a module each. `files`
+finds, merges and reads them.
 """
 
+from .aligning import AlignRules
 from .columns import FREQUENCY, Columns, read_columns
 from .conforming import ConformRules
 from .files import (
@@ -17,21 +19,17 @@ from .files import (
     load_rules,
     rules_path,
 )
+from .haptics import HapticRules
 from .measuring import FitRules, IdentifyRules, MeasuringRules, PerceptionCurve
 from .perceptions import load_perception, perception_names
+from .profiles import ActuatorProfile, HighPass, LowPass, Response
 from .tables import (
     LARGEST_LEVEL_DB,
-    ActuatorProfile,
-    AlignRules,
     BurstRules,
     ChannelRules,
-    HapticRules,
-    HighPass,
-    LowPass,
     OnsetRules,
     QualityRules,
     RenderRules,
-    Response,
     RowRules,
     ScanRules,
     SceneRules,

@@ -18,9 +18,12 @@ import msgspec
 
 from ..errors import RuleError, misfit
 from ..model import Quality
+from .aligning import AlignRules
 from .conforming import ConformRules
+from .haptics import HapticRules
 from .measuring import MeasuringRules, PerceptionCurve
-from .tables import ActuatorProfile, AlignRules, HapticRules, QualityRules, SceneRules, Table
+from .profiles import ActuatorProfile
+from .tables import QualityRules, SceneRules, Table
 
 SLOWEST_RAD_S = -1.0
 """The slowest decay of an actuator, as the real part of a zero or pole: filters keep all of it in memory."""

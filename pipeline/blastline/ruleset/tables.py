@@ -1,4 +1,4 @@
-"""One struct for each table of a rule file: its keys, their units (as suffix) and their allowed ranges.
+"""One struct for each table of a tier and of `scenes.toml`: its keys, their units (as suffix) and their allowed ranges.
 
 Every table carries `source`, which says where its numbers come from: a paper, a measurement or a study run.
 """
@@ -220,91 +220,6 @@ class SceneRules(Table, frozen=True):
     schema: Literal[1]
     direct_level_db: NonNegative
     direct_fidelity: Ratio
-
-
-class AlignRules(Table, frozen=True):
-    """`align.toml`: what an alignment check's figure has to stay within.
-
-    A shot is compared over at most `longest_ms` from its onset, and searched for in the drive within `search_ms`. A
-    drive that does not compensate has to reach `correlation` with its sound; any other the fidelity that was predicted
-    when it was rendered, less `correlation_loss`, and at least `least_correlation`.
-    """
-
-    schema: Literal[1]
-    longest_ms: Annotated[float, Meta(ge=20.0, le=2000.0)]
-    search_ms: Annotated[float, Meta(ge=2.0, le=100.0)]
-    lead_ms: NonNegative
-    onset_error_ms: Positive
-    lag_causal_ms: Positive
-    lag_zero_samples: Positive
-    correlation: Ratio
-    correlation_loss: Ratio
-    least_correlation: Ratio
-    level_error_db: Positive
-    preecho_db: Level
-    preecho_margin_db: NonNegative
-    preecho_guard_ms: NonNegative
-    peak: Positive
-    rise_db: NonNegative
-    hand_rise_db: NonNegative
-    shift_samples: NonNegative
-    drift_samples: NonNegative
-
-
-class HapticRules(Table, frozen=True):
-    """`haptics.toml`: how the drive becomes the breakpoints of the haptic formats.
-
-    The amplitude is sqrt(2) times the RMS over `average_ms`, read every `step_ms`; the frequency the mean of the
-    spectrum over the next `spectrum_ms`, read every `spectrum_step_ms`. Straight lines between breakpoints stay within
-    the two errors, that of the frequency as a part of it. An echo is a pulse where its attack reaches `least_echo` of
-    the actuator's limit, `echo_apart_ms` after the pulse before it. A `.haptic` file covers about `reel_s` of the film.
-    """
-
-    schema: Literal[1]
-    average_ms: Annotated[float, Meta(ge=1.0, le=100.0)]
-    step_ms: Annotated[float, Meta(ge=1.0, le=20.0)]
-    spectrum_ms: Annotated[float, Meta(ge=5.0, le=200.0)]
-    spectrum_step_ms: Annotated[float, Meta(ge=1.0, le=50.0)]
-    amplitude_error: Annotated[float, Meta(gt=0.0, le=0.2)]
-    frequency_error: Annotated[float, Meta(gt=0.0, le=1.0)]
-    least_echo: Ratio
-    echo_apart_ms: NonNegative
-    reel_s: Annotated[float, Meta(ge=10.0, le=960.0)]
-
-
-class LowPass(Table, frozen=True):
-    """The Butterworth low-pass that follows the compensator."""
-
-    corner_hz: Positive
-    order: Annotated[int, Meta(ge=1, le=12)]
-
-
-class HighPass(Table, frozen=True):
-    """The Butterworth high-pass that keeps DC and rumble out of the drive."""
-
-    corner_hz: Annotated[float, Meta(ge=0.1)]
-    order: Annotated[int, Meta(ge=1, le=4)]
-
-
-class Response(Table, frozen=True):
-    """The felt response of actuator and skin together, H(s) = gain * prod(s - zero) / prod(s - pole).
-
-    Zeros and poles are in rad/s as [real, imaginary] pairs; complex ones are listed with their conjugate.
-    """
-
-    gain: Annotated[float, Meta(gt=0.0)]
-    zeros_rad_s: tuple[tuple[float, float], ...]
-    poles_rad_s: Annotated[tuple[tuple[float, float], ...], Meta(min_length=1)]
-
-
-class ActuatorProfile(Table, frozen=True):
-    """`actuators/*.toml`: a seat actuator with the skin behind it, and the filters its drive needs."""
-
-    schema: Literal[1]
-    name: Annotated[str, Meta(min_length=1)]
-    response: Response
-    lowpass: LowPass
-    highpass: HighPass
 
 
 def toml_lines(table: Table) -> Iterator[str]:
