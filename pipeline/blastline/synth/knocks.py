@@ -1,4 +1,4 @@
-"""Household and workshop: doors, hammers, steps, things that fall and break, machines that beat time."""
+"""Household and workshop: doors, hammers, steps, things that fall and break."""
 
 import math
 
@@ -77,57 +77,7 @@ def footsteps(rng: np.random.Generator, rate_hz: int) -> Samples:
         heel = struck(fork(rng), rate_hz, ground, hardness=between(rng, (0.3, 1.2)))
         toe = band_burst(fork(rng), rate_hz, band_hz=scuff, attack_ms=4.0, decay_ms=between(rng, (8.0, 40.0)))
         blows.append(overlaid([(0, heel), (_samples(rng, rate_hz, (0.02, 0.12)), toe * between(rng, (0.05, 0.4)))]))
-    return series(rng, blows, gaps_s=_gaps(rng, (1, 7), (0.25, 0.7), 0.05), levels_db=2.0, rate_hz=rate_hz)
-
-
-def jackhammer(rng: np.random.Generator, rate_hz: int) -> Samples:
-    """Return a pneumatic drill: 15-30 blows a second with exhaust noise, for 1-6 seconds."""
-    body = draw_body(rng, pick(rng, ("stone", "metal", "sheet")))
-    exhaust = (log_between(rng, (100.0, 500.0)), log_between(rng, (1_500.0, 6_000.0)))
-    blows = []
-    for _ in range(6):
-        puff = band_burst(fork(rng), rate_hz, band_hz=exhaust, attack_ms=2.0, decay_ms=between(rng, (6.0, 20.0)))
-        blow = struck(fork(rng), rate_hz, body)[: round(0.3 * rate_hz)]
-        blows.append(overlaid([(0, blow), (0, puff * between(rng, (0.1, 0.7)))]))
-    spacing = 1.0 / between(rng, (8.0, 30.0))
-    count = round(between(rng, (1.0, 6.0)) / spacing)
-    gaps = spacing * (1.0 + 0.02 * rng.standard_normal(count))
-    return series(rng, blows, gaps_s=gaps, levels_db=1.0, rate_hz=rate_hz)
-
-
-def machine(rng: np.random.Generator, rate_hz: int) -> Samples:
-    """Return a press, a loom or a train on its joints: two alternating blows at an even beat, for 2-7 seconds."""
-    first, second = (draw_body(rng, pick(rng, ("metal", "sheet", "wood", "plastic"))) for _ in range(2))
-    blows = [struck(fork(rng), rate_hz, body) for body in (first, second, first, second)]
-    beat = log_between(rng, (0.06, 0.8))
-    uneven = between(rng, (0.3, 0.5))
-    count = max(3, round(between(rng, (2.0, 7.0)) / beat))
-    gaps = np.where(np.arange(count) % 2 == 0, 2.0 * uneven, 2.0 - 2.0 * uneven) * beat
-    return series(rng, blows, gaps_s=gaps, levels_db=0.8, rate_hz=rate_hz)
-
-
-def nail_gun(rng: np.random.Generator, rate_hz: int) -> Samples:
-    """Return 1-4 shots of a pneumatic nailer: the piston's blow on wood, then air that hisses out for 50-200 ms."""
-    work = draw_body(rng, "wood")
-    blows = []
-    for _ in range(3):
-        air = band_burst(
-            fork(rng),
-            rate_hz,
-            band_hz=(log_between(rng, (600.0, 2_000.0)), 10_000.0),
-            attack_ms=between(rng, (5.0, 25.0)),
-            decay_ms=between(rng, (20.0, 80.0)),
-        )
-        hit = struck(fork(rng), rate_hz, work, hardness=2.0)
-        blows.append(overlaid([(0, hit), (_samples(rng, rate_hz, (0.004, 0.03)), air * between(rng, (0.15, 0.6)))]))
-    return series(rng, blows, gaps_s=_gaps(rng, (0, 3), (0.3, 1.2), 0.2), levels_db=1.0, rate_hz=rate_hz)
-
-
-def typewriter(rng: np.random.Generator, rate_hz: int) -> Samples:
-    """Return 3-25 keystrokes: a key, a type bar on paper and platen."""
-    body = draw_body(rng, pick(rng, ("plastic", "metal")))
-    blows = [struck(fork(rng), rate_hz, body, hardness=2.0)[: round(0.15 * rate_hz)] for _ in range(5)]
-    return series(rng, blows, gaps_s=_gaps(rng, (2, 24), (0.07, 0.3), 0.4), levels_db=3.0, rate_hz=rate_hz)
+    return series(rng, blows, gaps_s=paced(rng, (1, 7), (0.25, 0.7), 0.05), levels_db=2.0, rate_hz=rate_hz)
 
 
 def handling(rng: np.random.Generator, rate_hz: int) -> Samples:
@@ -150,7 +100,7 @@ def snap(rng: np.random.Generator, rate_hz: int) -> Samples:
     """Return a branch or a stick that breaks: 2-8 cracks within a tenth of a second."""
     body = draw_body(rng, "wood")
     cracks = [struck(fork(rng), rate_hz, body, hardness=4.0)[: round(0.05 * rate_hz)] for _ in range(4)]
-    return series(rng, cracks, gaps_s=_gaps(rng, (1, 7), (0.002, 0.03), 0.5), levels_db=6.0, rate_hz=rate_hz)
+    return series(rng, cracks, gaps_s=paced(rng, (1, 7), (0.002, 0.03), 0.5), levels_db=6.0, rate_hz=rate_hz)
 
 
 def _repeated(
@@ -163,7 +113,7 @@ def _repeated(
 ) -> Samples:
     body = draw_body(rng, material)
     blows = [struck(fork(rng), rate_hz, body) for _ in range(4)]
-    gaps = _gaps(rng, (count[0] - 1, count[1] - 1), gap_s, jitter)
+    gaps = paced(rng, (count[0] - 1, count[1] - 1), gap_s, jitter)
     return series(rng, blows, gaps_s=gaps, levels_db=1.5, rate_hz=rate_hz)
 
 
@@ -180,7 +130,8 @@ def _bouncing(rng: np.random.Generator, rate_hz: int, body: Body, *, first_s: fl
     return normalised(overlaid(parts))
 
 
-def _gaps(rng: np.random.Generator, count: tuple[int, int], gap_s: tuple[float, float], jitter: float) -> Samples:
+def paced(rng: np.random.Generator, count: tuple[int, int], gap_s: tuple[float, float], jitter: float) -> Samples:
+    """Return the gaps of a row, in seconds: a random number of them about one length, each off by a random factor."""
     number = int(rng.integers(count[0], count[1] + 1))
     steady = log_between(rng, gap_s)
     return np.asarray(steady * np.exp(jitter * rng.standard_normal(number)), dtype=np.float64)

@@ -21,14 +21,11 @@ from .knocks import (
     hammer,
     hammering,
     handling,
-    jackhammer,
     knock,
-    machine,
     metal,
-    nail_gun,
     snap,
-    typewriter,
 )
+from .machines import hooves, jackhammer, machine, mill, motor, nail_gun, ratchet, rotor, typewriter
 from .music import bell, stinger
 from .rooms import ENVIRONMENTS, draw_place
 from .tone import Samples, peak, trimmed
@@ -36,9 +33,10 @@ from .waves import noise_burst
 
 NegativeKind = Literal[
     "applause", "bark", "bell", "clap", "click", "clipped-speech", "cough", "crash", "cymbal", "door", "drop",
-    "drum-roll", "explosion", "firework", "footsteps", "glass", "hammer", "hammering", "handling", "impact",
-    "jackhammer", "kick", "knock", "machine", "metal", "nail-gun", "punch", "shout", "snap", "snare", "spark",
-    "splash", "stinger", "thunder-far", "thunder-near", "tom", "typewriter", "whip", "whoosh",
+    "drum-roll", "explosion", "firework", "footsteps", "glass", "hammer", "hammering", "handling", "hooves", "impact",
+    "jackhammer", "kick", "knock", "machine", "metal", "mill", "motor", "nail-gun", "punch", "ratchet", "rotor",
+    "shout", "snap", "snare", "spark", "splash", "stinger", "thunder-far", "thunder-near",
+    "tom", "typewriter", "whip", "whoosh",
 ]  # fmt: skip
 
 AMBIGUOUS: tuple[NegativeKind, ...] = ("explosion",)
@@ -81,14 +79,19 @@ _MAKERS: dict[NegativeKind, Callable[[np.random.Generator, int], Samples]] = {
     "hammer": hammer,
     "hammering": hammering,
     "handling": handling,
+    "hooves": hooves,
     "impact": impact,
     "jackhammer": jackhammer,
     "kick": kick,
     "knock": knock,
     "machine": machine,
     "metal": metal,
+    "mill": mill,
+    "motor": motor,
     "nail-gun": nail_gun,
     "punch": punch,
+    "ratchet": ratchet,
+    "rotor": rotor,
     "shout": shout,
     "snap": snap,
     "snare": snare,
