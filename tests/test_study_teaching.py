@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from blastline.detect.network import log_odds, wired
+from blastline.detect.network import NetworkFile, log_odds, wired
 from blastline.detect.picture import NEAR, WIDE, Pictures
-from blastline.study.teaching import SETTINGS, Examples, fit_network
+from blastline.study.teaching import FURTHER, SETTINGS, Examples, fit_network, teach_further
 
 pytest.importorskip("torch")
 
@@ -13,12 +14,13 @@ QUICK = SETTINGS | {"epochs": 5, "batch": 32}
 FEATURES = 6
 
 
-def examples(count: int, seed: int) -> Examples:
-    """Return examples of which the shots are louder late in the near picture and in their third feature."""
+def examples(count: int, seed: int, *, late_in: str = "near") -> Examples:
+    """Return examples of which the shots are louder late in one picture and in their third feature."""
     rng = np.random.default_rng(seed)
     shots = rng.random(count) < 0.5
     near, wide = (rng.normal(-20.0, 6.0, (count, r.frames, r.bands)) for r in (NEAR, WIDE))
-    near[shots, 12:] += 9.0
+    late = near if late_in == "near" else wide
+    late[shots, 12:] += 9.0
     rows = rng.normal(40.0, 5.0, (count, FEATURES))
     rows[shots, 2] += 5.0
     return Examples(near.astype(np.float16), wide.astype(np.float16), rows.astype(np.float32), shots)
@@ -26,12 +28,39 @@ def examples(count: int, seed: int) -> Examples:
 
 @pytest.mark.parametrize("averaged", [False, True])
 def test_a_network_tells_what_it_was_taught_from_what_it_was_not_shown(averaged: bool) -> None:
-    network = wired(fit_network(examples(600, 1), 3, averaged=averaged, settings=QUICK))
+    network = fit_network(examples(600, 1), 3, averaged=averaged, settings=QUICK)
     fresh = examples(300, 2)
-    odds = log_odds(
-        network, fresh.rows.astype(np.float64), Pictures(*(p.astype(np.float32) for p in (fresh.near, fresh.wide)))
-    )
-    assert np.mean((odds > 0) == fresh.shots) > 0.95
+    assert np.mean((said(network, fresh) > 0) == fresh.shots) > 0.95
+
+
+def said(network: NetworkFile, of: Examples) -> NDArray[np.float64]:
+    pictures = Pictures(of.near.astype(np.float32), of.wide.astype(np.float32))
+    return log_odds(wired(network), of.rows.astype(np.float64), pictures)
+
+
+@pytest.mark.parametrize("averaged", [False, True])
+def test_who_is_taught_nothing_further_says_what_was_said_before(averaged: bool) -> None:
+    """At no pace only the normalisations look: what was folded away is there again and is folded away once more."""
+    known, fresh = examples(600, 1), examples(300, 2)
+    network = fit_network(known, 3, averaged=averaged, settings=QUICK)
+    still = {"epochs": 1, "learning_rate": 0.0, "batch": 600}
+    same = teach_further(network, known, 4, averaged=averaged, settings=FURTHER | still)
+    odds = said(network, fresh)
+    assert np.corrcoef(said(same, fresh), odds)[0, 1] > 0.98
+    assert np.mean((said(same, fresh) > 0) == (odds > 0)) > 0.97
+    assert same.means == network.means
+
+
+@pytest.mark.parametrize("averaged", [False, True])
+def test_who_is_taught_further_knows_the_old_and_the_new(averaged: bool) -> None:
+    first = fit_network(examples(600, 1), 3, averaged=averaged, settings=QUICK)
+    old, new = examples(300, 2), examples(300, 3, late_in="wide")
+    assert np.mean((said(first, new) > 0) == new.shots) < 0.8
+    more = [examples(600, 5), examples(600, 6, late_in="wide")]
+    both = Examples(*(np.concatenate([getattr(m, f) for m in more]) for f in ("near", "wide", "rows", "shots")))
+    further = teach_further(first, both, 3, averaged=averaged, settings=QUICK)
+    for each in (old, new):
+        assert np.mean((said(further, each) > 0) == each.shots) > 0.93
 
 
 def test_the_same_seed_teaches_the_same_and_another_one_something_else() -> None:

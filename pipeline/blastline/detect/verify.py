@@ -99,7 +99,16 @@ class Verifier:
 
 
 def load_verifier(path: Path, *, networks: int) -> Verifier:
-    """Read a model file; RuleError where it does not fit this version's features or has fewer networks than asked."""
+    """Read a model file; RuleError where `read_model` says so or it has fewer networks than asked."""
+    model = read_model(path)
+    if len(model.networks) < networks:
+        raise RuleError(f"{path}: networks: expected at least {networks}, as [verify] asks, got {len(model.networks)}")
+    gate, screen = (Sieve(grown(sieve.forest), sieve.threshold) for sieve in (model.gate, model.screen))
+    return Verifier(gate, screen, tuple(wired(network) for network in model.networks[:networks]))
+
+
+def read_model(path: Path) -> ModelFile:
+    """Read a model file as it is; RuleError where it does not fit this version's features and pictures."""
     try:
         model = msgspec.json.decode(path.read_bytes(), type=ModelFile)
     except (OSError, msgspec.DecodeError) as error:
@@ -111,15 +120,12 @@ def load_verifier(path: Path, *, networks: int) -> Verifier:
         if sieve.forest.features != expected:
             got = len(sieve.forest.features)
             raise RuleError(f"{path}: {name}.forest.features: expected the {len(expected)} of this version, got {got}")
-    if len(model.networks) < networks:
-        raise RuleError(f"{path}: networks: expected at least {networks}, as [verify] asks, got {len(model.networks)}")
     for number, network in enumerate(model.networks):
         if not fits(network, len(feature_names())):
             raise RuleError(
                 f"{path}: networks[{number}]: expected layers for the features and pictures of this version"
             )
-    gate, screen = (Sieve(grown(sieve.forest), sieve.threshold) for sieve in (model.gate, model.screen))
-    return Verifier(gate, screen, tuple(wired(network) for network in model.networks[:networks]))
+    return model
 
 
 def _probability(odds: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -83,6 +83,57 @@ def exported(judge: Judge, means: NDArray[np.float64], spreads: NDArray[np.float
     )
 
 
+def restored(file: NetworkFile, near: Tensor, wide: Tensor, rows: Tensor, dropout: float) -> Judge:
+    """Return the network that was exported, ready to be taught further: it says what the file's network says.
+
+    What its normalisations take off and give back is what its layers answer to these scaled pictures and features.
+    """
+    import torch
+    from torch import nn
+
+    judge = new_judge(len(file.means), dropout)
+    judge.parts().eval()
+    with torch.no_grad():
+        seen = []
+        for part, layers, shown in ((judge.near, file.near, near), (judge.wide, file.wide, wide)):
+            answers = shown[:, None]
+            for conv, norm, layer in zip(part[::3], part[1::3], layers, strict=True):
+                assert isinstance(conv, nn.Conv2d)
+                assert isinstance(norm, nn.BatchNorm2d)
+                conv.weight.copy_(_weights(layer).view_as(conv.weight))
+                answers = torch.relu(_centred(norm, conv(answers), torch.tensor(layer.biases)))
+            seen.append(answers.permute(0, 2, 3, 1).flatten(1))
+        dense = [layer for layer in judge.head if isinstance(layer, nn.Linear)]
+        for linear, layer in zip(dense, file.head, strict=True):
+            linear.weight.copy_(_weights(layer))
+            linear.bias.copy_(torch.tensor(layer.biases))
+        norm = next(layer for layer in judge.head if isinstance(layer, nn.BatchNorm1d))
+        _centred(norm, dense[0](torch.cat([*seen, rows], dim=1)), torch.zeros(HIDDEN))
+    return judge
+
+
+def _weights(layer: LayerFile) -> Tensor:
+    """Return a layer's weights with its outputs first."""
+    import torch
+
+    return torch.tensor(layer.weights).T
+
+
+def _centred(norm: nn.BatchNorm1d | nn.BatchNorm2d, answers: Tensor, biases: Tensor) -> Tensor:
+    """Let a normalisation take off and give back what the answers have, then add the biases; return what it says."""
+    import torch
+
+    assert norm.running_mean is not None
+    assert norm.running_var is not None
+    over = (0, 2, 3) if answers.dim() == 4 else (0,)
+    norm.running_mean.copy_(answers.mean(over))
+    norm.running_var.copy_(answers.var(over))
+    norm.weight.copy_(torch.sqrt(norm.running_var + norm.eps))
+    norm.bias.copy_(norm.running_mean + biases)
+    said: Tensor = norm(answers)
+    return said
+
+
 def _convolutions(raster: Raster, layers: tuple[tuple[int, int], ...]) -> tuple[nn.Sequential, int]:
     """Return the convolutions over a picture, and how many values come out of them."""
     from torch import nn

@@ -4,6 +4,8 @@
   lessons.
 - averaged: at a constant pace, and the average of the weights over most of the training counts (Izmailov et al. 2018;
   Cha et al. 2021): better on sources never heard.
+
+A network can be taught further, by new lessons at a slower pace, in the way it was taught before.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..detect.network import FEATURE_LIMIT, PICTURE_SCALE_DB, NetworkFile
-from .networks import Judge, exported, new_judge
+from .networks import Judge, exported, new_judge, restored
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -32,7 +34,8 @@ SETTINGS: dict[str, Any] = {
     "picture_noise": 0.1,
     "feature_noise": 0.05,
 }
-
+FURTHER: dict[str, Any] = SETTINGS | {"epochs": 3, "learning_rate": 5e-4}
+"""For networks that know most of it already."""
 
 NORMALISING_BATCHES = 200
 
@@ -77,16 +80,36 @@ def fit_network(examples: Examples, seed: int, *, averaged: bool, settings: dict
     torch.manual_seed(seed)
     means = examples.rows.mean(axis=0, dtype=np.float64)
     spreads = examples.rows.std(axis=0, dtype=np.float64) + 1e-6
+    judge = new_judge(examples.rows.shape[1], settings["dropout"])
+    material = _material(examples, means, spreads)
+    return exported(_taught(judge, material, settings, averaged=averaged), means, spreads)
+
+
+def teach_further(
+    network: NetworkFile, examples: Examples, seed: int, *, averaged: bool, settings: dict[str, Any] = FURTHER
+) -> NetworkFile:
+    """Return a network that goes on learning from the examples, where it was left."""
+    import torch
+
+    torch.manual_seed(seed)
+    means, spreads = np.array(network.means), np.array(network.spreads)
+    material = _material(examples, means, spreads)
+    some = torch.randperm(material.count)[: NORMALISING_BATCHES * settings["batch"] // 4]
+    near, wide = (_scaled(pictures[some]) for pictures in (material.near, material.wide))
+    judge = restored(network, near, wide, material.rows[some], settings["dropout"])
+    return exported(_taught(judge, material, settings, averaged=averaged), means, spreads)
+
+
+def _material(examples: Examples, means: NDArray[np.float64], spreads: NDArray[np.float64]) -> Material:
+    import torch
+
     limited = np.clip((examples.rows - means) / spreads, -FEATURE_LIMIT, FEATURE_LIMIT).astype(np.float32)
-    material = Material(
+    return Material(
         near=torch.from_numpy(examples.near),
         wide=torch.from_numpy(examples.wide),
         rows=torch.from_numpy(limited),
         shots=torch.from_numpy(examples.shots.astype(np.float32)),
     )
-    judge = new_judge(limited.shape[1], settings["dropout"])
-    judge.parts().to(memory_format=torch.channels_last)  # twice as fast on a processor
-    return exported(_taught(judge, material, settings, averaged=averaged), means, spreads)
 
 
 def _taught(judge: Judge, material: Material, settings: dict[str, Any], *, averaged: bool) -> Judge:
@@ -97,6 +120,7 @@ def _taught(judge: Judge, material: Material, settings: dict[str, Any], *, avera
 
     batches = max(1, material.count // settings["batch"])
     steps, rate = settings["epochs"] * batches, settings["learning_rate"]
+    judge.parts().to(memory_format=torch.channels_last)  # twice as fast on a processor
     optimiser = torch.optim.AdamW(judge.parts().parameters(), lr=rate, weight_decay=settings["weight_decay"])
     pace: torch.optim.lr_scheduler.LRScheduler
     if averaged:
@@ -144,8 +168,13 @@ def _coloured(picture: Tensor, settings: dict[str, Any]) -> Tensor:
     """Return pictures as the network takes them, half of them tilted as another microphone would, with some noise."""
     import torch
 
-    levels = picture.float() / PICTURE_SCALE_DB + 1.0
+    levels = _scaled(picture)
     count, _, bands = levels.shape
     tilt = torch.linspace(-0.5, 0.5, bands) * torch.randn(count, 1, 1) * settings["tilt"]
     tilted = tilt * (torch.rand(count, 1, 1) < 0.5)
     return levels + tilted + settings["picture_noise"] * torch.randn_like(levels)
+
+
+def _scaled(picture: Tensor) -> Tensor:
+    """Return pictures as a network takes them."""
+    return picture.float() / PICTURE_SCALE_DB + 1.0

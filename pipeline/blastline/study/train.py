@@ -3,7 +3,8 @@
     lessons (films, mixes, mixes of recordings) --> candidates --> gate --> screen --> pictures of the rest --> networks
 
 Candidates on a shot's onset are positives, all others negatives. Some films, and with `--hold-out` a part of the
-sources of recordings, are never learnt from; what the file scores on them is written into it.
+sources of recordings, are never learnt from; what the file scores on them is written into it. With `--further` the
+networks of a file go on learning from new lessons, behind its gate and screen.
 """
 
 import argparse
@@ -26,14 +27,14 @@ from ..detect.features import feature_names
 from ..detect.forest import grown
 from ..detect.network import NetworkFile, wired
 from ..detect.picture import Pictures, pictures
-from ..detect.verify import SCHEMA, ModelFile, Sieve, SieveFile, Verifier
+from ..detect.verify import SCHEMA, ModelFile, Sieve, SieveFile, Verifier, read_model
 from ..ruleset import QualityRules, load_rules
 from .candidates import Candidates, best_f1, candidates, joined
 from .courses import FOLDS, Course, courses
 from .lessons import Lesson
 from .mixes import MIX_S, RATE_HZ, Mix
 from .sieves import GATE_SETTINGS, SCREEN_SETTINGS, fit_sieve
-from .teaching import SETTINGS, Examples, fit_network
+from .teaching import FURTHER, SETTINGS, Examples, fit_network, teach_further
 
 _Thing = TypeVar("_Thing")
 
@@ -115,9 +116,12 @@ def fit_sieves(learnt: Candidates, seed: int) -> tuple[SieveFile, SieveFile]:
     return gate, screen
 
 
-def _network(examples: Examples, seed: int, number: int) -> NetworkFile:
-    """Return the network of a number: one annealed, one averaged, and so on in turns."""
-    return fit_network(examples, seed + number, averaged=number % 2 == 1)
+def _network(examples: Examples, seed: int, number: int, known: Sequence[NetworkFile]) -> NetworkFile:
+    """Return the network of a number, a known one taught further: one annealed, one averaged, and so on in turns."""
+    averaged = number % 2 == 1
+    if number < len(known):
+        return teach_further(known[number], examples, seed + number, averaged=averaged)
+    return fit_network(examples, seed + number, averaged=averaged)
 
 
 def score(model: ModelFile, tested: Candidates, kept: Sequence[Kept], pool: ProcessPoolExecutor) -> dict[str, Any]:
@@ -138,19 +142,22 @@ def score(model: ModelFile, tested: Candidates, kept: Sequence[Kept], pool: Proc
     }
 
 
-def train(every: Sequence[Course], work: Path, *, networks: int, seed: int, jobs: int) -> ModelFile:
-    """Return a verifier trained on the courses."""
+def train(
+    every: Sequence[Course], work: Path, *, networks: int, seed: int, jobs: int, before: ModelFile | None = None
+) -> ModelFile:
+    """Return a verifier trained on the courses, or one from before taught further."""
     listen = partial(_listen, load_rules("reference").tier)
     with ProcessPoolExecutor(jobs) as pool:
         kept = [each for course in every for each in _said(keep_lessons(work, course, pool), course.name)]
         numbered = list(enumerate(kept))
         learnt = joined(list(pool.map(listen, [item for item in numbered if not item[1].tested], chunksize=4)))
         _say(f"{learnt.shots.size} candidates to learn from, {int(learnt.shots.sum())} of them shots")
-        gate, screen = fit_sieves(learnt, seed)
+        gate, screen = (before.gate, before.screen) if before else fit_sieves(learnt, seed)
         left = sieved(learnt, gate, screen)
         _say(f"{left.shots.size} of them pass gate and screen, {int(left.shots.sum())} of them shots")
         examples = look(left, kept, pool)
-        judges = [_said(_network(examples, seed, number), f"network {number + 1}") for number in range(networks)]
+        known = before.networks if before else []
+        judges = [_said(_network(examples, seed, number, known), f"network {number + 1}") for number in range(networks)]
         training: dict[str, Any] = {
             "command": "python -m blastline.study.train",
             "seed": seed,
@@ -163,8 +170,10 @@ def train(every: Sequence[Course], work: Path, *, networks: int, seed: int, jobs
             "shots_passed": int(left.shots.sum()),
             "gate": GATE_SETTINGS | {"loss": GATE_LOSS},
             "screen": SCREEN_SETTINGS | {"loss": SCREEN_LOSS},
-            "networks": SETTINGS,
+            "networks": FURTHER if before else SETTINGS,
         }
+        if before:
+            training["before"] = before.training
         model = ModelFile(SCHEMA, gate, screen, judges, training)
         scores = {}
         for name in {each.course: None for each in kept if each.tested}:
@@ -181,6 +190,7 @@ def main() -> None:
     parser.add_argument("--synthetic", type=int, default=600, help="synthetic films of a minute (default: %(default)s)")
     parser.add_argument("--recorded", type=int, default=240, help="mixes of recordings (default: %(default)s)")
     parser.add_argument("--networks", type=int, default=3, help="how many networks (default: %(default)s)")
+    parser.add_argument("--further", type=Path, metavar="MODEL", help="teach the networks of this file further")
     parser.add_argument("--hold-out", type=int, choices=range(FOLDS), help="test on this fold of the sources")
     parser.add_argument("--work", type=Path, help="keep the lessons in this folder, and use what it has")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (default: %(default)s)")
@@ -194,9 +204,10 @@ def main() -> None:
         seed=options.seed,
         hold_out=options.hold_out,
     )
+    before = read_model(options.further) if options.further else None
     with tempfile.TemporaryDirectory(prefix="blastline-") as made:
         work = options.work or Path(made)
-        model = train(every, work, networks=options.networks, seed=options.seed, jobs=options.jobs)
+        model = train(every, work, networks=options.networks, seed=options.seed, jobs=options.jobs, before=before)
     options.output.write_bytes(msgspec.json.encode(model) + b"\n")
 
 
