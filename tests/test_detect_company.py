@@ -283,3 +283,24 @@ def test_other_sounds_between_hide_no_loop() -> None:
     others = [shot(at_ms, SURE) for at_ms in (19_011.0, 22_203.0, 25_017.0, 30_911.0, 34_501.0, 39_007.0)]
     kept = believed_ms(*loop(*[UNSURE] * 6), *others)
     assert kept == [each.onset * 1000 / RATE_HZ for each in others]
+
+
+def turning(*turns: int, late_ms: float = 0.0, confidence: float = UNSURE, peak_dbfs: float = -6.0) -> list[Shot]:
+    """Return a sound that comes in some turns of a loop of 2 s, in the last one late."""
+    return [shot(20_777 + n * 2000.0 + late_ms * (n == turns[-1]), confidence, peak_dbfs + 0.5 * n) for n in turns]
+
+
+def test_a_loop_that_is_known_takes_along_what_else_turns_with_it() -> None:
+    """A sound that is missed in a turn, or sure in most, makes no chain by itself; another one gives the loop away."""
+    known = loop(*[UNSURE] * 6, every_ms=2000.0)
+    sure = shot(20_111, SURE)
+    for others in (turning(0, 2, 3), turning(0, 1, confidence=SURE) + turning(4)):
+        assert len(believed_ms(sure, *others)) == 1 + len(others)
+        assert believed_ms(sure, *known, *others) == [20_111]
+
+
+def test_what_is_sure_in_each_turn_or_comes_too_seldom_too_late_or_louder_is_not_of_the_loop() -> None:
+    known, sure = loop(*[UNSURE] * 6, every_ms=2000.0), shot(20_111, SURE)
+    louder = turning(0, 2) + turning(3, peak_dbfs=-6.0 + 2.0 * TIER.rows.loop_level_db)
+    for others in (turning(0, 2, 3, confidence=SURE), turning(0, 2), turning(0, 2, 3, late_ms=3.0), louder):
+        assert len(believed_ms(sure, *known, *others)) == 1 + len(others)

@@ -7,6 +7,7 @@ from ..ruleset import BurstRules, RowRules
 from ..units import samples_from_ms, samples_from_s
 
 _SAME_LAG_MS = 1.0
+_NEAR_TURNS, _FEWEST_TURNS = 4, 2
 
 
 def in_even_rows(
@@ -70,11 +71,24 @@ def in_loops(
     """Return which onsets, ascending, come again after the same time to the millisecond, and again, as loud as before.
 
     So do sounds of an ambience that is a loop. Beyond an even row's gaps and up to `longest_loop_s`; where half of
-    `fewest_returns` and more are sure by themselves, somebody may fire like clockwork.
+    `fewest_returns` and more are sure by themselves, somebody may fire like clockwork. What else comes again with a
+    loop that one of its sounds has given away belongs to it, unless it is sure each time.
     """
     found = np.zeros(onsets.size, bool)
     if onsets.size < rules.fewest_returns:
         return found
+    chains = _chains(onsets, rate_hz=rate_hz, rules=rules)
+    alike = np.ptp(peaks_dbfs[chains], axis=0) <= rules.loop_level_db
+    loops = chains[:, alike & (2 * sure[chains].sum(axis=0) < rules.fewest_returns)]
+    found[loops] = True
+    turns = (onsets[loops[-1]] - onsets[loops[0]]) / (rules.fewest_returns - 1)
+    for turn in np.unique(np.round(turns)).tolist():
+        found |= _of_the_loop(onsets, peaks_dbfs, sure, turn, rate_hz=rate_hz, rules=rules)
+    return found
+
+
+def _chains(onsets: NDArray[np.intp], *, rate_hz: int, rules: RowRules) -> NDArray[np.intp]:
+    """Return in columns which onsets follow each other after the same time, `fewest_returns` in each."""
     shortest, longest = samples_from_ms(rules.longest_gap_ms, rate_hz), samples_from_s(rules.longest_loop_s, rate_hz)
     start, stop = np.searchsorted(onsets, onsets + shortest), np.searchsorted(onsets, onsets + longest, side="right")
     first = np.repeat(np.arange(onsets.size), stop - start)
@@ -85,9 +99,26 @@ def in_loops(
         there = _nearest(onsets, due)
         again = np.abs(onsets[there] - due) <= samples_from_ms(_SAME_LAG_MS, rate_hz)
         chains, lag = np.concatenate([chains, there[None]])[:, again], lag[again]
-    alike = np.ptp(peaks_dbfs[chains], axis=0) <= rules.loop_level_db
-    found[chains[:, alike & (2 * sure[chains].sum(axis=0) < rules.fewest_returns)]] = True
-    return found
+    return chains
+
+
+def _of_the_loop(
+    onsets: NDArray[np.intp],
+    peaks_dbfs: NDArray[np.float64],
+    sure: NDArray[np.bool_],
+    turn: float,
+    *,
+    rate_hz: int,
+    rules: RowRules,
+) -> NDArray[np.bool_]:
+    """Return which onsets come again with a loop of that length in samples, twice and more within four turns."""
+    turns = turn * np.array([*range(-_NEAR_TURNS, 0), *range(1, _NEAR_TURNS + 1)])
+    due = onsets[:, None] + np.round(turns).astype(np.intp)
+    there = _nearest(onsets, due)
+    again = np.abs(onsets[there] - due) <= samples_from_ms(_SAME_LAG_MS, rate_hz)
+    again &= np.abs(peaks_dbfs[there] - peaks_dbfs[:, None]) <= rules.loop_level_db
+    sure_each_time = sure & (sure[there] | ~again).all(axis=1)
+    return np.asarray((again.sum(axis=1) >= _FEWEST_TURNS) & ~sure_each_time)
 
 
 def runs_of(onsets: NDArray[np.intp], longest_gap: int) -> list[NDArray[np.intp]]:
