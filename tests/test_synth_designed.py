@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from blastline.synth import designed_negative, designed_shot
-from blastline.synth.designed import _backwards, _fired, _round, _sampled, _swell
+from blastline.synth.designed import _backwards, _fired, _round, _sampled, _staged, _swell
 
 RATE_HZ = 48_000
 
@@ -41,6 +41,17 @@ def test_layers_begin_within_some_milliseconds_and_rise_faster_than_a_swell() ->
     swells = [rise_ms(_swell(np.random.default_rng(seed), RATE_HZ)) for seed in range(60)]
     assert np.median(shots) < 8.0
     assert np.median(swells) > 3.0 * np.median(shots)
+
+
+def test_a_shot_in_stages_is_often_loudest_long_after_it_began() -> None:
+    """And each stage is of its own kind: it is no copy of the beginning, as a round of a burst is."""
+    loudest_ms = []
+    for seed in range(60):
+        power = np.convolve(np.square(_staged(np.random.default_rng(seed), RATE_HZ)), np.ones(240), "valid")
+        assert power[: RATE_HZ // 50].max() > 1e-4 * power.max()
+        loudest_ms.append(float(np.argmax(power)) * 1000 / RATE_HZ)
+    assert 0.3 < np.mean(np.array(loudest_ms) > 12.0) < 0.9
+    assert max(loudest_ms) < 300.0
 
 
 def test_rounds_of_one_sample_are_copies_of_it_but_for_their_level() -> None:

@@ -1,6 +1,7 @@
 """Gunshots as sound designers and game makers build them: layers of noise and tones, cut, driven and copied.
 
     crack + body + thump + tail + mechanics      each begins within some milliseconds of the first
+      perhaps in stages up to a quarter of a second apart, of other layers each: one shot all the same
       through overdrive, a sampler's rate and bits, a microphone, a place; cut short; repeated as it is or anew
 
 `shots` follows the physics of a gun. Much of what films and games fire was never a gun: it is drier, it rises within
@@ -29,7 +30,9 @@ def designed_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, tupl
     """Return one shot or a burst of up to 16 rounds, with a peak of 1, and where the rounds begin."""
     design = fork(rng)
     rounds = 1 if chance(rng, 0.65) else int(rng.integers(2, 17))
-    if chance(rng, 0.6):
+    if rounds == 1 and chance(rng, 0.4):
+        sounds = [_finished(rng, _staged(fork(design), rate_hz), rate_hz)]
+    elif chance(rng, 0.6):
         one = _finished(rng, _round(fork(design), rate_hz), rate_hz)
         sounds = [one] * rounds
     else:
@@ -132,8 +135,21 @@ def _round(rng: np.random.Generator, rate_hz: int, *, noise: np.random.Generator
     return normalised(overlaid(parts + _mechanics(rng, fork(noise), rate_hz))[: round(_LONGEST_S * rate_hz)])
 
 
+def _staged(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return a round with one to three more stages of other layers, often louder than its beginning."""
+    parts = [(0, _round(fork(rng), rate_hz))]
+    for _ in range(pick(rng, (1, 1, 2, 3))):
+        layers = _layers(fork(rng), fork(rng), rate_hz)
+        first = int(rng.integers(len(layers)))
+        late_s = log_between(rng, (0.014, 0.26))
+        level_db = between(rng, (-9.0, 6.0))
+        stage = overlaid([(0, layer * 10.0 ** (level / 20.0)) for level, layer in layers[first:]])
+        parts.append((round(late_s * rate_hz), normalised(stage) * 10.0 ** (level_db / 20.0)))
+    return normalised(overlaid(parts)[: round(_LONGEST_S * rate_hz)])
+
+
 def _layers(rng: np.random.Generator, noise: np.random.Generator, rate_hz: int) -> list[tuple[float, Samples]]:
-    """Return crack and body, in most designs also thump or tail, each with its level in dB."""
+    """Return crack and body, in most designs also thump or tail, in some the crack alone, each with its level in dB."""
 
     def burst(low_hz: float, high_hz: float, attack_ms: float, decay_ms: float) -> Samples:
         return band_burst(fork(noise), rate_hz, band_hz=(low_hz, high_hz), attack_ms=attack_ms, decay_ms=decay_ms)
@@ -141,13 +157,15 @@ def _layers(rng: np.random.Generator, noise: np.random.Generator, rate_hz: int) 
     crack = burst(
         log_between(rng, (60.0, 2_500.0)),
         log_between(rng, (2_500.0, 18_000.0)),
-        pick(rng, (0.0, log_between(rng, (0.1, 4.0)))),
-        log_between(rng, (0.7, 16.0)),
+        pick(rng, (0.0, log_between(rng, (0.1, 6.0)))),
+        log_between(rng, (0.4, 16.0)),
     )
+    if chance(rng, 0.15):  # dry: as near as can be, or all but the crack gated away
+        return [(0.0, crack)]
     body = burst(
         log_between(rng, (30.0, 500.0)),
         log_between(rng, (500.0, 6_000.0)),
-        log_between(rng, (0.05, 5.0)),
+        log_between(rng, (0.05, 8.0)),
         log_between(rng, (4.0, 90.0)),
     )
     layers = [(0.0, crack), (between(rng, (-10.0, 8.0)), body)]
