@@ -4,7 +4,7 @@
 
 Candidates on a shot's onset are positives, all others negatives. Some films, and with `--hold-out` a part of the
 sources of recordings, are never learnt from; what the file scores on them is written into it. With `--further` the
-networks of a file go on learning from new lessons, behind its gate and screen.
+networks of a file go on learning from the new lessons; gate and screen, which need fewer, are fitted anew.
 """
 
 import argparse
@@ -152,7 +152,7 @@ def train(
         numbered = list(enumerate(kept))
         learnt = joined(list(pool.map(listen, [item for item in numbered if not item[1].tested], chunksize=4)))
         _say(f"{learnt.shots.size} candidates to learn from, {int(learnt.shots.sum())} of them shots")
-        gate, screen = (before.gate, before.screen) if before else fit_sieves(learnt, seed)
+        gate, screen = fit_sieves(learnt, seed)
         left = sieved(learnt, gate, screen)
         _say(f"{left.shots.size} of them pass gate and screen, {int(left.shots.sum())} of them shots")
         examples = look(left, kept, pool)
