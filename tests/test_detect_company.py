@@ -1,10 +1,13 @@
 """Which candidates are believed, alone and in company."""
 
+from collections.abc import Sequence
+
+import msgspec
 import numpy as np
 import pytest
 
 from blastline.detect.company import in_company, worth_parting
-from blastline.model import Shot, Span
+from blastline.model import Shot, ShotEvidence, Span
 from blastline.ruleset import load_rules
 
 RATE_HZ = 48_000
@@ -239,68 +242,80 @@ def test_a_refused_row_vouches_for_nobody() -> None:
     assert believed_ms(*row(UNSURE, SURE, UNSURE, UNSURE), near, shot(24_100, SURE)) == [23_000, 24_100]
 
 
-def loop(*confidences: float, every_ms: float = 4000.0, softer_db: float = 0.0, late_ms: float = 0.0) -> list[Shot]:
-    """Return a sound that comes again after the same time, every other one softer or late by so much."""
-    return [
-        shot(20_000 + n * every_ms + late_ms * (n % 2), confidence, -6.0 - softer_db * (n % 2))
-        for n, confidence in enumerate(confidences)
-    ]
+BED = 0x2_5A5A_1234_ABCD
+"""What a loop has before a sound, and what may be there instead, as bits."""
+ELSEWHERE = (
+    0x1_C3A5_9E07_6B21,
+    0x3_0F3C_72D8_1E94,
+    0x0_E11B_A4C6_5D37,
+    0x2_8C79_04F3_B61A,
+    0x1_57E0_CB92_3F48,
+    0x3_4A16_8F5D_E0A3,
+)
 
 
-MOST = [UNSURE] * (TIER.rows.fewest_returns - 1)
+def at(at_ms: float, confidence: float, backdrop: int | None, peak_dbfs: float = -6.0) -> Shot:
+    evidence = ShotEvidence(0.5, 2, None, "background", backdrop)
+    return msgspec.structs.replace(shot(at_ms, confidence, peak_dbfs), evidence=evidence)
 
 
-@pytest.mark.parametrize("every_ms", [TIER.rows.longest_gap_ms, 4000.0, 1000.0 * TIER.rows.longest_loop_s])
-def test_what_comes_again_and_again_after_the_same_time_is_a_loop(every_ms: float) -> None:
-    near = [shot(each.onset * 1000 / RATE_HZ + 777, UNSURE) for each in loop(SURE, *MOST, every_ms=every_ms)]
-    kept, refused = in_company([*loop(SURE, *MOST, every_ms=every_ms), *near], rate_hz=RATE_HZ, tier=TIER)
-    assert kept == ()
-    assert "one of a loop: it comes again after the same time, and again" in {each.reason for each in refused}
+def turning(*turns: int, confidence: float = UNSURE, first_ms: float = 20_777, every_ms: float = 2000.0) -> list[Shot]:
+    """Return a sound that comes in some turns of a loop, the bed of which is covered by something else each time."""
+    return [at(first_ms + n * every_ms, confidence, ELSEWHERE[n]) for n in turns]
 
 
-def test_only_what_returns_often_exactly_alike_and_unsure_is_a_loop() -> None:
-    assert len(believed_ms(*loop(SURE, *MOST[1:]))) == 2 + 1  # what is beyond the reach of the sure one is alone
-    fast_ms = TIER.rows.longest_gap_ms + 100.0
-    assert believed_ms(*loop(SURE, *MOST, every_ms=fast_ms)) == []
-    assert len(believed_ms(*loop(SURE, *MOST[1:], every_ms=fast_ms))) == len(MOST)
-    assert len(believed_ms(*loop(SURE, *MOST, every_ms=fast_ms, late_ms=3.0))) == len(MOST) + 1
-    assert (
-        len(believed_ms(*loop(SURE, *MOST, every_ms=fast_ms, softer_db=TIER.rows.loop_level_db + 1))) == len(MOST) + 1
-    )
-    assert len(believed_ms(*loop(SURE, SURE, SURE, *MOST[2:], every_ms=fast_ms))) == len(MOST) + 1
-    assert len(believed_ms(*loop(*[SURE] * 20, every_ms=fast_ms))) == 20
+def loop(count: int, every_ms: float = 2000.0, backdrops: Sequence[int | None] = (BED,) * 9) -> list[Shot]:
+    """Return a sound that comes again after the same time."""
+    return [at(20_000 + n * every_ms, UNSURE, backdrop) for n, backdrop in zip(range(count), backdrops, strict=False)]
+
+
+SURE_SHOT = shot(20_111, SURE)  # in whose company the others would be believed
+TURNS = TIER.rows.fewest_turns
+
+
+@pytest.mark.parametrize("every_ms", [TIER.rows.longest_gap_ms, 2000.0, 1000.0 * TIER.rows.longest_loop_s])
+def test_what_comes_again_and_again_with_the_same_before_it_is_a_loop(every_ms: float) -> None:
+    kept, refused = in_company([SURE_SHOT, *loop(TURNS, every_ms)], rate_hz=RATE_HZ, tier=TIER)
+    assert [each.onset for each in kept] == [SURE_SHOT.onset]
+    assert {each.reason for each in refused} == {"one of a loop: it comes again with all that is around it, and again"}
+
+
+def test_who_fires_like_clockwork_makes_no_loop() -> None:
+    """Shots of a test scene may come every two seconds to the sample, as loud as each other; the wind does not."""
+    for backdrops in (ELSEWHERE, (None,) * 6, (BED, BED, *ELSEWHERE)):
+        assert len(believed_ms(SURE_SHOT, *loop(5, 2000.0, backdrops))) == 6
+    later = [each if n else at(20_003.0, UNSURE, BED) for n, each in enumerate(loop(TURNS))]
+    assert len(believed_ms(SURE_SHOT, *later)) == TURNS + 1
+
+
+def test_a_backdrop_is_the_same_up_to_some_bits() -> None:
+    few = [BED ^ (1 << TIER.rows.backdrop_bits * n) - 1 for n in range(3)]
+    more = [BED ^ (1 << (TIER.rows.backdrop_bits + 1) * n) - 1 for n in range(3)]
+    assert believed_ms(SURE_SHOT, *loop(3, 2000.0, few)) == [20_111]
+    assert len(believed_ms(SURE_SHOT, *loop(3, 2000.0, more))) == 4
 
 
 def test_what_is_not_worth_parting_makes_no_loop() -> None:
     """Whether a faint candidate was parted depends on where a film's cores lie; what is believed must not."""
-    faint = [shot(20_000 + n * 4000.0, VERIFY.company_threshold - 0.01) for n in (1, 2, 3)]
-    turns = [shot(20_000 + n * 4000.0, UNSURE) for n in (0, 4)]
-    sure = shot(28_777, SURE)
-    assert believed_ms(*turns, sure, *faint) == believed_ms(*turns, sure) == [20_000, 28_777, 36_000]
+    faint = [at(20_000 + n * 2000.0, VERIFY.company_threshold - 0.01, BED) for n in (1, 2)]
+    turns = [at(20_000 + n * 2000.0, UNSURE, BED) for n in (0, 3)]
+    assert believed_ms(*turns, SURE_SHOT, *faint) == believed_ms(*turns, SURE_SHOT) == [20_000, 20_111, 26_000]
 
 
 def test_other_sounds_between_hide_no_loop() -> None:
     others = [shot(at_ms, SURE) for at_ms in (19_011.0, 22_203.0, 25_017.0, 30_911.0, 34_501.0, 39_007.0)]
-    kept = believed_ms(*loop(*[UNSURE] * 6), *others)
-    assert kept == [each.onset * 1000 / RATE_HZ for each in others]
-
-
-def turning(*turns: int, late_ms: float = 0.0, confidence: float = UNSURE, peak_dbfs: float = -6.0) -> list[Shot]:
-    """Return a sound that comes in some turns of a loop of 2 s, in the last one late."""
-    return [shot(20_777 + n * 2000.0 + late_ms * (n == turns[-1]), confidence, peak_dbfs + 0.5 * n) for n in turns]
+    assert believed_ms(*loop(6), *others) == [each.onset * 1000 / RATE_HZ for each in others]
 
 
 def test_a_loop_that_is_known_takes_along_what_else_turns_with_it() -> None:
-    """A sound that is missed in a turn, or sure in most, makes no chain by itself; another one gives the loop away."""
-    known = loop(*[UNSURE] * 6, every_ms=2000.0)
-    sure = shot(20_111, SURE)
-    for others in (turning(0, 2, 3), turning(0, 1, confidence=SURE) + turning(4)):
-        assert len(believed_ms(sure, *others)) == 1 + len(others)
-        assert believed_ms(sure, *known, *others) == [20_111]
+    """Where other sounds cover the bed, or it is missed in a turn, a sound tells of no loop; another one does."""
+    for others in (turning(0, 2, 3), turning(0, 1, confidence=SURE) + turning(3)):
+        assert len(believed_ms(SURE_SHOT, *others)) == 1 + len(others)
+        assert believed_ms(SURE_SHOT, *loop(6), *others) == [20_111]
 
 
 def test_what_is_sure_in_each_turn_or_comes_too_seldom_too_late_or_louder_is_not_of_the_loop() -> None:
-    known, sure = loop(*[UNSURE] * 6, every_ms=2000.0), shot(20_111, SURE)
-    louder = turning(0, 2) + turning(3, peak_dbfs=-6.0 + 2.0 * TIER.rows.loop_level_db)
-    for others in (turning(0, 2, 3, confidence=SURE), turning(0, 2), turning(0, 2, 3, late_ms=3.0), louder):
-        assert len(believed_ms(sure, *known, *others)) == 1 + len(others)
+    late = turning(0, 2) + turning(3, first_ms=20_780)
+    louder = [*turning(0, 2), at(20_777 + 6000.0, UNSURE, None, -6.0 + 2.0 * TIER.rows.loop_level_db)]
+    for others in (turning(0, 2, 3, confidence=SURE), turning(0, 2), late, louder):
+        assert len(believed_ms(SURE_SHOT, *loop(6), *others)) == 1 + len(others)

@@ -6,7 +6,7 @@ even run, less likely in the mean          ──► believed    a weapon keeps 
 believed ──► the next as fast as a gun fires, unlikely     one round is followed by another
 even row, at a walking pace, half of it unsure ──► none    so come steps and blows
 even run without an end, half of it unsure     ──► none    so do machines
-again and again after the same time, unsure    ──► none    so do loops of ambience
+again and again with what is heard before it   ──► none    so do loops of ambience
 """
 
 from collections.abc import Iterable, Sequence
@@ -24,7 +24,7 @@ _ROUNDING = 2  # samples that a gap may gain on its way to another rate
 _ALONE = "alone, and not sure enough for that"
 _STEP = "one of an even row, as of steps or blows"
 _MACHINE = "one of a row that goes on as no gun does, as of a machine"
-_LOOP = "one of a loop: it comes again after the same time, and again"
+_LOOP = "one of a loop: it comes again with all that is around it, and again"
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ def in_company(
     where they reach `even_threshold` in the mean. Two shots in a burst take along the other rounds of it from
     `round_threshold` on: what lies within `longest_gap_ms` from one to the next, unless it is `echo_drop_db` softer
     than they are. A slower even row (`RowRules`) and an even run of more than `most_unsure`, of which fewer than half
-    are sure by themselves, have no shots and vouch for none; nor has what comes again and again after the same time.
+    are sure by themselves, have no shots and vouch for none; nor has what turns with a loop of ambience.
     """
     left = sorted(shots, key=lambda s: s.onset)
     refused: list[Rejection] = []
@@ -93,12 +93,18 @@ def _rows(shots: Sequence[Shot], belief: _Belief, *, rate_hz: int, tier: Quality
     machines = in_endless_fire(onsets[believed], by_itself[believed], rate_hz=rate_hz, rules=tier.bursts)
     returning = np.flatnonzero(belief.likely)  # a turn may be out of all company; what is less is not always parted
     peaks_dbfs = np.array([shots[place].peak_dbfs for place in returning.tolist()])
-    loops = in_loops(onsets[returning], peaks_dbfs, by_itself[returning], rate_hz=rate_hz, rules=tier.rows)
+    before = np.array([_backdrop(shots[place]) for place in returning.tolist()], np.int64)
+    loops = in_loops(onsets[returning], peaks_dbfs, by_itself[returning], before, rate_hz=rate_hz, rules=tier.rows)
     why = [""] * len(shots)
     for refused, reason in ((returning[loops], _LOOP), (believed[steps], _STEP), (believed[machines], _MACHINE)):
         for place in refused.tolist():
             why[place] = reason
     return why
+
+
+def _backdrop(shot: Shot) -> int:
+    """Return what is heard just before a shot, and -1 where that is not known."""
+    return -1 if shot.evidence is None or shot.evidence.backdrop is None else shot.evidence.backdrop
 
 
 def _onsets(shots: Sequence[Shot]) -> NDArray[np.intp]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..model import Channels, Clip, Rejection, Shot
 from ..ruleset import QualityRules
 from ..units import samples_from_ms
+from .backdrop import backdrops
 from .bandshape import band_levels, bandshape
 from .bursts import group_bursts, keep_apart, part_from_echoes, without_echoes
 from .company import in_company, unlike_a_shot, worth_parting
@@ -167,7 +168,8 @@ def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier
     """Return what is found in a stretch, with its places in the samples of a film of that rate."""
     screen = partial(verifier.screen.lets_pass, at_least=tier.verify.look_from)
     found = described(stretch, grid, tier, gate=verifier.gate.lets_pass, screen=screen)
-    verdicts = verifier.verdicts(found.rows, pictures(stretch.samples, found.onsets, grid.rate_hz))
+    shown = pictures(stretch.samples, found.onsets, grid.rate_hz)
+    verdicts, before = verifier.verdicts(found.rows, shown), backdrops(shown)
     at = found.onsets + stretch.start
     worth = worth_parting(at, verdicts.surety, rate_hz=grid.rate_hz, tier=tier, core=stretch.core)
     shots = [
@@ -181,6 +183,7 @@ def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier
             rules=tier.segment,
             screen=float(verdicts.screened[index]),
             networks=int(verdicts.networks[index]),
+            backdrop=before[index],
         )
         for index in np.flatnonzero(worth)
     ]

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from ..ruleset import BurstRules, RowRules
 from ..units import samples_from_ms, samples_from_s
+from .backdrop import bits_apart
 
 _SAME_LAG_MS = 1.0
 _NEAR_TURNS, _FEWEST_TURNS = 4, 2
@@ -64,37 +65,39 @@ def in_loops(
     onsets: NDArray[np.intp],
     peaks_dbfs: NDArray[np.float64],
     sure: NDArray[np.bool_],
+    backdrops: NDArray[np.int64],
     *,
     rate_hz: int,
     rules: RowRules,
 ) -> NDArray[np.bool_]:
-    """Return which onsets, ascending, come again after the same time to the millisecond, and again, as loud as before.
+    """Return which onsets, ascending, turn with a loop of ambience: they come again with it, to the ms and as loud.
 
-    So do sounds of an ambience that is a loop. Beyond an even row's gaps and up to `longest_loop_s`; where half of
-    `fewest_returns` and more are sure by themselves, somebody may fire like clockwork. What else comes again with a
-    loop that one of its sounds has given away belongs to it, unless it is sure each time.
+    That there is a loop is told by what comes again after the same time, beyond an even row's gaps and up to
+    `longest_loop_s`, `fewest_turns` times in all and each time with the same backdrop (below 0: unknown). Somebody may
+    fire like clockwork, but nobody makes the wind do so. What turns twice and more within four turns belongs to the
+    loop, unless it is sure each time.
     """
     found = np.zeros(onsets.size, bool)
-    if onsets.size < rules.fewest_returns:
+    if onsets.size < rules.fewest_turns:
         return found
     chains = _chains(onsets, rate_hz=rate_hz, rules=rules)
-    alike = np.ptp(peaks_dbfs[chains], axis=0) <= rules.loop_level_db
-    loops = chains[:, alike & (2 * sure[chains].sum(axis=0) < rules.fewest_returns)]
-    found[loops] = True
-    turns = (onsets[loops[-1]] - onsets[loops[0]]) / (rules.fewest_returns - 1)
+    known = (backdrops[chains] >= 0).all(axis=0)
+    alike = bits_apart(backdrops[chains[1:]], backdrops[chains[:-1]]) <= rules.backdrop_bits
+    loops = chains[:, known & alike.all(axis=0)]
+    turns = (onsets[loops[-1]] - onsets[loops[0]]) / (rules.fewest_turns - 1)
     for turn in np.unique(np.round(turns)).tolist():
-        found |= _of_the_loop(onsets, peaks_dbfs, sure, turn, rate_hz=rate_hz, rules=rules)
+        found |= _turning(onsets, peaks_dbfs, sure, turn, rate_hz=rate_hz, rules=rules)
     return found
 
 
 def _chains(onsets: NDArray[np.intp], *, rate_hz: int, rules: RowRules) -> NDArray[np.intp]:
-    """Return in columns which onsets follow each other after the same time, `fewest_returns` in each."""
+    """Return in columns which onsets follow each other after the same time, `fewest_turns` in each."""
     shortest, longest = samples_from_ms(rules.longest_gap_ms, rate_hz), samples_from_s(rules.longest_loop_s, rate_hz)
     start, stop = np.searchsorted(onsets, onsets + shortest), np.searchsorted(onsets, onsets + longest, side="right")
     first = np.repeat(np.arange(onsets.size), stop - start)
     second = np.concatenate([np.arange(*ends) for ends in zip(start, stop, strict=True)]).astype(np.intp)
     lag, chains = onsets[second] - onsets[first], np.stack([first, second])
-    for times in range(2, rules.fewest_returns):
+    for times in range(2, rules.fewest_turns):
         due = onsets[chains[0]] + times * lag
         there = _nearest(onsets, due)
         again = np.abs(onsets[there] - due) <= samples_from_ms(_SAME_LAG_MS, rate_hz)
@@ -102,7 +105,7 @@ def _chains(onsets: NDArray[np.intp], *, rate_hz: int, rules: RowRules) -> NDArr
     return chains
 
 
-def _of_the_loop(
+def _turning(
     onsets: NDArray[np.intp],
     peaks_dbfs: NDArray[np.float64],
     sure: NDArray[np.bool_],

@@ -106,13 +106,15 @@ class ShotEvidence(msgspec.Struct, frozen=True):
     `screen` is the probability by the screen alone and `networks` how many judged beside it; None and 0 where somebody
     else found the shot. No later stretch as long as the blast is louder than `echo_room_db` against it, in the
     sound's difference over a sample or a sixth of a millisecond; None where no reflections are looked for.
-    `decay_end` says what ended the decay.
+    `decay_end` says what ended the decay. `backdrop` is what is heard just before (`detect.backdrop`); None where that
+    is silence, or somebody else found the shot.
     """
 
     screen: Ratio | None
     networks: Index
     echo_room_db: float | None
     decay_end: DecayEnd
+    backdrop: int | None = None
 
 
 class Decision(msgspec.Struct, frozen=True):

@@ -152,16 +152,17 @@ class RowRules(Table, frozen=True):
     """What an even row is: `fewest` sounds or more, their gaps in a range, each within `unevenness` of the one before.
 
     Steps, hammers and drums come so. A row of which fewer than half are sure by themselves has no shots. Nor has a
-    loop: what comes `fewest_returns` times, each time after the same time of up to `longest_loop_s`, its peaks within
-    `loop_level_db`.
+    loop: what comes `fewest_turns` times, each time after the same time of up to `longest_loop_s` and with the same
+    before it, up to `backdrop_bits` of 50, tells how long it is; all that turns with it is its, peaks within `loop_level_db`.
     """
 
     fewest: Annotated[int, Meta(ge=3)]
     shortest_gap_ms: Positive
     longest_gap_ms: Positive
     unevenness: Ratio
-    fewest_returns: Annotated[int, Meta(ge=3)]
+    fewest_turns: Annotated[int, Meta(ge=3)]
     longest_loop_s: Annotated[float, Meta(gt=0.0, le=60.0)]
+    backdrop_bits: Annotated[int, Meta(ge=0, le=20)]
     loop_level_db: Positive
 
     def __post_init__(self) -> None:

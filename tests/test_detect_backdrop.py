@@ -1,0 +1,51 @@
+"""Backdrops: the same bed gives the same bits whatever its level and whatever follows, another moment another ones."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blastline.detect.backdrop import BITS, backdrops, bits_apart
+from blastline.detect.picture import pictures
+
+RATE_HZ = 48_000
+LENGTH = RATE_HZ // 2
+AT = RATE_HZ // 4
+
+
+def of(bed: NDArray[np.float64], gain: float = 1.0, seed: int = 1) -> int | None:
+    """Return the backdrop of a bang over a bed."""
+    film = gain * bed
+    decay = np.exp(-np.arange(LENGTH - AT) / 800.0)
+    film[AT:] += gain * np.random.default_rng(seed).standard_normal(LENGTH - AT) * decay
+    (backdrop,) = backdrops(pictures(film.astype(np.float32), np.array([AT]), RATE_HZ))
+    return backdrop
+
+
+def noise(seed: int, level: float = 0.03) -> NDArray[np.float64]:
+    return level * np.random.default_rng([9, seed]).standard_normal(LENGTH)
+
+
+def apart(first: int | None, second: int | None) -> int:
+    assert first is not None
+    assert second is not None
+    return int(bits_apart(np.array([first]), np.array([second]))[0])
+
+
+def test_one_bed_has_one_backdrop_at_any_level_under_any_sound() -> None:
+    for seed in range(20):
+        here = of(noise(seed))
+        assert apart(here, of(noise(seed), gain=0.1)) <= 1
+        assert apart(here, of(noise(seed), seed=2)) <= 2
+        assert apart(here, of(noise(seed) + 0.2 * noise(seed + 100))) < 20
+
+
+def test_two_moments_of_a_noise_differ_by_half_of_their_bits() -> None:
+    numbers = [of(noise(seed)) for seed in range(60)]
+    far = [apart(first, second) for n, first in enumerate(numbers) for second in numbers[:n]]
+    assert abs(np.mean(far) - BITS / 2) < 1.0
+    assert min(far) > 8
+
+
+def test_silence_has_none() -> None:
+    assert of(np.zeros(LENGTH)) is None
+    assert of(noise(1, level=1e-6)) is None
+    assert backdrops(pictures(np.zeros(LENGTH, np.float32), np.zeros(0, np.intp), RATE_HZ)) == []
