@@ -153,7 +153,8 @@ class RowRules(Table, frozen=True):
 
     Steps, hammers and drums come so. A row of which fewer than half are sure by themselves has no shots. Nor has a
     loop: what comes `fewest_turns` times, each time after the same time of up to `longest_loop_s` and with the same
-    before it, up to `backdrop_bits` of 50, tells how long it is; all that turns with it is its, peaks within `loop_level_db`.
+    before it, up to `backdrop_bits` of 50, tells how long it is. All that turns with it is its, peaks within
+    `loop_level_db`.
     """
 
     fewest: Annotated[int, Meta(ge=3)]

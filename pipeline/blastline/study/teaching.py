@@ -34,7 +34,7 @@ SETTINGS: dict[str, Any] = {
     "picture_noise": 0.1,
     "feature_noise": 0.05,
 }
-FURTHER: dict[str, Any] = SETTINGS | {"epochs": 3, "learning_rate": 5e-4}
+FURTHER: dict[str, Any] = SETTINGS | {"epochs": 3, "learning_rate": 1e-3}
 """For networks that know most of it already."""
 
 NORMALISING_BATCHES = 200
