@@ -124,18 +124,18 @@ def test_even_fire_is_sure_as_a_whole_where_its_mean_is_enough(gap_ms: float) ->
 
 
 def test_even_fire_is_fast_even_and_long_enough() -> None:
-    enough = [VERIFY.even_threshold + 0.1] * BURSTS.fewest_even
+    enough = [VERIFY.even_threshold + 0.05] * BURSTS.fewest_even
     assert len(believed_ms(*even_fire(*enough))) == BURSTS.fewest_even
     assert believed_ms(*even_fire(*enough[1:])) == []
     assert believed_ms(*even_fire(*[*enough, *enough], gap_ms=BURSTS.longest_gap_ms + 1)) == []
     assert believed_ms(*even_fire(*[*enough, *enough], gap_ms=BURSTS.shortest_gap_ms - 1)) == []
     gaps_ms = [FAST_MS * (1.0 + (1.5 * BURSTS.unevenness if n % 2 else 0.0)) for n in range(12)]
-    uneven = [shot(20_000 + sum(gaps_ms[:n]), VERIFY.even_threshold + 0.1) for n in range(12)]
+    uneven = [shot(20_000 + sum(gaps_ms[:n]), VERIFY.even_threshold + 0.05) for n in range(12)]
     assert believed_ms(*uneven) == []
 
 
 def test_even_fire_vouches_for_nothing_but_its_own_rounds() -> None:
-    fire = even_fire(*[VERIFY.even_threshold + 0.1] * BURSTS.fewest_even)
+    fire = even_fire(*[VERIFY.even_threshold + 0.05] * BURSTS.fewest_even)
     longest_ms = (BURSTS.fewest_even - 1) * FAST_MS + BURSTS.longest_gap_ms
     assert len(believed_ms(*fire, shot(20_000 + longest_ms + 1, VERIFY.burst_threshold))) == BURSTS.fewest_even
     assert len(believed_ms(*fire, shot(20_000 + longest_ms, VERIFY.round_threshold))) == BURSTS.fewest_even + 1
@@ -161,7 +161,7 @@ def test_several_guns_may_fire_for_long() -> None:
 def test_what_is_unlikelier_than_a_round_is_in_nobodys_even_fire() -> None:
     """An echo between two rounds that hardly sounds like a shot does not break their pace."""
     between = shot(20_000 + 1.5 * FAST_MS, VERIFY.round_threshold - 0.01)
-    assert len(believed_ms(*even_fire(*[VERIFY.even_threshold + 0.1] * 4), between)) == 4
+    assert len(believed_ms(*even_fire(*[VERIFY.even_threshold + 0.05] * 4), between)) == 4
 
 
 @pytest.mark.parametrize("seed", range(20))
