@@ -38,6 +38,13 @@ def test_one_bed_has_one_backdrop_at_any_level_under_any_sound() -> None:
         assert apart(here, of(noise(seed) + 0.2 * noise(seed + 100))) < 20
 
 
+def test_a_fader_over_the_bed_changes_little() -> None:
+    """It moves all bands alike, and only the steps between them count."""
+    ramp = 10.0 ** (np.linspace(-1.0, 1.0, LENGTH) * 2.0)  # 9.6 dB in the 120 ms before
+    for seed in range(20):
+        assert apart(of(noise(seed)), of(noise(seed, level=3e-3) * ramp)) <= 5
+
+
 def test_two_moments_of_a_noise_differ_by_half_of_their_bits() -> None:
     numbers = [of(noise(seed)) for seed in range(60)]
     far = [apart(first, second) for n, first in enumerate(numbers) for second in numbers[:n]]
