@@ -168,7 +168,7 @@ def test_files_that_are_not_there(films: tuple[Path, Path, Path], tmp_path: Path
 
 
 def test_a_film_that_is_cut_anew_keeps_its_shots(tmp_path: Path) -> None:
-    old = made_film(tmp_path, 11, 1.5)
+    old = made_film(tmp_path, 14, 1.5)  # a film of which a shot is cut out
     name = next(iter(CASES))
     score = score_one(name, old, tmp_path)
     assert score.surviving >= 15
