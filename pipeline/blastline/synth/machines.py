@@ -138,22 +138,6 @@ def mill(rng: np.random.Generator, rate_hz: int) -> Samples:
     return normalised(sound + log_between(rng, (0.02, 0.8)) * groan)
 
 
-def hooves(rng: np.random.Generator, rate_hz: int) -> Samples:
-    """Return a horse that walks, trots or gallops: two to four beats a stride, on earth, stone or wood."""
-    ground = draw_body(rng, pick(rng, ("earth", "stone", "wood")))
-    stride_s, beats = pick(rng, ((1.1, (0.0, 0.25, 0.5, 0.75)), (0.65, (0.0, 0.5)), (0.48, (0.0, 0.2, 0.4))))
-    scrape = (log_between(rng, (150.0, 900.0)), log_between(rng, (1_500.0, 6_000.0)))
-    falls = []
-    for _ in range(4):
-        blow = struck(fork(rng), rate_hz, ground, hardness=between(rng, (0.5, 2.0)))
-        dirt = band_burst(fork(rng), rate_hz, band_hz=scrape, attack_ms=2.0, decay_ms=between(rng, (5.0, 40.0)))
-        falls.append(overlaid([(0, blow), (0, dirt * between(rng, (0.05, 0.6)))]))
-    strides = int(rng.integers(1, 7))
-    at_s = np.concatenate([stride_s * (number + np.array(beats)) for number in range(strides)])
-    gaps = np.diff(at_s) * np.exp(0.06 * rng.standard_normal(len(at_s) - 1))
-    return series(rng, falls, gaps_s=gaps, levels_db=2.5, rate_hz=rate_hz)
-
-
 def nail_gun(rng: np.random.Generator, rate_hz: int) -> Samples:
     """Return 1-4 shots of a pneumatic nailer: the piston's blow on wood, then air that hisses out for 50-200 ms."""
     work = draw_body(rng, "wood")

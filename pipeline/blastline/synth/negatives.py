@@ -21,11 +21,12 @@ from .knocks import (
     hammer,
     hammering,
     handling,
+    hooves,
     knock,
     metal,
     snap,
 )
-from .machines import hooves, jackhammer, machine, mill, motor, nail_gun, ratchet, rotor, typewriter
+from .machines import jackhammer, machine, mill, motor, nail_gun, ratchet, rotor, typewriter
 from .music import bell, stinger
 from .rooms import ENVIRONMENTS, draw_place
 from .tone import Samples, peak, trimmed
