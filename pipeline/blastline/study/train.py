@@ -158,22 +158,7 @@ def train(
         examples = look(left, kept, pool)
         known = before.networks if before else []
         judges = [_said(_network(examples, seed, number, known), f"network {number + 1}") for number in range(networks)]
-        training: dict[str, Any] = {
-            "command": "python -m blastline.study.train",
-            "seed": seed,
-            "minutes_each": MIX_S / 60.0,
-            "lessons": {course.name: course.count for course in every},
-            "candidates": int(learnt.shots.size),
-            "shots": int(learnt.shots.sum()),
-            "shots_without_candidate": learnt.missed,
-            "passed": int(left.shots.size),
-            "shots_passed": int(left.shots.sum()),
-            "gate": GATE_SETTINGS | {"loss": GATE_LOSS},
-            "screen": SCREEN_SETTINGS | {"loss": SCREEN_LOSS},
-            "networks": FURTHER if before else SETTINGS,
-        }
-        if before:
-            training["before"] = before.training
+        training = _record(every, learnt, left, seed, before)
         model = ModelFile(SCHEMA, gate, screen, judges, training)
         scores = {}
         for name in {each.course: None for each in kept if each.tested}:
@@ -181,6 +166,27 @@ def train(
             scores[name] = score(model, joined(list(pool.map(listen, tested, chunksize=4))), kept, pool)
     _say(f"held out: {scores}")
     return msgspec.structs.replace(model, training=training | {"held_out": scores})
+
+
+def _record(
+    every: Sequence[Course], learnt: Candidates, left: Candidates, seed: int, before: ModelFile | None
+) -> dict[str, Any]:
+    """Return how a model was trained: on which lessons, of which so much passed the sieves, and after which model."""
+    record: dict[str, Any] = {
+        "command": "python -m blastline.study.train",
+        "seed": seed,
+        "minutes_each": MIX_S / 60.0,
+        "lessons": {course.name: course.count for course in every},
+        "candidates": int(learnt.shots.size),
+        "shots": int(learnt.shots.sum()),
+        "shots_without_candidate": learnt.missed,
+        "passed": int(left.shots.size),
+        "shots_passed": int(left.shots.sum()),
+        "gate": GATE_SETTINGS | {"loss": GATE_LOSS},
+        "screen": SCREEN_SETTINGS | {"loss": SCREEN_LOSS},
+        "networks": FURTHER if before else SETTINGS,
+    }
+    return record | {"before": before.training} if before else record
 
 
 def main() -> None:
