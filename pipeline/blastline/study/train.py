@@ -74,6 +74,12 @@ def _load(path: Path) -> Mix:
         return Mix(samples, kept["onsets"], kept["level_db"], kept["unsure"])
 
 
+def as_taught(tier: QualityRules) -> QualityRules:
+    """Return a tier that scans as for lessons: with lower jumps than films are, so that there is more to learn from."""
+    jumps = {"jump_db": 3.0, "difference_jump_db": 3.0, "band_jump_db": 4.0}
+    return msgspec.structs.replace(tier, scan=msgspec.structs.replace(tier.scan, **jumps))
+
+
 def _listen(tier: QualityRules, item: tuple[int, Kept]) -> Candidates:
     """Return the candidates of a lesson, numbered."""
     return candidates(_load(item[1].path), tier, item[0])
@@ -146,7 +152,7 @@ def train(
     every: Sequence[Course], work: Path, *, networks: int, seed: int, jobs: int, before: ModelFile | None = None
 ) -> ModelFile:
     """Return a verifier trained on the courses, or one from before taught further."""
-    listen = partial(_listen, load_rules("reference").tier)
+    listen = partial(_listen, as_taught(load_rules("reference").tier))
     with ProcessPoolExecutor(jobs) as pool:
         kept = [each for course in every for each in _said(keep_lessons(work, course, pool), course.name)]
         numbered = list(enumerate(kept))
