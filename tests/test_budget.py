@@ -1,11 +1,13 @@
 """Choosing the quality by a budget: laws of the choice and of the prediction, and a budget that makes no sense."""
 
+import tracemalloc
 from pathlib import Path
 from typing import get_args
 
 import msgspec
 import numpy as np
 import pytest
+import soundfile
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -180,8 +182,6 @@ def pitch(samples: np.ndarray) -> float:
 
 @pytest.mark.parametrize("kind", ["wav", "mkv"])
 def test_a_stretch_is_from_where_it_is_asked_for(tmp_path: Path, kind: str) -> None:
-    import soundfile
-
     path, samples = tmp_path / f"film.{kind}", tones(12)
     if kind == "wav":
         soundfile.write(path, samples, RATE_HZ, subtype="PCM_16")
@@ -195,8 +195,6 @@ def test_a_stretch_is_from_where_it_is_asked_for(tmp_path: Path, kind: str) -> N
 
 
 def test_a_sample_is_taken_from_all_over_the_film(tmp_path: Path) -> None:
-    import soundfile
-
     film = tmp_path / "long.wav"
     quiet = np.zeros(100 * RATE_HZ, np.float32)
     quiet[60 * RATE_HZ :] = 0.25
@@ -208,6 +206,31 @@ def test_a_sample_is_taken_from_all_over_the_film(tmp_path: Path) -> None:
     assert taken.size == round(sample.seconds * RATE_HZ)
     assert sample.seconds == pytest.approx(timed_s(100.0), rel=0.3)
     assert 0.1 < np.mean(np.abs(taken) > 0.1) < 0.6
+
+
+def test_a_sample_joins_without_a_step_and_knows_its_loudest_frame(tmp_path: Path) -> None:
+    film = tmp_path / "even.wav"
+    even = np.full(100 * RATE_HZ, 0.25, np.float32)
+    even[71 * RATE_HZ : 71 * RATE_HZ + 4] = 0.9  # may be in it or not
+    soundfile.write(film, even, RATE_HZ, subtype="PCM_16")
+    with open_soundtrack(film) as track:
+        sample = sampled(film, track, tmp_path / "sample.wav", counted=False)
+    taken, _ = soundfile.read(sample.path)
+    assert abs(taken[sample.loudest]) == np.abs(taken).max()
+    assert np.abs(np.diff(taken[np.abs(taken) < 0.5])).max() < 0.01
+    assert np.sum(taken < 0.05) > 400  # faded where two stretches meet
+
+
+def test_a_sample_never_holds_more_than_a_stretch_in_memory(tmp_path: Path) -> None:
+    film, rate_hz = tmp_path / "long.wav", 8_000
+    soundfile.write(film, np.zeros(20 * 60 * rate_hz, np.int16), rate_hz, subtype="PCM_16")
+    with open_soundtrack(film) as track:
+        tracemalloc.start()
+        sample = sampled(film, track, tmp_path / "sample.wav", counted=True)
+        _, most = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+    assert sample.seconds == pytest.approx(20 * 60, rel=0.05)
+    assert most < 0.7 * sample.seconds * rate_hz * 4  # bytes of the whole, as float32
 
 
 def test_beyond_the_end_of_a_film_there_is_nothing(film: Path) -> None:

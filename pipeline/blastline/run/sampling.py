@@ -1,7 +1,7 @@
 """A sample of a film: a few seconds from every part of it in one short file, and what reading the film takes."""
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
@@ -23,10 +23,10 @@ TIMED_FRAMES = 4 * BLOCK
 TIMED_SHARE, TIMED_S = 0.1, 72.0
 """Each tier is timed over a tenth of the film, but no more than 72 s, in pieces of a few seconds from all over it."""
 
-COUNTED_S, LEAST_COUNTED_S, LONG_S = 720.0, 360.0, 2400.0
-"""What a run costs depends most on how many shots there are: they are counted, once, in 720 s of a film.
+COUNTED_S, LEAST_COUNTED_S = 1200.0, 360.0
+"""What a run costs depends most on how many shots there are: they are counted, once, in all of a film of 20 minutes.
 
-In one of 40 minutes and more, which has more of them, 360 s tell as well."""
+In longer ones, which have more of them, fewer seconds tell as well, but no fewer than 360."""
 
 LEAST_S = 12.0
 
@@ -67,10 +67,9 @@ def counted_s(film_s: float) -> float:
     """Return in how many seconds of a film its shots are counted.
 
     >>> [round(counted_s(minutes * 60.0)) for minutes in (1, 10, 20, 30, 120)]
-    [60, 600, 720, 480, 360]
+    [60, 600, 1200, 800, 360]
     """
-    shorter_s = COUNTED_S * min(1.0, 0.5 * LONG_S / film_s)
-    return min(film_s, max(LEAST_COUNTED_S, shorter_s))
+    return min(film_s, max(LEAST_COUNTED_S, COUNTED_S * min(1.0, COUNTED_S / film_s)))
 
 
 def sampled(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> Sampled:
@@ -86,39 +85,57 @@ def sampled(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> Samp
     wanted_s = counted_s(film_s) if counted else timed_s(film_s)
     parts = max(1, round(wanted_s / stretch_s))
     track.near(0.0, stretch_s)  # whatever is imported or set up on the way
-    began = process_time()
-    stretches = [
-        track.near(max(0.0, (part + 0.5) * film_s / parts - stretch_s / 2.0), stretch_s)[:frames, 0]
-        for part in range(parts)
-    ]
-    decode_s = process_time() - began
-    samples = _joined([stretch for stretch in stretches if stretch.size], track.rate_hz)
-    if not samples.size:
+    starts_s = [max(0.0, (part + 0.5) * film_s / parts - stretch_s / 2.0) for part in range(parts)]
+    taken = _Taken(track, starts_s, frames)
+    written = write_excerpt(path, taken.stretches(), track.rate_hz)
+    if not written:
         raise SoundtrackError(f"{film}: no sound could be read at any of {parts} places; give a --quality")
-    seconds = samples.size / track.rate_hz
-    write_excerpt(path, samples, track.rate_hz)
+    seconds = written / track.rate_hz
     return Sampled(
         path,
         seconds,
         stride=max(1, round(seconds / timed_s(film_s))),
-        loudest=int(np.argmax(np.abs(samples))),
+        loudest=taken.loudest,
         film_s=film_s,
         source=track.described(),
         has_sides=track.has_sides,
-        decode_per_s=decode_s / seconds,
+        decode_per_s=taken.decode_s / seconds,
         hash_s=_cpu_of_hashing(film),
     )
 
 
-def _joined(stretches: Sequence[NDArray[np.float32]], rate_hz: int) -> NDArray[np.float32]:
-    """Return the stretches one after the other, faded where they meet, so that no step is taken for a sound."""
-    fade = dsp.fade(samples_from_ms(_JOIN_MS, rate_hz)).astype(np.float32)
-    joined = np.concatenate([np.zeros(0, np.float32), *stretches])
-    ends = np.cumsum([stretch.size for stretch in stretches])[:-1]
-    for end in ends[(ends >= fade.size) & (ends + fade.size <= joined.size)]:
-        joined[end - fade.size : end] *= fade[::-1]
-        joined[end : end + fade.size] *= fade
-    return np.asarray(joined, np.float32)
+class _Taken:
+    """Stretches of a film, one at a time: what decoding them took so far, and where the loudest frame of all is."""
+
+    def __init__(self, track: Soundtrack, starts_s: Sequence[float], frames: int) -> None:
+        """Take so many frames from each place."""
+        self._track, self._starts_s, self._frames = track, starts_s, frames
+        self.decode_s, self.loudest = 0.0, 0
+
+    def stretches(self) -> Iterator[NDArray[np.float32]]:
+        """Yield the stretches, faded where they meet, so that no step is taken for a sound."""
+        fade = dsp.fade(samples_from_ms(_JOIN_MS, self._track.rate_hz)).astype(np.float32)
+        at, peak, last = 0, -1.0, len(self._starts_s) - 1
+        for part, start_s in enumerate(self._starts_s):
+            stretch = self._decoded(start_s)
+            if not stretch.size:
+                continue
+            short = fade[: stretch.size]
+            if at:
+                stretch[: short.size] *= short
+            if part < last:
+                stretch[stretch.size - short.size :] *= short[::-1]
+            loudest = int(np.argmax(np.abs(stretch)))
+            if abs(stretch[loudest]) > peak:
+                peak, self.loudest = float(abs(stretch[loudest])), at + loudest
+            at += stretch.size
+            yield stretch
+
+    def _decoded(self, start_s: float) -> NDArray[np.float32]:
+        began = process_time()
+        mixed = self._track.near(start_s, self._frames / self._track.rate_hz)
+        self.decode_s += process_time() - began
+        return np.array(mixed[: self._frames, 0], np.float32)
 
 
 def _cpu_of_hashing(film: Path) -> float:

@@ -59,17 +59,22 @@ def write_drive(
         raise OutputError(f"{path}: cannot write the drive: {error.strerror}") from error
 
 
-def write_excerpt(path: Path, samples: NDArray[np.float32], rate_hz: int) -> None:
-    """Write one channel of sound, limited to full scale, as 16 bits; OutputError where the disk refuses."""
+def write_excerpt(path: Path, pieces: Iterable[NDArray[np.float32]], rate_hz: int) -> int:
+    """Write one channel of sound, piece by piece, limited to full scale, as 16 bits; return how many frames it has.
+
+    Raises OutputError where the disk refuses.
+    """
     import soundfile
 
+    frames = 0
     try:
         with soundfile.SoundFile(path, "w", rate_hz, channels=1, subtype="PCM_16", format="WAV") as file:
-            for start in range(0, samples.size, PIECE):
-                piece = np.clip(samples[start : start + PIECE], -1.0, 1.0)
-                file.write((piece * np.float32(32_767.0)).astype(np.int16))
+            for piece in pieces:
+                file.write((np.clip(piece, -1.0, 1.0) * np.float32(32_767.0)).astype(np.int16))
+                frames += piece.size
     except (OSError, soundfile.SoundFileError) as error:
         raise OutputError(f"{path}: cannot write an excerpt of the film: {error}") from error
+    return frames
 
 
 def _write_clips(file: BinaryIO, clips: Iterable[Clip], *, origin: int, rate_hz: int, frames: int) -> None:
