@@ -24,6 +24,7 @@ threshold = 0.0
 company_threshold = 0.0
 burst_threshold = 0.0
 even_threshold = 0.0
+even_networks_threshold = 0.0
 round_threshold = 0.0
 report_from = 0.0
 """

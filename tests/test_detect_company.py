@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from blastline.detect.company import in_company, worth_parting
-from blastline.model import Shot, ShotEvidence, Span
+from blastline.model import EvenRow, Shot, ShotEvidence, Span
 from blastline.ruleset import load_rules
 
 RATE_HZ = 48_000
@@ -20,6 +20,11 @@ def shot(at_ms: float, confidence: float, peak_dbfs: float = -6.0) -> Shot:
     onset = round(at_ms * RATE_HZ / 1000)
     span = Span(onset, onset + 480)
     return Shot(onset, confidence, peak_dbfs=peak_dbfs, snr_db=20.0, blast=span, reflections=(), span=span)
+
+
+def in_row(one: Shot, row: EvenRow | None) -> Shot:
+    """Return a shot of which is known whether it belongs to even fire."""
+    return msgspec.structs.replace(one, evidence=ShotEvidence(0.5, 2, None, "background", even_row=row))
 
 
 def believed_ms(*shots: Shot) -> list[float]:
@@ -111,73 +116,23 @@ def test_nothing_is_believed_of_nothing() -> None:
     assert believed_ms() == []
 
 
-def even_fire(*confidences: float, gap_ms: float = FAST_MS) -> list[Shot]:
-    return [shot(20_000 + n * gap_ms, confidence) for n, confidence in enumerate(confidences)]
-
-
-@pytest.mark.parametrize("gap_ms", [BURSTS.shortest_gap_ms, FAST_MS, BURSTS.longest_gap_ms])
-def test_even_fire_is_sure_as_a_whole_where_its_mean_is_enough(gap_ms: float) -> None:
-    less, more = VERIFY.round_threshold, 2 * VERIFY.even_threshold - VERIFY.round_threshold
-    assert len(believed_ms(*even_fire(*[VERIFY.even_threshold + 1e-9] * BURSTS.fewest_even, gap_ms=gap_ms))) == 4
-    assert len(believed_ms(*even_fire(less, more + 0.01, less, more + 0.01, gap_ms=gap_ms))) == 4
-    assert believed_ms(*even_fire(less, more - 0.01, less, more - 0.01, gap_ms=gap_ms)) == []
-
-
-def test_even_fire_is_fast_even_and_long_enough() -> None:
-    enough = [VERIFY.even_threshold + 0.05] * BURSTS.fewest_even
-    assert len(believed_ms(*even_fire(*enough))) == BURSTS.fewest_even
-    assert believed_ms(*even_fire(*enough[1:])) == []
-    assert believed_ms(*even_fire(*[*enough, *enough], gap_ms=BURSTS.longest_gap_ms + 1)) == []
-    assert believed_ms(*even_fire(*[*enough, *enough], gap_ms=BURSTS.shortest_gap_ms - 1)) == []
-    gaps_ms = [FAST_MS * (1.0 + (1.5 * BURSTS.unevenness if n % 2 else 0.0)) for n in range(12)]
-    uneven = [shot(20_000 + sum(gaps_ms[:n]), VERIFY.even_threshold + 0.05) for n in range(12)]
-    assert believed_ms(*uneven) == []
-
-
-def test_even_fire_vouches_for_nothing_but_its_own_rounds() -> None:
-    fire = even_fire(*[VERIFY.even_threshold + 0.05] * BURSTS.fewest_even)
-    longest_ms = (BURSTS.fewest_even - 1) * FAST_MS + BURSTS.longest_gap_ms
-    assert len(believed_ms(*fire, shot(20_000 + longest_ms + 1, VERIFY.burst_threshold))) == BURSTS.fewest_even
-    assert len(believed_ms(*fire, shot(20_000 + longest_ms, VERIFY.round_threshold))) == BURSTS.fewest_even + 1
-
-
-def test_even_fire_beyond_a_magazine_is_a_machine_unless_half_of_it_is_sure() -> None:
-    likely, sure = VERIFY.burst_threshold, VERIFY.threshold
-    most, half = BURSTS.most_unsure, (BURSTS.most_unsure + 2) // 2
-    assert len(believed_ms(*even_fire(*[likely] * most))) == most
-    machine = even_fire(*[likely] * most, sure)
-    kept, refused = in_company(machine, rate_hz=RATE_HZ, tier=TIER)
-    assert kept == ()
-    assert {each.reason for each in refused} == {"one of a row that goes on as no gun does, as of a machine"}
-    assert len(believed_ms(*even_fire(*[likely, sure] * half))) == 2 * half
-
-
-def test_several_guns_may_fire_for_long() -> None:
-    rng = np.random.default_rng(3)
-    places_ms = 20_000 + np.cumsum(rng.uniform(BURSTS.shortest_gap_ms + 1, BURSTS.longest_gap_ms - 1, 60))
-    assert len(believed_ms(*[shot(at_ms, VERIFY.burst_threshold) for at_ms in places_ms.tolist()])) == 60
-
-
-def test_what_is_unlikelier_than_a_round_is_in_nobodys_even_fire() -> None:
-    """An echo between two rounds that hardly sounds like a shot does not break their pace."""
-    between = shot(20_000 + 1.5 * FAST_MS, VERIFY.round_threshold - 0.01)
-    assert len(believed_ms(*even_fire(*[VERIFY.even_threshold + 0.05] * 4), between)) == 4
-
-
 @pytest.mark.parametrize("seed", range(20))
 def test_what_is_not_worth_parting_is_never_believed(seed: int) -> None:
     """Parting a film in cores, and leaving out there what is no round of a burst, changes nothing."""
     rng = np.random.default_rng(seed)
     rows_ms = [start + np.arange(6) * FAST_MS for start in rng.uniform(0, 60_000, 20)]
     places_ms = np.unique(np.round(np.concatenate([rng.uniform(0, 60_000, 200), *rows_ms])))
-    surety = rng.random(places_ms.size) ** 3
-    shots = [shot(at_ms, p) for at_ms, p in zip(places_ms.tolist(), surety.tolist(), strict=True)]
+    told = np.array([None, None, None, "fire", "no fire"], object)
+    surety, row = rng.random(places_ms.size) ** 3, rng.choice(told, places_ms.size)
+    shots = [
+        in_row(shot(*each), said) for *each, said in zip(places_ms.tolist(), surety.tolist(), row.tolist(), strict=True)
+    ]
     onsets = np.array([s.onset for s in shots], np.intp)
     worth = np.zeros(onsets.size, bool)
     for start in range(0, 60 * RATE_HZ + 1, 20 * RATE_HZ):
-        inside = (onsets >= start) & (onsets < start + 20 * RATE_HZ)
-        core = Span(start, start + 20 * RATE_HZ)
-        worth[inside] = worth_parting(onsets[inside], surety[inside], rate_hz=RATE_HZ, tier=TIER, core=core)
+        inside = np.flatnonzero((onsets >= start) & (onsets < start + 20 * RATE_HZ))
+        core, rows = Span(start, start + 20 * RATE_HZ), row[inside].tolist()
+        worth[inside] = worth_parting(onsets[inside], surety[inside], rows, rate_hz=RATE_HZ, tier=TIER, core=core)
     assert np.sum(~worth & (surety >= VERIFY.round_threshold)) > 0
     assert believed_ms(*shots) == believed_ms(*(s for s, kept in zip(shots, worth, strict=True) if kept))
 
@@ -187,17 +142,56 @@ def test_a_round_at_the_edge_of_a_core_may_belong_to_a_burst_beyond_it() -> None
     edges_ms = (0.0, BURSTS.longest_gap_ms, 10_000.0, 20_000.0 - BURSTS.longest_gap_ms, 19_999.0)
     onsets = np.array([round(at_ms * RATE_HZ / 1000) for at_ms in edges_ms], np.intp)
     surety = np.full(onsets.size, VERIFY.round_threshold)
-    worth = worth_parting(onsets, surety, rate_hz=RATE_HZ, tier=TIER, core=core)
+    worth = worth_parting(onsets, surety, [None] * onsets.size, rate_hz=RATE_HZ, tier=TIER, core=core)
     assert worth.tolist() == [True, True, False, True, True]
 
 
-def test_even_fire_is_worth_parting_however_unlikely_each_of_its_rounds() -> None:
-    surety = np.full(BURSTS.fewest_even, VERIFY.even_threshold)
-    assert VERIFY.even_threshold < VERIFY.company_threshold
-    onsets = np.array([s.onset for s in even_fire(*surety.tolist())], np.intp)
-    core = Span(0, 40 * RATE_HZ)
-    assert worth_parting(onsets, surety, rate_hz=RATE_HZ, tier=TIER, core=core).all()
-    assert not worth_parting(onsets[1:], surety[1:], rate_hz=RATE_HZ, tier=TIER, core=core).any()
+def test_rounds_of_fire_are_believed_vouch_for_nothing_and_take_their_own_along() -> None:
+    fire = [in_row(shot(20_000 + n * FAST_MS, VERIFY.round_threshold), "fire") for n in range(4)]
+    last_ms = 20_000 + 3 * FAST_MS + BURSTS.longest_gap_ms
+    assert len(believed_ms(*fire)) == 4
+    assert len(believed_ms(*fire, shot(last_ms + 1, VERIFY.burst_threshold))) == 4
+    assert len(believed_ms(*fire, shot(last_ms, VERIFY.round_threshold))) == 5
+
+
+def test_of_a_row_that_is_no_fire_only_what_is_sure_by_itself_is_left() -> None:
+    """Two sure ones would take the others along as rounds of a burst, and a burst is sure of what is likely."""
+    sounds = [*pair(VERIFY.threshold), *(shot(20_000 + n * FAST_MS, VERIFY.burst_threshold) for n in range(2, 8))]
+    assert len(believed_ms(*sounds)) == 8
+    kept, refused = in_company([in_row(each, "no fire") for each in sounds], rate_hz=RATE_HZ, tier=TIER)
+    assert [each.onset for each in kept] == [each.onset for each in sounds[:2]]
+    assert {each.reason for each in refused} == {
+        "one of a row as even as automatic fire that does not sound like a gun"
+    }
+
+
+def test_an_even_run_beyond_a_magazine_is_a_machine_unless_half_of_it_is_sure() -> None:
+    likely, sure = VERIFY.burst_threshold, VERIFY.threshold
+    most, half = BURSTS.most_unsure, (BURSTS.most_unsure + 2) // 2
+
+    def run(*confidences: float) -> list[Shot]:
+        return [in_row(shot(20_000 + n * FAST_MS, each), "fire") for n, each in enumerate(confidences)]
+
+    assert len(believed_ms(*run(*[likely] * most))) == most
+    kept, refused = in_company(run(*[likely] * most, sure), rate_hz=RATE_HZ, tier=TIER)
+    assert kept == ()
+    assert {each.reason for each in refused} == {"one of a row that goes on as no gun does, as of a machine"}
+    assert len(believed_ms(*run(*[likely, sure] * half))) == 2 * half
+
+
+def test_several_guns_may_fire_for_long() -> None:
+    rng = np.random.default_rng(3)
+    places_ms = 20_000 + np.cumsum(rng.uniform(BURSTS.shortest_gap_ms + 1, BURSTS.longest_gap_ms - 1, 60))
+    assert len(believed_ms(*[shot(at_ms, VERIFY.burst_threshold) for at_ms in places_ms.tolist()])) == 60
+
+
+def test_fire_is_worth_parting_however_unlikely_each_of_its_rounds() -> None:
+    onsets = np.array([s.onset for s in pair()], np.intp)
+    core, surety = Span(0, 40 * RATE_HZ), np.zeros(2)
+    assert worth_parting(onsets, surety, ["fire", None], rate_hz=RATE_HZ, tier=TIER, core=core).tolist() == [
+        True,
+        False,
+    ]
 
 
 def row(*confidences: float, gap_ms: float = 500.0, uneven: float = 0.0) -> list[Shot]:

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from blastline.detect import Detection, find_shots, load_verifier
 from blastline.detect.features import feature_names
-from blastline.detect.find import described, let_all_pass
+from blastline.detect.find import Described, described, let_all_pass
 from blastline.detect.forest import ForestFile, grown, probabilities
 from blastline.detect.picture import pictures
-from blastline.detect.stretches import stretches
+from blastline.detect.stretches import Stretch, stretches
 from blastline.detect.tracks import Grid, pieces
 from blastline.detect.verify import SCHEMA, ModelFile, SieveFile, Verifier
 from blastline.errors import RuleError
@@ -153,11 +153,15 @@ def test_features_are_finite_and_named(film: tuple[NDArray[np.float32], Truth]) 
     assert len(set(feature_names())) == len(feature_names())
 
 
+def _sieved(stretch: Stretch, verifier: Verifier) -> Described:
+    gate, screen = (lambda rows, _, sieve=sieve: sieve.lets_pass(rows) for sieve in (verifier.gate, verifier.screen))
+    return described(stretch, Grid(RATE_HZ), RULES.tier, gate=gate, screen=screen)
+
+
 def test_what_the_sieves_hold_back_changes_nothing_else(film: tuple[NDArray[np.float32], Truth]) -> None:
     for stretch in stretches(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
         every = described(stretch, Grid(RATE_HZ), RULES.tier, gate=let_all_pass, screen=let_all_pass)
-        gate, screen = VERIFIER.gate.lets_pass, VERIFIER.screen.lets_pass
-        some = described(stretch, Grid(RATE_HZ), RULES.tier, gate=gate, screen=screen)
+        some = _sieved(stretch, VERIFIER)
         # of candidates whose onsets come to lie within 3 ms one is kept; another one where the first is held back
         assert np.abs(every.onsets[:, None] - some.onsets).min(axis=0).max() < 0.003 * RATE_HZ
         kept, same = np.isin(every.onsets, some.onsets), np.isin(some.onsets, every.onsets)
@@ -185,7 +189,7 @@ def test_a_second_opinion_is_asked_where_there_is_doubt_and_changes_no_clear_ver
     both = load_verifier(rules_path(f"verifier/{RULES.tier.verify.model}"), networks=2)
     first, second = (Verifier(both.gate, both.screen, (network,)) for network in both.networks)
     for stretch in stretches(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
-        found = described(stretch, Grid(RATE_HZ), RULES.tier, gate=both.gate.lets_pass, screen=both.screen.lets_pass)
+        found = _sieved(stretch, both)
         shown = pictures(stretch.samples, found.onsets, RATE_HZ)
         together, one, two = (each.probabilities(found.rows, shown) for each in (both, first, second))
         doubtful = np.abs(np.log(one / (1.0 - one + 1e-9) + 1e-9)) < 3.9

@@ -2,10 +2,11 @@
 
 surely a shot ──► near it, less surely                     films fire in scenes
 run of likely ones, as fast as a gun fires ──► sure        guns do what nothing else does for so short a time
-even run, less likely in the mean          ──► believed    a weapon keeps its pace
+even row, likely in the mean               ──► believed    a weapon keeps its pace, and is heard so many times
+long even row, unlikely in the mean        ──► none        so do machines
 believed ──► the next as fast as a gun fires, unlikely     one round is followed by another
 even row, at a walking pace, half of it unsure ──► none    so come steps and blows
-even run without an end, half of it unsure     ──► none    so do machines
+even run without an end, half of it unsure     ──► none    so do machines as well
 again and again with what is heard before it   ──► none    so do loops of ambience
 """
 
@@ -15,25 +16,27 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Rejection, Shot, Span
+from ..model import EvenRow, Rejection, Shot, Span
 from ..ruleset import BurstRules, QualityRules
 from ..units import samples_from_ms, samples_from_s
-from .rows import in_endless_fire, in_even_fire, in_even_rows, in_loops, runs_of
+from .rows import in_endless_fire, in_even_rows, in_loops, runs_of
 
 _ROUNDING = 2  # samples that a gap may gain on its way to another rate
 _ALONE = "alone, and not sure enough for that"
 _STEP = "one of an even row, as of steps or blows"
 _MACHINE = "one of a row that goes on as no gun does, as of a machine"
+_UNLIKE = "one of a row as even as automatic fire that does not sound like a gun"
 _LOOP = "one of a loop: it comes again with all that is around it, and again"
 
 
 @dataclass(frozen=True, eq=False)
 class _Belief:
-    """Of n candidates: which are believed, which would be so by themselves, and which in company."""
+    """Of n candidates: which are believed, would be so by themselves, in company, or are refused with their row."""
 
     believed: NDArray[np.bool_]
     by_itself: NDArray[np.bool_]
     likely: NDArray[np.bool_]
+    unlike: NDArray[np.bool_]
 
 
 def in_company(
@@ -42,11 +45,12 @@ def in_company(
     """Return the shots that are believed, in order of time, and the rest.
 
     A shot is sure from `threshold` on, or as one of a run of `fewest_shots` that each reach `burst_threshold`. It takes
-    along what reaches `company_threshold` within `company_s`. So many as `fewest_even` at an even pace are believed
-    where they reach `even_threshold` in the mean. Two shots in a burst take along the other rounds of it from
-    `round_threshold` on: what lies within `longest_gap_ms` from one to the next, unless it is `echo_drop_db` softer
-    than they are. A slower even row (`RowRules`) and an even run of more than `most_unsure`, of which fewer than half
-    are sure by themselves, have no shots and vouch for none; nor has what turns with a loop of ambience.
+    along what reaches `company_threshold` within `company_s`. A row of even fire is believed as a whole where it sounds
+    like that in the mean (`fire.py`); of a long one that does not, only what is sure by itself is left. Two shots in a
+    burst take along the other rounds of it from `round_threshold` on: what lies within `longest_gap_ms` from one to the
+    next, unless it is `echo_drop_db` softer than they are. A slower even row (`RowRules`) and an even run of more than
+    `most_unsure`, of which fewer than half are sure by themselves, have no shots and vouch for none; nor has what turns
+    with a loop of ambience.
     """
     left = sorted(shots, key=lambda s: s.onset)
     refused: list[Rejection] = []
@@ -77,12 +81,11 @@ def _belief(shots: Sequence[Shot], *, rate_hz: int, tier: QualityRules) -> _Beli
     sure = by_itself | _in_a_run(onsets, surety, rules.burst_threshold, rate_hz=rate_hz, rules=bursts)
     likely = surety >= np.where(aside, channels.sides_company_threshold, rules.company_threshold)
     believed = sure | (likely & _near(onsets, onsets[sure], samples_from_s(rules.company_s, rate_hz)))
-    believed[rounds] |= in_even_fire(
-        onsets[rounds], surety[rounds], rules.even_threshold, rate_hz=rate_hz, rules=bursts
-    )
     peaks_dbfs = np.array([shot.peak_dbfs for shot in shots])
+    rows = [shot.evidence.even_row if shot.evidence else None for shot in shots]
+    believed |= np.array([row == "fire" for row in rows], bool)
     believed = _with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=bursts)
-    return _Belief(believed, by_itself, likely)
+    return _Belief(believed, by_itself, likely, np.array([row == "no fire" for row in rows], bool) & ~by_itself)
 
 
 def _rows(shots: Sequence[Shot], belief: _Belief, *, rate_hz: int, tier: QualityRules) -> list[str]:
@@ -96,7 +99,12 @@ def _rows(shots: Sequence[Shot], belief: _Belief, *, rate_hz: int, tier: Quality
     before = np.array([_backdrop(shots[place]) for place in returning.tolist()], np.int64)
     loops = in_loops(onsets[returning], peaks_dbfs, by_itself[returning], before, rate_hz=rate_hz, rules=tier.rows)
     why = [""] * len(shots)
-    for refused, reason in ((returning[loops], _LOOP), (believed[steps], _STEP), (believed[machines], _MACHINE)):
+    for refused, reason in (
+        (returning[loops], _LOOP),
+        (believed[steps], _STEP),
+        (believed[machines], _MACHINE),
+        (np.flatnonzero(belief.unlike), _UNLIKE),
+    ):
         for place in refused.tolist():
             why[place] = reason
     return why
@@ -121,20 +129,26 @@ def _refused(shot: Shot, why: str) -> Rejection:
 
 
 def worth_parting(
-    onsets: NDArray[np.intp], surety: NDArray[np.float64], *, rate_hz: int, tier: QualityRules, core: Span
+    onsets: NDArray[np.intp],
+    surety: NDArray[np.float64],
+    rows: Sequence[EvenRow | None],
+    *,
+    rate_hz: int,
+    tier: QualityRules,
+    core: Span,
 ) -> NDArray[np.bool_]:
     """Return which candidates `in_company` could believe, given those of a stretch's core, ascending.
 
     The others need no parts: they are rounds of no burst. What a burst beyond the core may reach is worth it.
     """
     longest = samples_from_ms(tier.bursts.longest_gap_ms, rate_hz) + _ROUNDING
-    worth = surety >= tier.verify.company_threshold
-    members = np.flatnonzero(surety >= tier.verify.round_threshold)
+    fired = np.array([row == "fire" for row in rows], bool)
+    worth: NDArray[np.bool_] = (surety >= tier.verify.company_threshold) | fired
+    members = np.flatnonzero((surety >= tier.verify.round_threshold) | worth)
     for run in runs_of(onsets[members], longest):
         burst = members[run]
         at = onsets[burst]
-        goes_beyond = (at < core.start + longest).any() or (at >= core.stop - longest).any()
-        if goes_beyond or worth[burst].any() or burst.size >= tier.bursts.fewest_even:
+        if (at < core.start + longest).any() or (at >= core.stop - longest).any() or worth[burst].any():
             worth[burst] = True
     return worth
 

@@ -12,24 +12,25 @@ from numpy.typing import NDArray
 
 from ..model import Channels, Clip, Rejection, Shot
 from ..ruleset import QualityRules
-from ..units import samples_from_ms
+from ..units import levels_db, samples_from_ms
 from .backdrop import backdrops
 from .bandshape import band_levels, bandshape
 from .bursts import group_bursts, keep_apart, part_from_echoes, without_echoes
 from .company import in_company, unlike_a_shot, worth_parting
 from .direction import placed
 from .features import features
+from .fire import even_rows, worth_a_look
 from .neighbours import neighbourhood
 from .onset import farthest_ms, refine_onsets
 from .picture import pictures
 from .rate import LISTENING_HZ, in_film, resampled
 from .scan import candidate_steps
-from .segment import segment
+from .segment import PEAK_MS, peak_dbfs, segment
 from .sides import Sorted, as_heard, beside, joined
 from .sparse import bands_near
 from .stretches import Stretch, side_by_side, stretches
 from .tracks import Grid, pieces
-from .verify import Verifier
+from .verify import Verifier, odds_of
 
 _SAME_ONSET_MS = 3.0
 _T = TypeVar("_T")
@@ -54,11 +55,11 @@ class Described:
     rows: NDArray[np.float64]
 
 
-Test = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
-"""Says of each row of a table whether its candidate is worth a closer look."""
+Test = Callable[[NDArray[np.float64], NDArray[np.intp]], NDArray[np.bool_]]
+"""Says of each row of a table, whose candidates' places in the stretch are given, whether it is worth a closer look."""
 
 
-def let_all_pass(rows: NDArray[np.float64]) -> NDArray[np.bool_]:
+def let_all_pass(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
     """Let every candidate pass, as training needs it."""
     return np.ones(rows.shape[0], bool)
 
@@ -146,16 +147,22 @@ def described(stretch: Stretch, grid: Grid, tier: QualityRules, *, gate: Test, s
     at = places + stretch.start
     near = np.flatnonzero((at >= stretch.core.start - margin) & (at < stretch.core.stop + margin))
     sketches = bandshape(rough[near])
-    passed = gate(sketches)
+    passed = gate(sketches, places[near])
     near, sketches = near[passed], sketches[passed]
     rows = features(sketches, neighbourhood(places, rough, near, grid.rate_hz))
-    passed = screen(rows)
+    passed = screen(rows, places[near])
     near, rows = near[passed], rows[passed]
     onsets = refine_onsets(stretch.samples, places[near], rate_hz=grid.rate_hz, rules=tier.onset)
     kept = _first_of_each(onsets, samples_from_ms(_SAME_ONSET_MS, grid.rate_hz))
     at = onsets[kept] + stretch.start
     kept = kept[(at >= stretch.core.start) & (at < min(stretch.core.stop, stretch.stop))]
     return Described(onsets[kept], rows[kept])
+
+
+def _peaks_dbfs(stretch: Stretch, places: NDArray[np.intp], grid: Grid) -> NDArray[np.float64]:
+    """Return roughly how loud the first 20 ms from each place on get, by the scan's track."""
+    steps = places[:, None] // grid.step + np.arange(samples_from_ms(PEAK_MS, grid.rate_hz) // grid.step)
+    return levels_db(stretch.peak[np.minimum(steps, stretch.peak.shape[0] - 1)].max(axis=1, initial=0.0))
 
 
 def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
@@ -166,12 +173,19 @@ def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
 
 def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier, rate_hz: int) -> Sorted:
     """Return what is found in a stretch, with its places in the samples of a film of that rate."""
-    screen = partial(verifier.screen.lets_pass, at_least=tier.verify.look_from)
-    found = described(stretch, grid, tier, gate=verifier.gate.lets_pass, screen=screen)
+
+    def screen(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
+        likely, peaks_dbfs = verifier.screen.probabilities(rows), _peaks_dbfs(stretch, places, grid)
+        least = verifier.screen.threshold
+        return worth_a_look(places, peaks_dbfs, likely, least=least, rate_hz=grid.rate_hz, tier=tier)
+
+    found = described(stretch, grid, tier, gate=lambda rows, _: verifier.gate.lets_pass(rows), screen=screen)
     shown = pictures(stretch.samples, found.onsets, grid.rate_hz)
     verdicts, before = verifier.verdicts(found.rows, shown), backdrops(shown)
     at = found.onsets + stretch.start
-    worth = worth_parting(at, verdicts.surety, rate_hz=grid.rate_hz, tier=tier, core=stretch.core)
+    peaks_dbfs = np.array([peak_dbfs(stretch.samples, onset, grid.rate_hz) for onset in found.onsets.tolist()])
+    rows = even_rows(at, peaks_dbfs, odds_of(verdicts), rate_hz=grid.rate_hz, tier=tier)
+    worth = worth_parting(at, verdicts.surety, rows, rate_hz=grid.rate_hz, tier=tier, core=stretch.core)
     shots = [
         segment(
             stretch.samples,
@@ -184,6 +198,7 @@ def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier
             screen=float(verdicts.screened[index]),
             networks=int(verdicts.networks[index]),
             backdrop=before[index],
+            even_row=rows[index],
         )
         for index in np.flatnonzero(worth)
     ]

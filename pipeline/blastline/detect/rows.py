@@ -1,4 +1,4 @@
-"""What comes again and again: steps and blows at an even pace, faster automatic fire and machines, and loops."""
+"""What comes again and again and is no gun: steps and blows at an even pace, machines that go on, and loops."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,22 +23,6 @@ def in_even_rows(
     shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
     for row in _even_rows(onsets, shortest, longest, rules.unevenness):
         if row.size >= rules.fewest and 2 * sure[row].sum() < row.size:
-            found[row] = True
-    return found
-
-
-def in_even_fire(
-    onsets: NDArray[np.intp], surety: NDArray[np.float64], least: float, *, rate_hz: int, rules: BurstRules
-) -> NDArray[np.bool_]:
-    """Return which onsets, ascending, belong to a row as even and fast as automatic fire whose mean surety is enough.
-
-    A weapon's action keeps its pace within a few percent. So many sounds at one are no chance, and their mean says more
-    of their kind than each of them.
-    """
-    found = np.zeros(onsets.size, bool)
-    shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
-    for row in _even_rows(onsets, shortest, longest, rules.unevenness):
-        if row.size >= rules.fewest_even and surety[row].mean() >= least:
             found[row] = True
     return found
 

@@ -12,7 +12,7 @@ have to stand out of their own neighbourhood: a tail full of overlapping echoes 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import DecayEnd, Reflection, Shot, ShotEvidence, Span
+from ..model import DecayEnd, EvenRow, Reflection, Shot, ShotEvidence, Span
 from ..ruleset import SegmentRules
 from ..units import db_from_gain, gain_from_db, ms_from_samples, samples_from_ms
 from .reflections import discrete_reflections
@@ -44,18 +44,16 @@ def segment(
     screen: float | None = None,
     networks: int = 0,
     backdrop: int | None = None,
+    even_row: EvenRow | None = None,
 ) -> Shot:
     """Return the shot whose blast starts at index `onset` of `samples`, a stretch that starts at `film_start`.
 
-    `film_stop` is where the film, or what is known of it, ends; `screen`, `networks` and `backdrop` are as in
+    `film_stop` is where the film, or what is known of it, ends; `screen`, `networks`, `backdrop` and `even_row` as in
     `model.ShotEvidence`.
     """
     stop = min(onset + reach(rate_hz=rate_hz, rules=rules), film_stop - film_start)
-    wave = samples[onset:stop].astype(np.float64)
-    before = samples[max(0, onset - samples_from_ms(BACKGROUND_MS, rate_hz)) : onset].astype(np.float64)
-    wave -= np.mean(before) if before.size else wave[0]  # a constant is no sound
-    still = before - np.mean(before) if before.size else before
-    background = float(np.sqrt(still @ still / still.size)) if before.size else 0.0
+    wave, still = _heard(samples, onset, stop, rate_hz)
+    background = float(np.sqrt(still @ still / still.size)) if still.size else 0.0
     peak = float(np.abs(wave[: samples_from_ms(PEAK_MS, rate_hz)]).max(initial=0.0))
     blast = _blast_length(wave, peak, _usual_power(still, rate_hz), rate_hz=rate_hz, rules=rules)
     room_db, echoes = None, []
@@ -77,13 +75,29 @@ def segment(
             Reflection(at + lag, at + lag + blast, ms_from_samples(lag, rate_hz), level_db) for lag, level_db in echoes
         ),
         span=Span(at, at + length),
-        evidence=ShotEvidence(screen, networks, room_db, ended, backdrop),
+        evidence=ShotEvidence(screen, networks, room_db, ended, backdrop, even_row),
     )
+
+
+def peak_dbfs(samples: NDArray[np.float32], onset: int, rate_hz: int) -> float:
+    """Return the `peak_dbfs` of the shot that starts at an index of `samples`, where nothing else is asked."""
+    wave, _ = _heard(samples, onset, onset + samples_from_ms(PEAK_MS, rate_hz), rate_hz)
+    return db_from_gain(float(np.abs(wave).max(initial=0.0)))
 
 
 def reach(*, rate_hz: int, rules: SegmentRules) -> int:
     """Return how many samples from its onset on tell of a shot."""
     return samples_from_ms(rules.longest_ms, rate_hz) + samples_from_ms(2 * _SMOOTH_MS, rate_hz)
+
+
+def _heard(
+    samples: NDArray[np.float32], onset: int, stop: int, rate_hz: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the sound from an onset on and that just before it, without its mean: a constant is no sound."""
+    wave = samples[onset:stop].astype(np.float64)
+    before = samples[max(0, onset - samples_from_ms(BACKGROUND_MS, rate_hz)) : onset].astype(np.float64)
+    constant = np.mean(before) if before.size else wave[0]
+    return wave - constant, before - constant
 
 
 def _blast_length(wave: NDArray[np.float64], peak: float, usual: float, *, rate_hz: int, rules: SegmentRules) -> int:

@@ -34,6 +34,7 @@ def beside(tier: QualityRules) -> QualityRules:
         company_threshold=own.sides_company_threshold,
         burst_threshold=own.sides_company_threshold,
         even_threshold=own.sides_company_threshold,
+        even_networks_threshold=own.sides_company_threshold,
         round_threshold=own.sides_company_threshold,
         report_from=min(asked.report_from, own.sides_company_threshold),
     )

@@ -25,6 +25,9 @@ BEYOND_DOUBT = 3.0
 SCREEN_SHARE = 1.0 / 3.0
 """How much the screen's odds weigh beside the networks': on sources never heard F1 .69 with it, .66 without."""
 
+_DIGITS = 4
+_SMALLEST = 0.5 * 10.0**-_DIGITS  # of probabilities, before they are rounded to 0
+
 
 class SieveFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A forest and the probability below which it drops a candidate."""
@@ -50,9 +53,9 @@ class Sieve:
     forest: Forest
     threshold: float
 
-    def lets_pass(self, rows: NDArray[np.float64], at_least: float = 0.0) -> NDArray[np.bool_]:
-        """Return whether each row may be a shot's, shape (n,); `at_least` asks for more than the threshold."""
-        return self.probabilities(rows) >= max(self.threshold, at_least)
+    def lets_pass(self, rows: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return whether each row may be a shot's, shape (n,)."""
+        return self.probabilities(rows) >= self.threshold
 
     def probabilities(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the probability that each row is a shot's, shape (n,)."""
@@ -66,6 +69,14 @@ class Verdicts:
     surety: NDArray[np.float64]
     screened: NDArray[np.float64]
     networks: NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Odds:
+    """The log-odds of n candidates, shape (n,): by screen and networks together, and by the networks alone."""
+
+    by_all: NDArray[np.float64]
+    by_networks: NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +107,18 @@ class Verifier:
             networks[open_to_doubt] = asked
             open_to_doubt = open_to_doubt[np.abs(odds[open_to_doubt]) < BEYOND_DOUBT]
         return Verdicts(_probability(odds), _probability(by_screen), networks)
+
+
+def odds_of(verdicts: Verdicts) -> Odds:
+    """Return the odds that verdicts on n candidates tell of."""
+    by_all, by_screen = log_odds_of(verdicts.surety), log_odds_of(verdicts.screened)
+    return Odds(by_all, (by_all - SCREEN_SHARE * by_screen) / (1.0 - SCREEN_SHARE))
+
+
+def log_odds_of(probability: NDArray[np.float64] | float) -> NDArray[np.float64]:
+    """Return the log-odds of probabilities; those of 0 and 1 are what rounding may have left of them."""
+    p = np.clip(probability, _SMALLEST, 1.0 - _SMALLEST)
+    return np.asarray(np.log(p / (1.0 - p)), np.float64)
 
 
 def load_verifier(path: Path, *, networks: int) -> Verifier:
@@ -129,5 +152,5 @@ def read_model(path: Path) -> ModelFile:
 
 
 def _probability(odds: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return log-odds as probabilities, to four digits."""
-    return np.asarray(np.round(1.0 / (1.0 + np.exp(-odds)), 4), np.float64)
+    """Return log-odds as probabilities, to `_DIGITS`."""
+    return np.asarray(np.round(1.0 / (1.0 + np.exp(-odds)), _DIGITS), np.float64)

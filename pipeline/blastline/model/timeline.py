@@ -18,6 +18,7 @@ Origin = Literal["found", "moved", "added"]
 HeardIn = Literal["mains", "sides"]
 
 DecayEnd = Literal["fallen", "background", "next sound", "longest"]
+EvenRow = Literal["fire", "no fire"]
 Question = Literal["verifier", "reflections", "window"]
 
 Index = Annotated[int, Meta(ge=0)]
@@ -107,7 +108,8 @@ class ShotEvidence(msgspec.Struct, frozen=True):
     else found the shot. No later stretch as long as the blast is louder than `echo_room_db` against it, in the
     sound's difference over a sample or a sixth of a millisecond; None where no reflections are looked for.
     `decay_end` says what ended the decay. `backdrop` is what is heard just before (`detect.backdrop`); None where that
-    is silence, or somebody else found the shot.
+    is silence, or somebody else found the shot. `even_row` says of one of a row, as even and fast as automatic fire,
+    that the row as a whole sounds like that, or, of a long one, that it does not.
     """
 
     screen: Ratio | None
@@ -115,6 +117,7 @@ class ShotEvidence(msgspec.Struct, frozen=True):
     echo_room_db: float | None
     decay_end: DecayEnd
     backdrop: int | None = None
+    even_row: EvenRow | None = None
 
 
 class Decision(msgspec.Struct, frozen=True):

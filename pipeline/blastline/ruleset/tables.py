@@ -60,13 +60,14 @@ class VerifyRules(Table, frozen=True):
     """Which model tells shots from everything else, and from which probability on it is believed.
 
     So many of its `networks` judge together. What the trees that screen for them give less than `look_from` is not
-    looked at more closely.
+    looked at more closely, unless it makes a row of even fire with what is.
 
     A candidate is a shot from `threshold` on, or from `company_threshold` on where a shot of the first kind lies within
     `company_s`: films fire in scenes. [bursts] says how fast a gun fires: a run that fast, each of its shots reaching
-    `burst_threshold`, is sure as a whole, and so is an even one that reaches `even_threshold` in the mean. Two shots
-    that fast take along their burst's other rounds, if about as loud, from `round_threshold` on. From `report_from` on
-    a candidate is at least listed among the rejections.
+    `burst_threshold`, is sure as a whole. A row of even fire is judged as one, by its odds in the mean: believed where
+    they reach `even_threshold`, or those by the networks alone `even_networks_threshold`. Two shots that fast take
+    along their burst's other rounds, if about as loud, from `round_threshold` on. From `report_from` on a candidate is
+    at least listed among the rejections.
     """
 
     model: str
@@ -77,6 +78,7 @@ class VerifyRules(Table, frozen=True):
     company_s: NonNegative
     burst_threshold: Ratio
     even_threshold: Ratio
+    even_networks_threshold: Ratio
     round_threshold: Ratio
     report_from: Ratio
 
@@ -130,9 +132,10 @@ class SegmentRules(Table, frozen=True):
 class BurstRules(Table, frozen=True):
     """Which shots belong together as automatic fire, and how near each other two shots can be at all.
 
-    What copies an earlier shot, and is weaker by `echo_drop_db` or more, is that shot's echo. An even run has
-    `fewest_even` shots or more, and each gap is within `unevenness` of the one before. Of one that goes on
-    for more than `most_unsure`, half have to be sure by themselves.
+    What copies an earlier shot, and is weaker by `echo_drop_db` or more, is that shot's echo. A row of even fire has
+    `fewest_even` sounds or more, each gap within `unevenness` of the one before, peaks within `echo_drop_db` of the
+    first; from `fewest_as_one` on it is believed as a whole or not at all. Of an even run of more than `most_unsure`,
+    half have to be sure by themselves.
     """
 
     shortest_gap_ms: Positive
@@ -140,6 +143,7 @@ class BurstRules(Table, frozen=True):
     echo_drop_db: Positive
     fewest_shots: Annotated[int, Meta(ge=2)]
     fewest_even: Annotated[int, Meta(ge=3)]
+    fewest_as_one: Annotated[int, Meta(ge=3)]
     unevenness: Ratio
     most_unsure: Count
 

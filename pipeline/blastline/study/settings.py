@@ -39,6 +39,7 @@ CHANGES: Mapping[Quality, tuple[str, ...]] = {
         "verify.company_threshold=0.2",
         "verify.burst_threshold=0.85",
         "verify.even_threshold=0.5",
+        "verify.even_networks_threshold=0.7",
         "verify.round_threshold=0.3",
         f"segment.reflection_level_db={OFF}",
         "render.solver_rate_hz=4000",

@@ -1,0 +1,106 @@
+"""Even fire: sounds at a gun's pace, as even and as loud as a weapon's action makes them, judged together.
+
+    |   |   |   |   |      one pace, within a few percent from gap to gap, peaks within 3 dB
+      .       .            what sounds between, an echo or something else, does not break the row
+
+A row is as many looks at one gun, or at one machine, so its mean odds say more than each sound's own.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model import EvenRow
+from ..ruleset import BurstRules, QualityRules, VerifyRules
+from ..units import samples_from_ms
+from .verify import Odds, log_odds_of
+
+
+def rows_of_fire(
+    onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], *, rate_hz: int, rules: BurstRules
+) -> list[NDArray[np.intp]]:
+    """Return the rows among onsets, ascending, that are as even and fast as automatic fire and as loud throughout.
+
+    `fewest_even` sounds and more, the longest row first; no sound is in two.
+    """
+    shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
+    start, stop = np.searchsorted(onsets, onsets + shortest), np.searchsorted(onsets, onsets + longest, side="right")
+    told: set[tuple[int, int]] = set()
+    rows = []
+    for first in range(onsets.size):
+        for second in range(start[first], stop[first]):
+            if (first, second) not in told:
+                row = _row_on(onsets, peaks_dbfs, first, second, rules)
+                told.update(pairwise(row))
+                rows.append(row)
+    free = np.ones(onsets.size, bool)
+    chosen = []
+    for row in sorted(rows, key=len, reverse=True):
+        if len(row) >= rules.fewest_even and free[row].all():
+            free[row] = False
+            chosen.append(np.array(row, np.intp))
+    return chosen
+
+
+def _row_on(
+    onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], first: int, second: int, rules: BurstRules
+) -> list[int]:
+    """Return the row that goes on from two sounds at their pace, each next one where it is due, if it is as loud."""
+    row, due = [first], int(onsets[second])
+    late = 0.0
+    while True:
+        near = np.arange(np.searchsorted(onsets, due - late), np.searchsorted(onsets, due + late, side="right"))
+        near = near[np.abs(peaks_dbfs[near] - peaks_dbfs[first]) <= rules.echo_drop_db]
+        if not near.size:
+            return row
+        row.append(int(near[np.argmin(np.abs(onsets[near] - due))]))
+        gap = int(onsets[row[-1]] - onsets[row[-2]])
+        due, late = int(onsets[row[-1]]) + gap, rules.unevenness * gap
+
+
+def even_rows(
+    onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], odds: Odds, *, rate_hz: int, tier: QualityRules
+) -> list[EvenRow | None]:
+    """Return of each candidate, ascending, whether it is a round of even fire or one of a long row that is none."""
+    told: list[EvenRow | None] = [None] * onsets.size
+    rounds = odds.by_networks >= log_odds_of(tier.verify.round_threshold)
+    for row in rows_of_fire(onsets, peaks_dbfs, rate_hz=rate_hz, rules=tier.bursts):
+        if _sounds_like_fire(odds, row, tier.verify):
+            for place in row[rounds[row]].tolist():
+                told[place] = "fire"
+        elif row.size >= tier.bursts.fewest_as_one:
+            for place in row.tolist():
+                told[place] = "no fire"
+    return told
+
+
+def _sounds_like_fire(odds: Odds, row: NDArray[np.intp], rules: VerifyRules) -> bool:
+    """Return whether a row is likely enough in the mean.
+
+    The screen, which hears what is around, takes some fire for a machine; the networks alone may settle it.
+    """
+    return bool(
+        odds.by_all[row].mean() >= log_odds_of(rules.even_threshold)
+        or odds.by_networks[row].mean() >= log_odds_of(rules.even_networks_threshold)
+    )
+
+
+def worth_a_look(
+    onsets: NDArray[np.intp],
+    peaks_dbfs: NDArray[np.float64],
+    likely: NDArray[np.float64],
+    *,
+    least: float,
+    rate_hz: int,
+    tier: QualityRules,
+) -> NDArray[np.bool_]:
+    """Return which candidates, ascending, the screen finds likely enough to be looked at more closely.
+
+    That is `look_from`, and where it finds some of a row of fire so likely, `least` for the others.
+    """
+    passed = likely >= max(least, tier.verify.look_from)
+    perhaps = np.flatnonzero(likely >= least)
+    for row in rows_of_fire(onsets[perhaps], peaks_dbfs[perhaps], rate_hz=rate_hz, rules=tier.bursts):
+        passed[perhaps[row]] |= passed[perhaps[row]].any()
+    return passed

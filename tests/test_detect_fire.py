@@ -1,0 +1,138 @@
+"""Rows of even fire: what makes one, and when it is believed, as a whole."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from scipy.special import expit, logit
+
+from blastline.detect.fire import even_rows, rows_of_fire, worth_a_look
+from blastline.detect.verify import SCREEN_SHARE, Verdicts, odds_of
+from blastline.model import EvenRow
+from blastline.ruleset import load_rules
+from blastline.units import ms_from_samples, samples_from_ms
+
+RATE_HZ = 48_000
+TIER = load_rules("standard").tier
+VERIFY, BURSTS = TIER.verify, TIER.bursts
+FAST_MS = (BURSTS.shortest_gap_ms + BURSTS.longest_gap_ms) / 2
+
+
+def told(
+    surety: Sequence[float], screened: Sequence[float] | None = None, gap_ms: float = FAST_MS
+) -> list[EvenRow | None]:
+    """Return what is told of each sound of a row."""
+    onsets = np.array([samples_from_ms(n * gap_ms, RATE_HZ) for n in range(len(surety))], np.intp)
+    by_screen = np.array(surety if screened is None else screened)
+    odds = odds_of(Verdicts(np.array(surety), by_screen, np.full(onsets.size, 2)))
+    return even_rows(onsets, np.zeros(onsets.size), odds, rate_hz=RATE_HZ, tier=TIER)
+
+
+def rows(onsets_ms: list[float], peaks_dbfs: list[float] | None = None, rate_hz: int = RATE_HZ) -> list[list[int]]:
+    onsets = np.array([samples_from_ms(at_ms, rate_hz) for at_ms in onsets_ms], np.intp)
+    peaks = np.zeros(onsets.size) if peaks_dbfs is None else np.array(peaks_dbfs)
+    return [row.tolist() for row in rows_of_fire(onsets, peaks, rate_hz=rate_hz, rules=BURSTS)]
+
+
+@pytest.mark.parametrize("gap_ms", [BURSTS.shortest_gap_ms, FAST_MS, BURSTS.longest_gap_ms])
+@pytest.mark.parametrize("rate_hz", [44_100, 48_000, 96_000])
+def test_a_row_is_fast_even_and_long_enough(gap_ms: float, rate_hz: int) -> None:
+    fewest = BURSTS.fewest_even
+    whole_ms = ms_from_samples(samples_from_ms(gap_ms, rate_hz), rate_hz)
+    assert rows([n * whole_ms for n in range(fewest)], rate_hz=rate_hz) == [list(range(fewest))]
+    assert rows([n * whole_ms for n in range(fewest - 1)], rate_hz=rate_hz) == []
+
+
+def test_neither_slower_nor_faster_than_a_gun_is_a_row() -> None:
+    for gap_ms in (BURSTS.shortest_gap_ms / 2.5, BURSTS.longest_gap_ms + 1.0):
+        assert rows([n * gap_ms for n in range(BURSTS.fewest_even)]) == []
+
+
+def test_a_pace_may_drift_but_not_stumble() -> None:
+    drifting = np.cumsum(FAST_MS * (1.0 + 0.9 * BURSTS.unevenness) ** np.arange(5))
+    stumbling = np.cumsum(FAST_MS * (1.0 + 1.5 * BURSTS.unevenness) ** (np.arange(12) % 2))
+    assert rows(drifting.tolist()) == [[0, 1, 2, 3, 4]]
+    assert rows(stumbling.tolist()) == []
+
+
+def test_what_sounds_between_breaks_no_row_and_is_not_of_it() -> None:
+    rounds_ms = [n * FAST_MS for n in range(6)]
+    places_ms = sorted([*rounds_ms, 0.3 * FAST_MS, 2.6 * FAST_MS, 2.7 * FAST_MS, 4.5 * FAST_MS])
+    peaks_dbfs = [-6.0 if at_ms in rounds_ms else -6.0 - 2.0 * BURSTS.echo_drop_db for at_ms in places_ms]
+    for peaks in (peaks_dbfs, None):
+        assert rows(places_ms, peaks) == [[places_ms.index(at_ms) for at_ms in rounds_ms]]
+
+
+def test_what_is_louder_or_softer_is_of_no_row() -> None:
+    rounds_ms = [n * FAST_MS for n in range(BURSTS.fewest_even)]
+    for step_db in (-BURSTS.echo_drop_db - 0.1, BURSTS.echo_drop_db + 0.1):
+        assert rows(rounds_ms, [-6.0, -6.0, -6.0 + step_db, -6.0]) == []
+        assert rows(rounds_ms, [-6.0, -6.0, -6.0 + 0.9 * step_db, -6.0]) == [[0, 1, 2, 3]]
+
+
+def test_no_sound_is_in_two_rows_and_a_delay_or_gain_changes_none() -> None:
+    rng = np.random.default_rng(11)
+    starts_ms = rng.uniform(0.0, 20_000.0, 20)
+    even_ms = [start + np.arange(rng.integers(3, 9)) * rng.uniform(40.0, 150.0) for start in starts_ms]
+    places_ms = np.unique(np.round(np.concatenate([rng.uniform(0.0, 20_000.0, 150), *even_ms]))).tolist()
+    peaks_dbfs = rng.uniform(-8.0, -4.0, len(places_ms))
+    found = rows(places_ms, peaks_dbfs.tolist())
+    assert len(found) >= 5
+    members = [place for row in found for place in row]
+    assert len(members) == len(set(members))
+    assert [len(row) for row in found] == sorted((len(row) for row in found), reverse=True)
+    assert rows([at_ms + 123.0 for at_ms in places_ms], (peaks_dbfs - 40.0).tolist()) == found
+
+
+def test_the_odds_of_the_networks_are_what_the_screen_leaves() -> None:
+    rng = np.random.default_rng(2)
+    by_networks, by_screen = rng.uniform(-4.0, 4.0, (2, 50))
+    surety = expit((1.0 - SCREEN_SHARE) * by_networks + SCREEN_SHARE * by_screen)
+    odds = odds_of(Verdicts(surety, expit(by_screen), np.full(50, 2)))
+    np.testing.assert_allclose(odds.by_networks, by_networks, atol=1e-9)
+    np.testing.assert_allclose(odds.by_all, logit(surety), atol=1e-9)
+    assert np.isfinite(odds_of(Verdicts(np.array([0.0, 1.0]), np.array([1.0, 0.0]), np.full(2, 2))).by_networks).all()
+
+
+def test_a_row_is_fire_where_its_mean_odds_are_enough() -> None:
+    enough = float(logit(VERIFY.even_threshold))
+    offs = [-0.9, 0.9, -0.4]
+    assert told(expit([enough + off for off in (*offs, 0.4 + 1e-9)]).tolist()) == ["fire"] * 4
+    assert told(expit([enough + off for off in (*offs, 0.39)]).tolist()) == [None] * 4
+
+
+def test_the_networks_alone_may_settle_it() -> None:
+    """The screen takes fire for a machine; each sound is then unlikely, and all are, in the mean."""
+    by_networks, by_screen = float(logit(VERIFY.even_networks_threshold)) + 0.1, -4.0
+    surety = float(expit((1.0 - SCREEN_SHARE) * by_networks + SCREEN_SHARE * by_screen))
+    assert surety < VERIFY.even_threshold
+    assert told([surety] * 5, [float(expit(by_screen))] * 5) == ["fire"] * 5
+    assert told([surety] * 5) == [None] * 5
+
+
+def test_what_the_networks_do_not_take_for_a_round_is_none_in_a_row_that_is_fire() -> None:
+    assert told([0.6, 0.6, 0.9 * VERIFY.round_threshold, 0.6, 0.9, 0.9]) == ["fire"] * 2 + [None] + ["fire"] * 3
+
+
+def test_a_long_row_is_fire_or_none_and_a_short_one_may_be_anything() -> None:
+    fewest = BURSTS.fewest_as_one
+    assert told([0.2] * fewest) == ["no fire"] * fewest
+    assert told([0.2] * (fewest - 1)) == [None] * (fewest - 1)
+    assert told([0.2] * fewest, gap_ms=BURSTS.longest_gap_ms + 1.0) == [None] * fewest
+
+
+def test_what_the_screen_doubts_is_looked_at_where_it_makes_a_row_with_what_it_does_not() -> None:
+    count = BURSTS.fewest_even
+    onsets = np.array([samples_from_ms(n * FAST_MS, RATE_HZ) for n in range(count)], np.intp)
+
+    def looked_at(*said: float) -> list[bool]:
+        likely, at = np.array(said), onsets[: len(said)]
+        passed = worth_a_look(at, np.zeros(at.size), likely, least=least, rate_hz=RATE_HZ, tier=TIER)
+        return [bool(each) for each in passed]
+
+    least = VERIFY.look_from / 2.0
+    doubted = 0.75 * VERIFY.look_from
+    assert looked_at(VERIFY.look_from, *[doubted] * (count - 1)) == [True] * count
+    assert looked_at(*[doubted] * count) == [False] * count
+    assert looked_at(VERIFY.look_from, *[doubted] * (count - 2)) == [True] + [False] * (count - 2)
+    assert looked_at(VERIFY.look_from, *[doubted] * (count - 2), 0.9 * least) == [True] + [False] * (count - 1)
