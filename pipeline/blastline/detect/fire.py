@@ -6,6 +6,7 @@
 A row is as many looks at one gun, or at one machine, so its mean odds say more than each sound's own.
 """
 
+from bisect import bisect_left, bisect_right
 from itertools import pairwise
 
 import numpy as np
@@ -24,14 +25,14 @@ def rows_of_fire(
 
     `fewest_even` sounds and more, the longest row first; no sound is in two.
     """
+    at, loud_db = onsets.tolist(), peaks_dbfs.tolist()  # a few at a time: lists are faster than arrays
     shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
-    start, stop = np.searchsorted(onsets, onsets + shortest), np.searchsorted(onsets, onsets + longest, side="right")
     told: set[tuple[int, int]] = set()
     rows = []
-    for first in range(onsets.size):
-        for second in range(start[first], stop[first]):
+    for first, place in enumerate(at):
+        for second in range(bisect_left(at, place + shortest), bisect_right(at, place + longest)):
             if (first, second) not in told:
-                row = _row_on(onsets, peaks_dbfs, first, second, rules)
+                row = _row_on(at, loud_db, first, second, rules)
                 told.update(pairwise(row))
                 rows.append(row)
     free = np.ones(onsets.size, bool)
@@ -43,20 +44,17 @@ def rows_of_fire(
     return chosen
 
 
-def _row_on(
-    onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], first: int, second: int, rules: BurstRules
-) -> list[int]:
+def _row_on(at: list[int], loud_db: list[float], first: int, second: int, rules: BurstRules) -> list[int]:
     """Return the row that goes on from two sounds at their pace, each next one where it is due, if it is as loud."""
-    row, due = [first], int(onsets[second])
-    late = 0.0
+    row, due, late = [first], at[second], 0.0
     while True:
-        near = np.arange(np.searchsorted(onsets, due - late), np.searchsorted(onsets, due + late, side="right"))
-        near = near[np.abs(peaks_dbfs[near] - peaks_dbfs[first]) <= rules.echo_drop_db]
-        if not near.size:
+        near = range(bisect_left(at, due - late), bisect_right(at, due + late))
+        alike = [place for place in near if abs(loud_db[place] - loud_db[first]) <= rules.echo_drop_db]
+        if not alike:
             return row
-        row.append(int(near[np.argmin(np.abs(onsets[near] - due))]))
-        gap = int(onsets[row[-1]] - onsets[row[-2]])
-        due, late = int(onsets[row[-1]]) + gap, rules.unevenness * gap
+        row.append(min(alike, key=lambda place: abs(at[place] - due)))
+        gap = at[row[-1]] - at[row[-2]]
+        due, late = at[row[-1]] + gap, rules.unevenness * gap
 
 
 def even_rows(

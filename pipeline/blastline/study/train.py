@@ -75,9 +75,12 @@ def _load(path: Path) -> Mix:
 
 
 def as_taught(tier: QualityRules) -> QualityRules:
-    """Return a tier that scans as for lessons: with lower jumps than films are, so that there is more to learn from."""
-    jumps = {"jump_db": 3.0, "difference_jump_db": 3.0, "band_jump_db": 4.0}
-    return msgspec.structs.replace(tier, scan=msgspec.structs.replace(tier.scan, **jumps))
+    """Return a tier that scans as for lessons: with lower jumps than films are, so that there is more to learn from.
+
+    And above what 16 bits add to their silence.
+    """
+    scan = {"jump_db": 3.0, "difference_jump_db": 3.0, "band_jump_db": 4.0, "floor_dbfs": -80.0}
+    return msgspec.structs.replace(tier, scan=msgspec.structs.replace(tier.scan, **scan))
 
 
 def _listen(tier: QualityRules, item: tuple[int, Kept]) -> Candidates:
