@@ -164,6 +164,46 @@ def test_a_step_is_a_candidate_wherever_it_lies_on_the_grid(place: int) -> None:
     assert np.abs(onsets - place).min() <= 1
 
 
+def steps_of(samples: NDArray[np.float32]) -> list[int]:
+    piece = next(stretches(pieces(clips(samples, samples.shape[0]), RATE_HZ)))
+    steps = candidate_steps(piece.peak, piece.slope, piece.bands, grid=Grid(RATE_HZ), rules=TIER.scan)
+    return [int(step) for step in steps]
+
+
+def mastered() -> NDArray[np.float32]:
+    """Return shots over steps, knocks and what is hardly heard, 20 to 100 dB under them, after silence."""
+    rng = np.random.default_rng(4)
+    samples = np.zeros(6 * RATE_HZ)
+    samples[RATE_HZ:] += 1e-4 * rng.standard_normal(5 * RATE_HZ)
+    for place in rng.integers(RATE_HZ // 2, 5 * RATE_HZ, 60).tolist():
+        knock = 10.0 ** (rng.uniform(-80.0, -6.0) / 20.0) * blast(rise_ms=0.1)
+        samples[place : place + knock.shape[0]] += knock
+    return samples.astype(np.float32)
+
+
+@pytest.mark.parametrize("gain_db", [-20.0, 6.0])
+def test_a_film_that_is_mastered_lower_or_higher_has_the_same_candidates(gain_db: float) -> None:
+    samples = mastered()
+    steps = steps_of(samples)
+    assert len(steps) > 20
+    assert steps_of((10.0 ** (gain_db / 20.0) * samples).astype(np.float32)) == steps
+
+
+def test_what_is_far_beneath_the_sounds_around_it_is_silence_and_elsewhere_is_not() -> None:
+    faint_db, far_s = 6.0 - TIER.scan.range_db, 3
+    assert 0.5 * 10.0 ** (faint_db / 20.0) > 10.0 ** (TIER.scan.floor_dbfs / 20.0)
+    for loud in (False, True):
+        samples = np.zeros(6 * RATE_HZ)
+        for at_s in (1.0, 1.0 + far_s):
+            knock = 0.5 * 10.0 ** ((faint_db - 12.0) / 20.0) * blast(rise_ms=0.1)
+            samples[round(at_s * RATE_HZ) :][: knock.shape[0]] += knock
+        if loud:
+            shot = 0.5 * blast(rise_ms=0.1)
+            samples[round(1.5 * RATE_HZ) :][: shot.shape[0]] += shot
+        near = [any(abs(step - at_ms) <= 2 for step in steps_of(samples.astype(np.float32))) for at_ms in (1000, 4000)]
+        assert near == [not loud, True]
+
+
 @pytest.mark.parametrize("offset", [0.02, -0.2])
 def test_a_constant_offset_moves_no_onset(offset: float) -> None:
     samples = film(noise=1e-3)

@@ -7,12 +7,14 @@ from ..ruleset import ScanRules
 from ..units import gain_from_db
 from .tracks import STEPS_PER_HOP, Grid
 
+_AROUND_MS = 2000.0
 
-def rises(track: NDArray[np.float32], history: int, floor: float) -> NDArray[np.float32]:
+
+def rises(track: NDArray[np.float32], history: int, floor: float | NDArray[np.float32]) -> NDArray[np.float32]:
     """Return each step's value over the largest one in the `history` steps before it, the last one left out.
 
-    `track` is (steps,) or (steps, bands), each band on its own. A rise that straddles two steps would hide itself if
-    the step right before it counted.
+    `track` is (steps,) or (steps, bands), each band on its own; what lies under the floor, one for all or one for each
+    step, is silence. A rise that straddles two steps would hide itself if the step right before it counted.
     """
     padded = np.concatenate([np.zeros((history + 1, *track.shape[1:]), np.float32), track])
     past = largest_of(padded, history)[: track.shape[0]]
@@ -36,17 +38,28 @@ def largest_of(values: NDArray[np.float32], length: int) -> NDArray[np.float32]:
     return np.maximum(best[:-rest], best[rest:]) if rest else best
 
 
-def band_rises(bands: NDArray[np.float32], history: int, floor: float) -> NDArray[np.float32]:
+def band_rises(bands: NDArray[np.float32], history: int, floor: float | NDArray[np.float32]) -> NDArray[np.float32]:
     """Return each frame's rise as an amplitude ratio: the mean, in dB, of the two bands that rise most.
 
     A shot under a loud dialogue still towers in the bands that the voice leaves free; two bands, since a single one
     rises with any tone. A frame overlaps its neighbours, so the history ends two frames before it, as in `rises`.
     """
     first = second = np.zeros(bands.shape[0], np.float32)
-    for energy in rises(bands, history, floor * floor).T:
+    for energy in rises(bands, history, np.square(floor)[..., None]).T:
         second = np.maximum(second, np.minimum(first, energy))
         first = np.maximum(first, energy)
     return np.asarray(np.sqrt(np.sqrt(first * second)), np.float32)
+
+
+def silence(peak: NDArray[np.float32], *, grid: Grid, rules: ScanRules) -> NDArray[np.float32]:
+    """Return up to which peak each step is silence: `floor_dbfs`, or `range_db` under the loudest step around it.
+
+    So what is silence in a film is silence in a quieter copy.
+    """
+    reach = grid.steps(_AROUND_MS)
+    loudest = largest_of(np.pad(peak, reach), 2 * reach + 1)
+    floor = np.maximum(loudest * gain_from_db(-rules.range_db), gain_from_db(rules.floor_dbfs))
+    return np.asarray(floor, np.float32)
 
 
 def candidate_steps(
@@ -63,13 +76,15 @@ def candidate_steps(
     `separation_ms` rises more.
     """
     history = grid.steps(rules.history_ms)
-    floor = gain_from_db(rules.floor_dbfs)
+    floor = silence(peak, grid=grid, rules=rules)
     score = rises(peak, history, floor) / gain_from_db(rules.jump_db)
     if rules.difference_jump_db is not None:
         # a slope of the floor's height is as near to silence as a peak of it
         np.maximum(score, rises(slope, history, floor) / gain_from_db(rules.difference_jump_db), out=score)
     if rules.band_jump_db is not None:
-        frames = band_rises(bands, history // STEPS_PER_HOP, floor) / gain_from_db(rules.band_jump_db)
+        frames = band_rises(
+            bands, history // STEPS_PER_HOP, floor[: bands.shape[0] * STEPS_PER_HOP : STEPS_PER_HOP]
+        ) / gain_from_db(rules.band_jump_db)
         # a frame ends with its hop: what it heard lies in the hop's first step as likely as in its second
         np.maximum(score, np.repeat(frames, STEPS_PER_HOP), out=score)
     apart = grid.steps(rules.separation_ms)

@@ -32,13 +32,14 @@ class ScanRules(Table, frozen=True):
     A candidate is a step of a millisecond that rises over everything in the past `history_ms`: by `jump_db` in the
     waveform's peak, by `difference_jump_db` in that of its first difference, or by `band_jump_db` in the mean of the
     two bands that rise most; a track without a jump is not looked at. Of candidates within `separation_ms` the
-    steepest stays. Below `floor_dbfs` nothing counts.
+    steepest stays. What peaks below `floor_dbfs`, or `range_db` under the loudest within two seconds, is silence.
     """
 
     history_ms: Annotated[float, Meta(ge=5.0, le=200.0)]
     jump_db: Annotated[float, Meta(ge=1.0, le=40.0)]
     separation_ms: Annotated[float, Meta(ge=2.0, le=100.0)]
     floor_dbfs: Annotated[float, Meta(ge=-140.0, le=-20.0)]
+    range_db: Annotated[float, Meta(ge=20.0, le=140.0)]
     difference_jump_db: Annotated[float, Meta(ge=1.0, le=40.0)] | None = None
     band_jump_db: Annotated[float, Meta(ge=1.0, le=40.0)] | None = None
 
