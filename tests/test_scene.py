@@ -93,6 +93,13 @@ def test_every_decision_is_a_function_of_its_evidence(measured: ShotEvidence, ec
     assert all(each.choice and each.reason and each.evidence for each in made)
 
 
+def test_a_round_that_is_believed_with_its_row_says_so() -> None:
+    measured = ShotEvidence(0.02, 2, None, "fallen", even_row="fire")
+    for row, told in (("fire", True), ("no fire", False), (None, False)):
+        (verdict, *_) = decisions(shot_of(msgspec.structs.replace(measured, even_row=row), []), TIER, rate_hz=RATE_HZ)
+        assert ("its even row" in verdict.reason) is told
+
+
 def test_of_an_event_that_nobody_listened_to_nothing_is_said() -> None:
     assert decisions(shot_of(None, []), TIER, rate_hz=RATE_HZ) == ()
 
