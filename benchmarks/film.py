@@ -13,6 +13,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from blastline.model import Quality
+
 BENCH = Path("build/bench")
 SYNTH = Path(__file__).parents[1] / "pipeline" / "blastline" / "synth"
 READ = """
@@ -90,7 +92,7 @@ def timed(setup: str, call: str, warm: str) -> dict[str, float]:
     return measured(f'{setup}\n{warm}\n{clock}\nprint(json.dumps({{"cpu_s": spent, "peak_mb": peak_mb()}}))')
 
 
-def compare(minutes: float, *, quality: str, report: bool) -> None:
+def compare(minutes: float, *, quality: Quality, report: bool) -> None:
     """Print one row of the table."""
     film, short = made(f"film{minutes:g}", minutes), made("film1", 1)
     read = timed(READ, f"read({str(film)!r})", f"read({str(short)!r})")
@@ -115,7 +117,7 @@ def encoded(wav: Path) -> Path:
     return path
 
 
-def compare_codecs(minutes: float, quality: str) -> None:
+def compare_codecs(minutes: float, quality: Quality) -> None:
     """Print how far the onsets found in an AC-3 film are from those found in the sound it was made of."""
     from blastline import run
 
@@ -129,7 +131,7 @@ def compare_codecs(minutes: float, quality: str) -> None:
     print(f"onsets apart: largest {max(near, default=0.0):.3f} ms; within 1 ms: {sum(e <= 1.0 for e in near)}")
 
 
-def compare_listenings(minutes: float, quality: str) -> None:
+def compare_listenings(minutes: float, quality: Quality) -> None:
     """Print what finding the shots of a 5.1 film costs, heard once and twice."""
     print("| sound | heard | detect, CPU s | peak MB |")
     print("| --- | --- | --- | --- |")
@@ -148,7 +150,7 @@ def compare_listenings(minutes: float, quality: str) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--minutes", type=float, nargs="+", default=[10.0, 120.0])
-    parser.add_argument("--quality", default="standard")
+    parser.add_argument("--quality", default="standard", choices=("draft", "standard", "reference"))
     parser.add_argument("--report", action="store_true")
     parser.add_argument("--ac3", action="store_true")
     parser.add_argument("--sides", action="store_true")

@@ -23,15 +23,16 @@ from numpy.typing import NDArray
 
 from blastline import scene
 from blastline.detect import Verifier, find_shots, load_verifier
-from blastline.detect.find import described, guesses, judged, let_all_pass
+from blastline.detect.find import Test, described, guesses, judged, let_all_pass
+from blastline.detect.fire import even_rows
 from blastline.detect.forest import score
 from blastline.detect.network import log_odds
 from blastline.detect.picture import pictures
 from blastline.detect.segment import segment
 from blastline.detect.stretches import stretches
 from blastline.detect.tracks import Grid, pieces
-from blastline.detect.verify import SCREEN_SHARE
-from blastline.model import DriveChoice, Shot, Span
+from blastline.detect.verify import SCREEN_SHARE, Sieve, Verdicts, odds_of
+from blastline.model import DriveChoice, DriveModel, Shot, ShotEvidence, Span
 from blastline.render import drive_filters, hear_window, measure, needed_audio, plan_windows, render_window
 from blastline.render.filters import felt
 from blastline.ruleset import Rules, load_actuator, load_rules, rules_path
@@ -84,11 +85,15 @@ def _probability(odds: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.round(1.0 / (1.0 + np.exp(-odds)), 4), np.float64)
 
 
+def passing(sieve: Sieve) -> Test:
+    """Return what a sieve lets pass, wherever it is."""
+    return lambda rows, _: sieve.lets_pass(rows)
+
+
 def looked(track: Soundtrack, truth: Truth, rules: Rules, verifier: Verifier, *, sieved: bool) -> Looked:
     """Show the candidates of a film to all networks and segment them; `sieved` only those that pass gate and screen."""
     grid, tier = Grid(track.rate_hz), rules.tier
-    gate = verifier.gate.lets_pass if sieved else let_all_pass
-    screen = verifier.screen.lets_pass if sieved else let_all_pass
+    gate, screen = (passing(sieve) if sieved else let_all_pass for sieve in (verifier.gate, verifier.screen))
     odds, networks, shots, look_s = [], [], [], 0.0
     for stretch in stretches(pieces(track.blocks(BLOCK), track.rate_hz)):
         found = described(stretch, grid, tier, gate=gate, screen=screen)
@@ -102,13 +107,22 @@ def looked(track: Soundtrack, truth: Truth, rules: Rules, verifier: Verifier, *,
     return Looked(np.concatenate(odds), np.concatenate(networks, axis=1), tuple(shots), truth, look_s)
 
 
-def believed(shots: Sequence[Shot], surety: NDArray[np.float64], rules: Rules, rate_hz: int) -> tuple[Shot, ...]:
-    """Return the shots that a run makes of candidates with these probabilities."""
-    tier = rules.tier
+def believed(film: Looked, surety: NDArray[np.float64], rules: Rules) -> tuple[Shot, ...]:
+    """Return the shots that a run makes of a film's candidates with these probabilities; 0 for those never judged."""
+    tier, rate_hz = rules.tier, film.truth.rate_hz
+    seen = np.flatnonzero(surety > 0.0)
+    onsets = np.array([film.shots[place].onset for place in seen], np.intp)
+    peaks_dbfs = np.array([film.shots[place].peak_dbfs for place in seen])
+    odds = odds_of(Verdicts(surety[seen], _probability(film.screen[seen]), np.full(seen.size, len(film.networks))))
+    rows = even_rows(onsets, peaks_dbfs, odds, rate_hz=rate_hz, tier=tier)
     enough = [
-        msgspec.structs.replace(shot, confidence=float(p))
-        for shot, p in zip(shots, surety, strict=True)
-        if p >= tier.verify.round_threshold
+        msgspec.structs.replace(
+            film.shots[place],
+            confidence=float(surety[place]),
+            evidence=ShotEvidence(None, 0, None, "background", even_row=row),
+        )
+        for place, row in zip(seen, rows, strict=True)
+        if surety[place] >= tier.verify.round_threshold or row == "fire"
     ]
     return judged(enough, (), rate_hz=rate_hz, tier=tier).shots
 
@@ -140,7 +154,10 @@ def rendered(track: Soundtrack, shots: Sequence[Shot], rules: Rules, choice: Dri
         began = process_time()
         audio = track.cut(needed_audio(planned, frames=frames, filters=filters, rules=tier.render))
         heard = hear_window(audio, planned, filters=filters, rules=tier.render)
-        model, reason = ("constrained", "") if choice != "auto" else scene.choose(measure(heard), rules.scenes, choice)
+        model: DriveModel = "constrained"
+        reason = ""
+        if choice == "auto":
+            model, reason = scene.choose(measure(heard), rules.scenes, choice)
         done = render_window(heard, shots, model=model, reason=reason, background="mute")
         way.render_s += process_time() - began
         vibration = felt(np.asarray(done.clip.driving, np.float64), filters)
@@ -173,7 +190,7 @@ def compared(films: Iterator[tuple[Path, Truth]], rules: Rules) -> tuple[Way, Wa
             began = process_time()
             every = looked(track, truth, rules, verifier, sieved=False)
             odds = (1.0 - SCREEN_SHARE) * every.networks.mean(axis=0) + SCREEN_SHARE * every.screen
-            shots = believed(every.shots, _probability(odds), rules, track.rate_hz)
+            shots = believed(every, _probability(odds), rules)
             everything.detect_s += process_time() - began - scanning_s
             everything.counts += counted(shots, truth)
             rendered(track, shots, rules, "constrained", everything)
@@ -191,7 +208,7 @@ def spared(seen: Sequence[Looked], rules: Rules, look_from: float, sure_from: fl
         odds = (1.0 - SCREEN_SHARE) * film.networks.mean(axis=0) + SCREEN_SHARE * film.screen
         surety = np.where(sure, screened, np.where(screened < look_from, 0.0, _probability(odds)))
         shown, every = shown + int(((screened >= look_from) & ~sure).sum()), every + screened.size
-        counts += counted(believed(film.shots, surety, rules, film.truth.rate_hz), film.truth)
+        counts += counted(believed(film, surety, rules), film.truth)
     return shown / max(every, 1), counts
 
 

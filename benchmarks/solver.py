@@ -185,27 +185,26 @@ def interior(case: Case, rate_hz: int, tolerance: float, polish: int) -> Samples
     return minimise(case.problem, drive, iterations=polish, tolerance=0.0)
 
 
+def solving(method: Callable[..., NDArray[np.float64]], *settings: float, **named: float) -> Solve:
+    """Return a method with its settings."""
+    return lambda case: method(case, *settings, **named)
+
+
 METHODS: dict[str, Solve] = {
     "compensator, clipped": lambda case: case.start,
-    **{f"projected gradient, {n} iterations": lambda case, n=n: projected_gradient(case, n) for n in (20, 100)},
-    **{f"FISTA, {n} iterations": lambda case, n=n: fista(case, n) for n in (20, 100, 300)},
-    **{f"FISTA with restart, {n} iterations": lambda case, n=n: fista_restart(case, n) for n in (20, 100, 300)},
-    **{f"Anderson, memory 6, {n} iterations": lambda case, n=n: anderson(case, n) for n in (20, 100)},
-    **{f"ADMM, {n} iterations": lambda case, n=n: admm(case, n) for n in (20, 100)},
+    **{f"projected gradient, {n} iterations": solving(projected_gradient, n) for n in (20, 100)},
+    **{f"FISTA, {n} iterations": solving(fista, n) for n in (20, 100, 300)},
+    **{f"FISTA with restart, {n} iterations": solving(fista_restart, n) for n in (20, 100, 300)},
+    **{f"Anderson, memory 6, {n} iterations": solving(anderson, n) for n in (20, 100)},
+    **{f"ADMM, {n} iterations": solving(admm, n) for n in (20, 100)},
+    **{f"ADMM, relaxed by 1.85, {n} iterations": solving(admm, n, relaxation=1.85) for n in (10, 20, 40)},
+    **{f"projected Newton-CG, {n} steps": solving(newton_cg, n) for n in (3, 8)},
     **{
-        f"ADMM, relaxed by 1.85, {n} iterations": lambda case, n=n: admm(case, n, relaxation=1.85) for n in (10, 20, 40)
-    },
-    **{f"projected Newton-CG, {n} steps": lambda case, n=n: newton_cg(case, n) for n in (3, 8)},
-    **{
-        f"FISTA {rate // 1000} kHz, {n} iterations, polish {polish}": lambda case, rate=rate, n=n, polish=polish: (
-            coarse_fista(case, rate, n, polish)
-        )
+        f"FISTA {rate // 1000} kHz, {n} iterations, polish {polish}": solving(coarse_fista, rate, n, polish)
         for rate, n, polish in ((4000, 60, 0), (8000, 60, 0), (8000, 60, 4), (8000, 60, 30), (16000, 200, 30))
     },
     **{
-        f"interior {rate // 1000} kHz, {tol:g}, polish {polish}": lambda case, rate=rate, tol=tol, polish=polish: (
-            interior(case, rate, tol, polish)
-        )
+        f"interior {rate // 1000} kHz, {tol:g}, polish {polish}": solving(interior, rate, tol, polish)
         for rate, tol, polish in (
             (4000, 1e-3, 0),
             (8000, 1e-3, 0),
@@ -228,7 +227,9 @@ def main() -> None:
     parser.add_argument("--scenes", nargs="+", default=["weak", "indoors", "surround"])
     parser.add_argument("--shots", type=int, default=2)
     options = parser.parse_args()
-    gaps, costs, seconds = defaultdict(list), defaultdict(float), 0.0
+    gaps: dict[str, list[float]] = defaultdict(list)
+    costs: dict[str, float] = defaultdict(float)
+    seconds = 0.0
     for case in cases(options.scenes, options.shots):
         best = minimise(case.problem, interior(case, case.filters.rate_hz, 1e-9, 300), iterations=300, tolerance=0.0)
         lowest = case.problem.objective(best)
