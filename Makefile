@@ -25,7 +25,7 @@ test: $(INSTALLED)
 	$(RUN)/ruff check
 	$(RUN)/ruff format --check
 	$(RUN)/mypy
-	$(RUN)/pytest
+	$(RUN)/pytest -n auto --maxprocesses 4 --dist loadfile
 
 # 1 says that a tier is not where it should be: a finding, and written down
 study: $(INSTALLED)
