@@ -1,8 +1,8 @@
-"""What a whole film costs: `python benchmarks/film.py [--minutes 120] [--report]`.
+"""What a whole film costs: `python benchmarks/film.py [--minutes 120] [--quality draft ...] [--report | --detect]`.
 
 Synthesises a mono 16-bit film with 2.5 shots a minute (kept in build/bench), reads it with soundfile in float32 blocks,
-then runs `render`, and prints the CPU time of both, their ratio and the peak memory. Both run in processes of their
-own; start-up and imports are not counted. `--ac3` makes 5.1 sound of it, as WAV and as AC-3 in a film
+then runs `render`, or `detect`, and prints the CPU time of both, their ratio and the peak memory. They run in processes
+of their own; start-up and imports are not counted. `--ac3` makes 5.1 sound of it, as WAV and as AC-3 in a film
 container, and compares the onsets found in the two. `--sides` compares what it costs to listen to the two
 once, and once more without the centre.
 """
@@ -12,6 +12,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import get_args
 
 from blastline.model import Quality
 
@@ -37,8 +38,8 @@ DETECT = """
 import sys, time
 from pathlib import Path
 from blastline import run
-def detect(path, rules):
-    return run.detect(Path(path), quality=QUALITY, rules=Path(rules))
+def detect(path, rules=None):
+    return run.detect(Path(path), quality=QUALITY, rules=rules and Path(rules))
 """
 MEASURE = """
 import json
@@ -92,12 +93,11 @@ def timed(setup: str, call: str, warm: str) -> dict[str, float]:
     return measured(f'{setup}\n{warm}\n{clock}\nprint(json.dumps({{"cpu_s": spent, "peak_mb": peak_mb()}}))')
 
 
-def compare(minutes: float, *, quality: Quality, report: bool) -> None:
-    """Print one row of the table."""
+def compare(minutes: float, *, quality: Quality, setup: str, call: str) -> None:
+    """Print one row of the table: `call`, of a film's path, is made after `setup`."""
     film, short = made(f"film{minutes:g}", minutes), made("film1", 1)
     read = timed(READ, f"read({str(film)!r})", f"read({str(short)!r})")
-    setup = RENDER.replace("QUALITY", repr(quality))
-    done = timed(setup, f"render({str(film)!r}, {report})", f"render({str(short)!r}, {report})")
+    done = timed(setup.replace("QUALITY", repr(quality)), call.format(str(film)), call.format(str(short)))
     print(
         f"| {minutes:g} | {quality} | {read['cpu_s']:.2f} | {done['cpu_s']:.2f} | {done['cpu_s'] / read['cpu_s']:.1f} "
         f"| {done['peak_mb']:.0f} |",
@@ -150,21 +150,24 @@ def compare_listenings(minutes: float, quality: Quality) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--minutes", type=float, nargs="+", default=[10.0, 120.0])
-    parser.add_argument("--quality", default="standard", choices=("draft", "standard", "reference"))
+    parser.add_argument("--quality", nargs="+", default=["standard"], choices=get_args(Quality))
     parser.add_argument("--report", action="store_true")
+    parser.add_argument("--detect", action="store_true")
     parser.add_argument("--ac3", action="store_true")
     parser.add_argument("--sides", action="store_true")
     options = parser.parse_args()
     if options.sides:
-        compare_listenings(options.minutes[0], options.quality)
+        compare_listenings(options.minutes[0], options.quality[0])
         return
     if options.ac3:
-        compare_codecs(options.minutes[0], options.quality)
+        compare_codecs(options.minutes[0], options.quality[0])
         return
-    print("| minutes | quality | soundfile read, CPU s | render, CPU s | ratio | peak MB |")
+    setup, call = (DETECT, "detect({!r})") if options.detect else (RENDER, f"render({{!r}}, {options.report})")
+    print(f"| minutes | quality | soundfile read, CPU s | {call.partition('(')[0]}, CPU s | ratio | peak MB |")
     print("| --- | --- | --- | --- | --- | --- |")
     for minutes in options.minutes:
-        compare(minutes, quality=options.quality, report=options.report)
+        for quality in options.quality:
+            compare(minutes, quality=quality, setup=setup, call=call)
 
 
 if __name__ == "__main__":

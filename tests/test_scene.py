@@ -8,7 +8,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from blastline.detect.segment import segment
-from blastline.model import DecayEnd, DriveChoice, DriveModel, Reflection, SceneEvidence, Shot, ShotEvidence, Span
+from blastline.model import (
+    DecayEnd,
+    DriveChoice,
+    DriveModel,
+    EvenRow,
+    Reflection,
+    SceneEvidence,
+    Shot,
+    ShotEvidence,
+    Span,
+)
 from blastline.report.choice import reasons
 from blastline.ruleset import SceneRules, load_rules
 from blastline.scene import choose, decisions
@@ -75,6 +85,7 @@ HEARD = st.builds(
     st.integers(1, 2),
     st.floats(-200.0, 40.0),
     st.sampled_from(get_args(DecayEnd)),
+    even_row=st.none() | st.sampled_from(get_args(EvenRow)),
 )
 
 
