@@ -221,6 +221,21 @@ def test_a_sample_joins_without_a_step_and_knows_its_loudest_frame(tmp_path: Pat
     assert np.sum(taken < 0.05) > 400  # faded where two stretches meet
 
 
+def test_a_sample_is_heard_as_the_film_is_with_its_centre_and_without(tmp_path: Path) -> None:
+    film = tmp_path / "film.wav"
+    channels = np.random.default_rng(11).uniform(-0.1, 0.1, (9 * RATE_HZ, 6))
+    soundfile.write(film, channels, RATE_HZ, subtype="PCM_24")
+    with open_soundtrack(film) as track:
+        sample = sampled(film, track, tmp_path / "sample.wav", counted=True)
+    assert sample.seconds == pytest.approx(9.0)
+    with open_soundtrack(film) as there, open_soundtrack(sample.path) as here:
+        for one, other in zip(there.blocks(sides=True), here.blocks(sides=True), strict=True):
+            assert one.sides is not None
+            assert other.sides is not None
+            np.testing.assert_allclose(other.heard, one.heard, atol=3.0 / 32_768)
+            np.testing.assert_allclose(other.sides, one.sides, atol=3.0 / 32_768)
+
+
 def test_a_sample_is_in_memory_a_stretch_at_a_time(tmp_path: Path) -> None:
     film, rate_hz = tmp_path / "long.wav", 8_000
     soundfile.write(film, np.zeros(20 * 60 * rate_hz, np.int16), rate_hz, subtype="PCM_16")

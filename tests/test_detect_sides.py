@@ -13,6 +13,7 @@ from blastline.detect import LATENCY_S, Detection, find_shots, load_verifier
 from blastline.detect.sides import joined
 from blastline.model import Rejection, Shot, Span
 from blastline.ruleset import QualityRules, load_rules, rules_path
+from blastline.soundtrack import open_soundtrack
 from blastline.soundtrack.mix import mix_matrix
 from blastline.soundtrack.reader import Soundtrack
 from blastline.soundtrack.track import TrackFacts
@@ -207,6 +208,28 @@ def test_sides_are_the_mains_less_the_centre_whatever_the_block(film: tuple[Samp
     for size in (1_000, 65_536):
         sides = [block.sides for block in opened(film[0]).blocks(size, sides=True) if block.sides is not None]
         np.testing.assert_allclose(np.concatenate(sides), expected, atol=2e-7)
+
+
+@pytest.mark.parametrize("kind", ["wav", "mkv"])
+def test_sides_are_the_same_wherever_they_are_read(film: tuple[Samples, Truth], tmp_path: Path, kind: str) -> None:
+    import soundfile
+
+    path = tmp_path / f"film.{kind}"
+    if kind == "wav":
+        soundfile.write(path, film[0], RATE_HZ, subtype="PCM_16")
+    else:
+        write_media(path, [film[0]], codec="flac")
+    with open_soundtrack(path) as track:
+        heard, beside = track.near(0.0, 1.0, sides=True)[:RATE_HZ].T
+    with open_soundtrack(path) as track:
+        first, *_ = list(track.blocks(RATE_HZ, sides=True))
+        assert first.sides is not None
+        np.testing.assert_array_equal(heard, first.heard)
+        np.testing.assert_array_equal(beside, first.sides)
+        if kind == "wav":
+            again = track.cut(Span(0, RATE_HZ), sides=True).sides
+            assert again is not None
+            np.testing.assert_array_equal(again, first.sides)
 
 
 def test_what_has_just_gone_by_can_be_read_and_what_is_long_gone_can_not() -> None:

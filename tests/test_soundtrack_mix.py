@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from blastline.errors import SoundtrackError
-from blastline.soundtrack.mix import LFE_GAIN, is_identity, mix_matrix, mixed
+from blastline.soundtrack.mix import LFE_GAIN, as_front, centre_of, is_identity, mix_matrix, mixed
 
 SIDE_5_1 = ("FL", "FR", "FC", "LFE", "SL", "SR")
 FILM_5_1 = ("FL", "FC", "FR", "SL", "SR", "LFE")
@@ -38,6 +38,16 @@ def test_the_low_channel_drives_and_is_not_heard(channels: int, low: int) -> Non
 
 def test_without_a_low_channel_all_is_the_mains() -> None:
     np.testing.assert_array_equal(mix_matrix(None, 2, "all"), mix_matrix(None, 2, "mains"))
+
+
+def test_three_channels_are_heard_as_asked_for_with_their_centre_and_without() -> None:
+    heard, sides = np.random.default_rng(3).uniform(-1.0, 1.0, (2, 1000)).astype(np.float32)
+    front = as_front(heard, sides)
+    (mains,) = mixed(front, mix_matrix(None, 3, "mains")).T
+    centre = centre_of(None, 3, "mains")
+    assert centre is not None
+    np.testing.assert_allclose(mains, heard, atol=1e-6)
+    np.testing.assert_allclose(mains - front[:, centre], sides, atol=1e-6)
 
 
 @pytest.mark.parametrize("layout", [("FL", "FR"), ("FL", "FR", "LFE")])

@@ -103,7 +103,7 @@ class Gauge:
             per_second=cost.per_second + known.empty.made_s / sample.seconds,
             per_shot=per_shot,
             per_picture=known.picture_s,
-            shots_per_s=max(len(known.heard.found.shots), 0.5) / sample.seconds,
+            shots_per_s=max(_audible(known.heard, setup.rules), 0.5) / sample.seconds,
         )
 
     def _per_shot(self, known: _Known, setup: Setup) -> tuple[float, float]:
@@ -143,23 +143,23 @@ class Gauge:
         began = process_time()
         verifier = load_verifier(path, networks=networks)
         verifier_s = process_time() - began
-        timed, rate_hz = self._timed(), self._track.rate_hz
+        timed, rate_hz = self._timed(sides=rules.tier.channels.sides), self._track.rate_hz
         began = process_time()
         blocks = timed if self._meter is None else OverviewMeter(rate_hz).watch(timed)
         find_shots(blocks, rate_hz=rate_hz, tier=rules.tier, verifier=verifier)
-        times = 2 if self._sample.has_sides and rules.tier.channels.sides else 1
-        return verifier_s, times * (process_time() - began) / (timed[-1].span.stop / rate_hz)
+        return verifier_s, (process_time() - began) / (timed[-1].span.stop / rate_hz)
 
-    def _timed(self) -> list[Clip]:
-        """Return every so manyth few seconds of the sample, as blocks that follow one another."""
+    def _timed(self, *, sides: bool) -> list[Clip]:
+        """Return every so manyth few seconds of the sample, as blocks that follow one another, as a run hears them."""
         frames, stride = self._track.source().frames, self._sample.stride * TIMED_FRAMES
         starts = [at for first in range(0, frames, stride) for at in range(first, first + TIMED_FRAMES, BLOCK)]
         blocks: list[Clip] = []
         for start in starts:
             if start < frames:
-                cut = self._track.cut(Span(start, min(start + BLOCK, frames)))
+                cut = self._track.cut(Span(start, min(start + BLOCK, frames)), sides=sides)
                 position = blocks[-1].span.stop if blocks else 0
-                blocks.append(Clip(cut.samples.astype(np.float32), cut.rate_hz, position))
+                beside = None if cut.sides is None else cut.sides.astype(np.float32)
+                blocks.append(Clip(cut.samples.astype(np.float32), cut.rate_hz, position, beside))
         return blocks
 
     def _shots(self, heard: Listened, rules: Rules, most: int) -> Sequence[Shot]:
@@ -217,6 +217,11 @@ def open_gauge(
                 yield Gauge(sample, heard, options, drives=drives)
         finally:
             gc.unfreeze()
+
+
+def _audible(heard: Listened, rules: Rules) -> int:
+    """Return how many of the shots a tier can find: those of the sides only where it listens to them."""
+    return sum(rules.tier.channels.sides or shot.heard_in == "mains" for shot in heard.found.shots)
 
 
 def _windows_s(heard: Listened) -> float:

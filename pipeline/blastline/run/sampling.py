@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .. import dsp
 from ..errors import SoundtrackError
 from ..model import Source
-from ..soundtrack import Soundtrack, write_excerpt
+from ..soundtrack import Soundtrack, as_front, write_excerpt
 from ..units import samples_from_ms
 from .listening import BLOCK
 
@@ -38,7 +38,6 @@ _HASHED_BYTES = 8 << 20
 class Sampled:
     """A sample of a film of `film_s` seconds: stretches of it in one file of so many `seconds`.
 
-    `has_sides` says that the film is listened to twice where a tier asks for it, and the sample is not.
     Every `stride`th few seconds of it make a shorter sample. `source` is the film's; `loudest` the sample's loudest
     frame; `decode_per_s` the CPU seconds that decoding a second of the film takes, `hash_s` those of its digest.
     """
@@ -49,7 +48,6 @@ class Sampled:
     loudest: int
     film_s: float
     source: Source
-    has_sides: bool
     decode_per_s: float
     hash_s: float
 
@@ -75,6 +73,7 @@ def counted_s(film_s: float) -> float:
 def sampled(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> Sampled:
     """Take stretches from the middle of equal parts of the film, enough to time or also to count, and write them.
 
+    One channel, or where the film has a centre, three that are heard with and without it as the film is.
     Raises SoundtrackError for a film that cannot be read, or whose length nothing tells.
     """
     film_s = track.expected_s
@@ -87,7 +86,7 @@ def sampled(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> Samp
     track.near(0.0, stretch_s)  # whatever is imported or set up on the way
     starts_s = [max(0.0, (part + 0.5) * film_s / parts - stretch_s / 2.0) for part in range(parts)]
     taken = _Taken(track, starts_s, frames)
-    written = write_excerpt(path, taken.stretches(), track.rate_hz)
+    written = write_excerpt(path, taken.stretches(), rate_hz=track.rate_hz, channels=taken.channels)
     if not written:
         raise SoundtrackError(f"{film}: no sound could be read at any of {parts} places; give a --quality")
     seconds = written / track.rate_hz
@@ -98,7 +97,6 @@ def sampled(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> Samp
         loudest=taken.loudest,
         film_s=film_s,
         source=track.described(),
-        has_sides=track.has_sides,
         decode_per_s=taken.decode_s / seconds,
         hash_s=_cpu_of_hashing(film),
     )
@@ -110,32 +108,35 @@ class _Taken:
     def __init__(self, track: Soundtrack, starts_s: Sequence[float], frames: int) -> None:
         """Take so many frames from each place."""
         self._track, self._starts_s, self._frames = track, starts_s, frames
+        self.channels = 3 if track.has_sides else 1
         self.decode_s, self.loudest = 0.0, 0
 
     def stretches(self) -> Iterator[NDArray[np.float32]]:
         """Yield the stretches, faded where they meet, so that no step is taken for a sound."""
-        fade = dsp.fade(samples_from_ms(_JOIN_MS, self._track.rate_hz)).astype(np.float32)
+        fade = dsp.fade(samples_from_ms(_JOIN_MS, self._track.rate_hz)).astype(np.float32)[:, None]
         at, peak, last = 0, -1.0, len(self._starts_s) - 1
         for part, start_s in enumerate(self._starts_s):
             stretch = self._decoded(start_s)
-            if not stretch.size:
+            frames = stretch.shape[0]
+            if not frames:
                 continue
-            short = fade[: stretch.size]
+            short = fade[:frames]
             if at:
                 stretch[: short.size] *= short
             if part < last:
-                stretch[stretch.size - short.size :] *= short[::-1]
-            loudest = int(np.argmax(np.abs(stretch)))
-            if abs(stretch[loudest]) > peak:
-                peak, self.loudest = float(abs(stretch[loudest])), at + loudest
-            at += stretch.size
-            yield stretch
+                stretch[frames - short.size :] *= short[::-1]
+            loudest = int(np.argmax(np.abs(stretch[:, 0])))
+            if abs(stretch[loudest, 0]) > peak:
+                peak, self.loudest = float(abs(stretch[loudest, 0])), at + loudest
+            at += frames
+            yield as_front(*stretch.T) if self.channels > 1 else stretch
 
     def _decoded(self, start_s: float) -> NDArray[np.float32]:
+        """Return what is heard, and beside it, where the film has a centre, what is heard without that."""
         began = process_time()
-        mixed = self._track.near(start_s, self._frames / self._track.rate_hz)
+        columns = self._track.near(start_s, self._frames / self._track.rate_hz, sides=True)
         self.decode_s += process_time() - began
-        return np.array(mixed[: self._frames, 0], np.float32)
+        return columns[: self._frames, [0, -1] if self.channels > 1 else [0]]
 
 
 def _cpu_of_hashing(film: Path) -> float:

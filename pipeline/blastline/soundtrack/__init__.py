@@ -6,7 +6,8 @@
 
 from ..timecode import timecode_at
 from .bwf import Cue
+from .mix import as_front
 from .reader import Soundtrack, open_soundtrack
 from .writer import write_drive, write_excerpt
 
-__all__ = ["Cue", "Soundtrack", "open_soundtrack", "timecode_at", "write_drive", "write_excerpt"]
+__all__ = ["Cue", "Soundtrack", "as_front", "open_soundtrack", "timecode_at", "write_drive", "write_excerpt"]

@@ -96,6 +96,12 @@ def centre_of(layout: Sequence[str] | None, channels: int, mix: str) -> int | No
     return names.index("FC")
 
 
+def as_front(heard: NDArray[np.float32], sides: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return left, right and centre, shape (frames, 3), that are heard like this, as a whole and without the centre."""
+    side = sides * np.float32(0.5 / _HALF_POWER)
+    return np.stack([side, side, heard - sides], axis=1)
+
+
 def is_identity(matrix: Matrix) -> bool:
     """Return whether the mix would change nothing: one channel, taken as it is."""
     return matrix.shape == (1, 1) and bool(matrix[0, 0] == 1.0)

@@ -11,6 +11,7 @@ from types import TracebackType
 from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import SoundtrackError
 from ..model import Channels, Clip, Source, Span
@@ -88,13 +89,11 @@ class Soundtrack:
         if self._started:
             raise ValueError("the sound track has been decoded already; use cut()")
         self._started = True
-        with_sides = sides and self._centre is not None
         if remembered_s and self._azimuths_deg is not None and not isinstance(self._track, PcmTrack):
             self._recent = Recent(frames + round(remembered_s * self.rate_hz))
         start = 0
-        for samples in _rechunked(self._mixed_pieces(with_sides=with_sides), frames):
-            mix, beside = (samples[:, :-1], samples[:, -1]) if with_sides else (samples, None)
-            yield Clip(mix, self.rate_hz, start, beside)
+        for samples in _rechunked(self._mixed_pieces(sides=sides), frames):
+            yield self._clip(samples, start)
             start += samples.shape[0]
         if start == 0:
             raise SoundtrackError(f"{self._path}: holds no sound")
@@ -105,32 +104,36 @@ class Soundtrack:
         """Return how long the track is, as it says or else as its size suggests; None where neither tells."""
         return self._track.facts.guessed_s if self.expected_frames is None else self.expected_frames / self.rate_hz
 
-    def near(self, start_s: float, length_s: float) -> Samples:
+    def near(self, start_s: float, length_s: float, *, sides: bool = False) -> Samples:
         """Return the mixed sound of at least about that stretch, for a rough look before the track is decoded.
 
-        A film has to be opened anew to be decoded. Raises SoundtrackError where it cannot be read there.
+        With `sides`, a film with a centre has one column more: what is heard without it. A film has to be opened anew
+        to be decoded. Raises SoundtrackError where it cannot be read there.
         """
         self._started = True
         with naming(self._path):
             frames = max(1, round(length_s * self.rate_hz))
             raw = self._track.near(start_s, frames)
             mend = not self._track.facts.is_integer
-            pieces = [mixed(mended(piece)[0] if mend else piece, self._matrix, self._order) for piece in raw]
-        return np.concatenate([np.zeros((0, self.columns), np.float32), *pieces])
+            whole = (mended(piece)[0] if mend else piece for piece in raw)
+            pieces = [self._mixed(samples, sides=sides) for samples in whole]
+        columns = self.columns + (sides and self.has_sides)
+        return np.concatenate([np.zeros((0, columns), np.float32), *pieces])
 
-    def cut(self, span: Span) -> Clip:
+    def cut(self, span: Span, *, sides: bool = False) -> Clip:
         """Return the exact samples of a span inside the track, float64, once all blocks have been taken.
 
-        Raises ValueError where the span leaves the track.
+        With `sides`, a film with a centre channel is also given without it, if the file can be read twice. Raises
+        ValueError where the span leaves the track.
         """
         if self._frames is None or span.start < 0 or span.stop > self._frames:
             raise ValueError(f"{span} is not inside what was decoded: {self._frames} frames")
         if isinstance(self._track, PcmTrack):
-            samples = mixed(self._read(self._track, span), self._matrix, self._order)
+            columns = self._mixed(self._read(self._track, span), sides=sides)
         else:
             assert self._spool is not None
-            samples = self._spool.read(span)
-        return Clip(samples.astype(np.float64), self.rate_hz, span.start)
+            columns = self._spool.read(span)
+        return self._clip(columns.astype(np.float64), span.start)
 
     def forget(self) -> None:
         """Let go of what `blocks` was asked to remember."""
@@ -170,23 +173,32 @@ class Soundtrack:
             return self._read(self._track, span)
         return None if self._recent is None else self._recent.read(span)
 
-    def _mixed_pieces(self, *, with_sides: bool) -> Iterator[Samples]:
-        """Yield the columns of the mix; with sides, these are a further one."""
+    def _mixed_pieces(self, *, sides: bool) -> Iterator[Samples]:
         start = 0
         with naming(self._path):
             for raw in self._track.pieces():
                 samples = raw if self._track.facts.is_integer else self._mend(raw, start)
-                columns = mixed(samples, self._matrix, self._order)
+                columns = self._mixed(samples, sides=sides)
                 if self._spool is not None:
-                    self._spool.append(columns)
+                    self._spool.append(np.ascontiguousarray(columns[:, : self.columns]))
                 if self._recent is not None:
                     self._recent.append(samples)
-                if with_sides:
-                    columns = np.column_stack([columns, columns[:, 0] - samples[:, self._centre]])
                 yield columns
                 start += raw.shape[0]
         if self._spool is not None:
             self._spool.finish()
+
+    def _mixed(self, samples: Samples, *, sides: bool) -> Samples:
+        """Return the columns of the mix; with sides, where the film has any, these are a further one."""
+        columns = mixed(samples, self._matrix, self._order)
+        if not (sides and self.has_sides):
+            return columns
+        return np.column_stack([columns, columns[:, 0] - samples[:, self._centre]])
+
+    def _clip(self, columns: NDArray[np.floating], start: int) -> Clip:
+        """Return the columns as a clip; what is beyond those of the mix are the sides."""
+        mix, beside = columns[:, : self.columns], columns[:, self.columns :]
+        return Clip(mix, self.rate_hz, start, beside[:, 0] if beside.shape[1] else None)
 
     def _mend(self, raw: Samples, start: int) -> Samples:
         samples, count, first = mended(raw)

@@ -59,19 +59,19 @@ def write_drive(
         raise OutputError(f"{path}: cannot write the drive: {error.strerror}") from error
 
 
-def write_excerpt(path: Path, pieces: Iterable[NDArray[np.float32]], rate_hz: int) -> int:
-    """Write one channel of sound, piece by piece, limited to full scale, as 16 bits; return how many frames it has.
+def write_excerpt(path: Path, pieces: Iterable[NDArray[np.float32]], *, rate_hz: int, channels: int) -> int:
+    """Write a sound piece by piece, limited to full scale, as 16 bits; return how many frames it has.
 
-    Raises OutputError where the disk refuses.
+    The pieces have the shape (frames, channels). Raises OutputError where the disk refuses.
     """
     import soundfile
 
     frames = 0
     try:
-        with soundfile.SoundFile(path, "w", rate_hz, channels=1, subtype="PCM_16", format="WAV") as file:
+        with soundfile.SoundFile(path, "w", rate_hz, channels=channels, subtype="PCM_16", format="WAV") as file:
             for piece in pieces:
                 file.write((np.clip(piece, -1.0, 1.0) * np.float32(32_767.0)).astype(np.int16))
-                frames += piece.size
+                frames += piece.shape[0]
     except (OSError, soundfile.SoundFileError) as error:
         raise OutputError(f"{path}: cannot write an excerpt of the film: {error}") from error
     return frames
