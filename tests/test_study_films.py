@@ -13,7 +13,7 @@ from blastline.study.cases import GUN_FREE_EVERY, Case, random_films
 from blastline.study.corpus import read_corpus
 from blastline.study.courses import FOLD_SEED, FOLDS, by_fold
 from blastline.study.filmlike import CLIP_S, film_mixes, one_shot_clips, stock
-from blastline.study.peer_scores import PeerTally, opened
+from blastline.study.peer_scores import PeerTally, heard_by, opened, warm
 from blastline.study.peers import PEERS, Peer, installed
 from blastline.study.sources import Source
 
@@ -150,8 +150,8 @@ def test_a_peer_hears_bursts_of_noise_and_is_scored_as_we_are(peer: Peer, tmp_pa
     soundfile.write(path, samples, RATE_HZ, subtype="PCM_16")
     case = Case("film", path, true_ms, np.full(3, 40.0), np.ones(3, bool))
     tally = PeerTally(peer)
-    tally.warm()
-    tally.add(case, *opened(case))
+    warm(peer)
+    tally.add(case, heard_by(peer, *opened(case)))
     score = tally.score(read_s=0.001, minutes=4.0 / 60.0)
     assert score.f1_by_window_ms["50"] > 0.8
     assert score.cost.times_read > 0.0
@@ -166,7 +166,7 @@ def test_each_window_has_the_threshold_that_is_best_for_it() -> None:
     )
     case = Case("film", Path("none"), true_ms, np.full(4, 40.0), np.ones(4, bool))
     tally = PeerTally(peer)
-    tally.add(case, np.zeros(10, np.float32), RATE_HZ, 0.0)
+    tally.add(case, heard_by(peer, np.zeros(10, np.float32), RATE_HZ, 0.0))
     score = tally.score(read_s=1.0, minutes=1.0)
     assert score.thresholds_by_window_ms == {"2": 2.0, "10": 2.0, "50": 1.0, "500": 1.0}
     assert score.f1_by_window_ms["50"] == 1.0

@@ -58,9 +58,10 @@ def study(folder: Path) -> ParetoStudy:
     return measured(folder)
 
 
-def measured(folder: Path) -> ParetoStudy:
+def measured(folder: Path, *, jobs: int = 1) -> ParetoStudy:
     return study_pareto(
         Source(folder),
+        jobs=jobs,
         own=["verify.threshold=0.95", "render.tolerance=1e-5"],
         changes={"draft": ("verify.look_from=0.3",), "standard": ("render.solver_rate_hz=4000",)},
     )
@@ -109,8 +110,8 @@ def test_a_better_drive_loses_less(study: ParetoStudy) -> None:
     assert all(point.cost.cpu_s_per_hour > 0.0 for point in points.values())
 
 
-def test_accuracy_is_the_same_when_run_twice(study: ParetoStudy, folder: Path) -> None:
-    assert accuracies(measured(folder)) == accuracies(study)
+def test_accuracy_is_the_same_when_run_twice_and_by_several_processes(study: ParetoStudy, folder: Path) -> None:
+    assert accuracies(measured(folder, jobs=2)) == accuracies(study)
 
 
 def test_the_files_hold_the_figures(study: ParetoStudy, tmp_path: Path) -> None:

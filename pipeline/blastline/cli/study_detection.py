@@ -1,5 +1,6 @@
 """`study detection`, and the options that say what the studies of detection listen to."""
 
+import os
 import tempfile
 from functools import partial
 from pathlib import Path
@@ -84,6 +85,18 @@ Peers = Annotated[
     bool,
     typer.Option("--peers", "--peer", help="Score other onset detectors, those that are installed, on the same films."),
 ]
+Jobs = Annotated[
+    int,
+    typer.Option(
+        "--jobs",
+        "-j",
+        min=1,
+        metavar="N",
+        help="Measure so many films at once.",
+        show_default="one for each core",
+    ),
+]
+CORES = os.cpu_count() or 1
 NoProgress = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress.", rich_help_panel=MESSAGES)]
 
 
@@ -105,6 +118,7 @@ def detection(
             "--excerpts", metavar="DIR", help="Write what was missed and what was false: events.csv, and a WAV of each."
         ),
     ] = None,
+    jobs: Jobs = CORES,
     overwrite: Overwrite = False,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every figure, film by film, as JSON.")
@@ -125,7 +139,9 @@ def detection(
 
     source = source_of(fixtures, corpus, mix, clips=clips, fold=fold, random=random, films=films, seed=seed)
     with tempfile.TemporaryDirectory(prefix="blastline-") as made, shown_progress(quiet=quiet) as progress:
-        listen = partial(study_detection, source, Path(made), quality, rules, with_peers=peers, progress=progress)
+        listen = partial(
+            study_detection, source, Path(made), quality, rules, with_peers=peers, jobs=jobs, progress=progress
+        )
         if excerpts is None:
             study, _ = listen()
         else:

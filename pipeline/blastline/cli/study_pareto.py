@@ -9,11 +9,13 @@ import typer
 from .options import ActuatorOption, Overwrite, ResultFolder, RulesOption
 from .progress import shown_progress
 from .study_detection import (
+    CORES,
     Clips,
     Corpus,
     Films,
     Fixtures,
     Fold,
+    Jobs,
     MixLevels,
     NoProgress,
     Peers,
@@ -55,6 +57,7 @@ def pareto(
     ] = 1,
     actuator: ActuatorOption = "crowson-t108sm",
     rules: RulesOption = None,
+    jobs: Jobs = CORES,
     overwrite: Overwrite = False,
     quiet: NoProgress = False,
 ) -> int:
@@ -82,6 +85,7 @@ def pareto(
             with_peers=peers,
             with_rendering=rendering,
             repeats=repeats,
+            jobs=jobs,
             progress=progress,
         )
         write_pareto(hidden, study)

@@ -15,10 +15,11 @@ from ..ruleset import QualityRules, load_rules, rules_path
 from .cases import Case
 from .cost import Heard, listened, peak_memory_mb, read_cpu_s
 from .events import ScoredEvent, scored_events
-from .peer_scores import PeerScore, PeerTally, opened
+from .peer_scores import PeerHeard, PeerScore, PeerTally, heard_by, opened, warm
 from .peers import Peer, installed
 from .sources import Source
 from .tally import DetectionScore, Spent, Tally
+from .workers import each_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +92,7 @@ def study_detection(
     rules: Path | None = None,
     *,
     with_peers: bool = False,
+    jobs: int = 1,
     progress: Progress = unwatched,
 ) -> tuple[DetectionStudy, tuple[Path, ...]]:
     """Run a tier over films, with those peers that are installed; return the figures, and the file of each film.
@@ -109,7 +111,7 @@ def study_detection(
         scored.append(CaseScore(case.name, minutes, len(case.true_ms) - missed, false, missed, events))
         paths.append(case.path)
 
-    done = sweep(source.cases(into), (tier,), peers, watch=note, progress=progress)
+    done = sweep(source.cases(into), (tier,), peers, jobs=jobs, watch=note, progress=progress)
     study = DetectionStudy(
         quality=quality,
         protocol=source.protocol,
@@ -122,16 +124,60 @@ def study_detection(
     return study, tuple(paths)
 
 
+@dataclass(frozen=True, eq=False)
+class _FilmHeard:
+    """What each listener and each peer found in a film, and the processor times of reading it and of each listener."""
+
+    heard: tuple[Heard, ...]
+    peers: tuple[PeerHeard, ...]
+    read_s: float
+    cpu_s: tuple[float, ...]
+
+    @property
+    def minutes(self) -> float:
+        """Return how long the film is."""
+        return self.heard[0].frames / self.heard[0].rate_hz / 60.0
+
+
+class _Audience:
+    """All who listen to each film, one after the other, so that all have the same machine at the same time."""
+
+    def __init__(self, listeners: Sequence[Listener], peers: Sequence[Peer], repeats: int) -> None:
+        """Take who listens, and how often."""
+        self._listeners, self._peers, self._repeats = listeners, peers, repeats
+        self._is_warm = False
+
+    def __call__(self, case: Case) -> _FilmHeard:
+        """Listen to a film; what is done once in a process is done before and not counted."""
+        if not self._is_warm:
+            for each in self._listeners:
+                listened(case.path, each.tier, each.verifier)
+            for peer in self._peers:
+                warm(peer)
+            self._is_warm = True
+        read_s = min(read_cpu_s(case.path) for _ in range(self._repeats))
+        runs = [
+            [listened(case.path, each.tier, each.verifier) for _ in range(self._repeats)] for each in self._listeners
+        ]
+        cpu_s = tuple(min(run.cpu_s for run in of_one) for of_one in runs)
+        by_peers: tuple[PeerHeard, ...] = ()
+        if self._peers:
+            sound = opened(case)
+            by_peers = tuple(heard_by(peer, *sound) for peer in self._peers)
+        return _FilmHeard(tuple(of_one[0] for of_one in runs), by_peers, read_s, cpu_s)
+
+
 def sweep(
     cases: Iterable[Case],
     listeners: Sequence[Listener],
     peers: Sequence[Peer] = (),
     *,
     repeats: int = 1,
+    jobs: int = 1,
     watch: Watcher | None = None,
     progress: Progress = unwatched,
 ) -> Sweep:
-    """Listen to each film with every listener and peer in turn, so that all have the same machine at the same time.
+    """Listen to each film with every listener and peer in turn, to so many films at once as there are jobs.
 
     The processor time of a film is the least of so many repeats, after one that does not count. `watch` is told what
     the first listener heard in each film. Raises RuleError where there is no film.
@@ -140,27 +186,18 @@ def sweep(
     others = tuple(PeerTally(peer) for peer in peers)
     longest: tuple[float, Path] | None = None
     total = len(cases) if isinstance(cases, Sized) else None
-    for index, case in enumerate(cases):
-        progress("listening", index, total)
-        if longest is None:
-            for each in listeners:
-                listened(case.path, each.tier, each.verifier)
-            for other in others:
-                other.warm()
-        read_s = min(read_cpu_s(case.path) for _ in range(repeats))
-        for number, (each, tally) in enumerate(zip(listeners, tallies, strict=True)):
-            runs = [listened(case.path, each.tier, each.verifier) for _ in range(repeats)]
-            heard = runs[0]
-            minutes = heard.frames / heard.rate_hz / 60.0
+    progress("listening", 0, total)
+    audience = _Audience(listeners, peers, repeats)
+    for number, (case, done) in enumerate(each_of(audience, cases, jobs=jobs)):
+        for tally, heard, cpu_s in zip(tallies, done.heard, done.cpu_s, strict=True):
             found_ms = np.array([shot.onset for shot in heard.detection.shots], np.float64) * 1000.0 / heard.rate_hz
-            tally.add(case, found_ms, minutes=minutes, spent=Spent(min(run.cpu_s for run in runs), read_s))
-            if number == 0 and watch is not None:
-                watch(case, heard)
-        longest = max(longest or (0.0, case.path), (minutes, case.path))
-        if others:
-            samples, rate_hz, opening_s = opened(case)
-            for other in others:
-                other.add(case, samples, rate_hz, opening_s)
+            tally.add(case, found_ms, minutes=done.minutes, spent=Spent(cpu_s, done.read_s))
+        for other, by_peer in zip(others, done.peers, strict=True):
+            other.add(case, by_peer)
+        if watch is not None:
+            watch(case, done.heard[0])
+        longest = max(longest or (0.0, case.path), (done.minutes, case.path))
+        progress("listening", number + 1, total)
     if longest is None:
         raise RuleError("study: no film to listen to")
     read_s, minutes = tallies[0].read_s, tallies[0].minutes

@@ -54,11 +54,13 @@ def study_pareto(
     with_peers: bool = False,
     with_rendering: bool = True,
     repeats: int = 1,
+    jobs: int = 1,
     progress: Progress = unwatched,
 ) -> ParetoStudy:
     """Measure every tier and every change of one over films that are made once and kept while it lasts.
 
-    `own` are further changes to the standard tier. Raises RuleError for rules, changes or films that cannot be used.
+    So many films are measured at once as there are jobs. `own` are further changes to the standard tier. Raises
+    RuleError for rules, changes or films that cannot be used.
     """
     profile, _ = load_actuator(actuator, rules)
     wanted = {**changes, "standard": (*changes.get("standard", ()), *own)}
@@ -67,10 +69,12 @@ def study_pareto(
     peers, absent = installed() if with_peers else ((), ())
     with tempfile.TemporaryDirectory(prefix="blastline-") as made:
         cases = tuple(_made(source, Path(made), progress))
-        done = sweep(cases, listeners, peers, repeats=repeats, progress=progress)
+        done = sweep(cases, listeners, peers, repeats=repeats, jobs=jobs, progress=progress)
         memory_mb = {each.name: peak_memory_mb(done.longest, each.tier, each.model) for each in listeners[: len(TIERS)]}
         rendering = (
-            sweep_rendering(cases, drives, profile, repeats=repeats, progress=progress) if with_rendering else None
+            sweep_rendering(cases, drives, profile, repeats=repeats, jobs=jobs, progress=progress)
+            if with_rendering
+            else None
         )
     scores = tuple(tally.score(each.name) for each, tally in zip(listeners, done.tallies, strict=True))
     every: tuple[DetectionScore | PeerScore, ...] = (*scores, *done.peers)

@@ -2,7 +2,7 @@
 
 import time
 import warnings
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import msgspec
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from ..soundtrack import open_soundtrack
 from .bootstrap import Interval, intervals
 from .cases import Case
-from .matching import Counts
+from .matching import Counts, Times
 from .peers import Peer, Samples
 from .tally import SCORED_MS, WINDOWS_MS, Cost, counted
 
@@ -37,6 +37,36 @@ class PeerScore(msgspec.Struct, frozen=True):
         return self.f1_by_window_ms[f"{SCORED_MS:g}"]
 
 
+@dataclass(frozen=True, eq=False)
+class PeerHeard:
+    """What a peer found in a film at each of its thresholds, ascending, and the processor time of one of them."""
+
+    found_ms: tuple[Times, ...]
+    cpu_s: float
+
+
+def heard_by(peer: Peer, samples: Samples, rate_hz: int, opening_s: float) -> PeerHeard:
+    """Let a peer listen to a film at each threshold; `opening_s` is the processor time that reading it took.
+
+    What a library warns of is not the user's concern.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        began = time.process_time()
+        prepared = peer.prepare(samples, rate_hz)
+        prepared_s = time.process_time() - began
+        began = time.process_time()
+        found_ms = tuple(np.sort(peer.pick(prepared, rate_hz, threshold)) for threshold in peer.thresholds)
+        picked_s = (time.process_time() - began) / len(peer.thresholds)
+    return PeerHeard(found_ms, opening_s + prepared_s + picked_s)
+
+
+def warm(peer: Peer) -> None:
+    """Let a peer listen to a little noise, so that what a library does once is not counted."""
+    noise = (1e-2 * np.random.default_rng(0).standard_normal(_WARMING_S * 48_000)).astype(np.float32)
+    heard_by(replace(peer, thresholds=peer.thresholds[:1]), noise, 48_000, 0.0)
+
+
 @dataclass
 class PeerTally:
     """What grows from film to film, for each threshold and window."""
@@ -45,29 +75,12 @@ class PeerTally:
     films: dict[tuple[float, float], list[Counts]] = field(default_factory=dict)
     cpu_s: float = 0.0
 
-    def add(self, case: Case, samples: Samples, rate_hz: int, opening_s: float) -> None:
-        """Listen to a film at each threshold; `opening_s` is the processor time that reading it took.
-
-        What a library warns of is not the user's concern.
-        """
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            began = time.process_time()
-            prepared = self.peer.prepare(samples, rate_hz)
-            self.cpu_s += opening_s + time.process_time() - began
-            for threshold in self.peer.thresholds:
-                began = time.process_time()
-                found_ms = np.sort(self.peer.pick(prepared, rate_hz, threshold))
-                self.cpu_s += (time.process_time() - began) / len(self.peer.thresholds)
-                for window_ms in WINDOWS_MS:
-                    self.films.setdefault((threshold, window_ms), []).append(counted(case, found_ms, window_ms))
-
-    def warm(self) -> None:
-        """Listen to a little noise, so that what a library does once is not counted."""
-        noise = (1e-2 * np.random.default_rng(0).standard_normal(_WARMING_S * 48_000)).astype(np.float32)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            self.peer.pick(self.peer.prepare(noise, 48_000), 48_000, self.peer.thresholds[0])
+    def add(self, case: Case, heard: PeerHeard) -> None:
+        """Count what was found in one film."""
+        self.cpu_s += heard.cpu_s
+        for threshold, found_ms in zip(self.peer.thresholds, heard.found_ms, strict=True):
+            for window_ms in WINDOWS_MS:
+                self.films.setdefault((threshold, window_ms), []).append(counted(case, found_ms, window_ms))
 
     def score(self, *, read_s: float, minutes: float) -> PeerScore:
         """Return the scores; `read_s` and `minutes` are those of all films."""

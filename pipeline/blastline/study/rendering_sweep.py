@@ -17,6 +17,7 @@ from .drives import Setting as RenderedAs
 from .settings import Setting
 from .tally import Cost
 from .truth import TrueScene, true_scene
+from .workers import each_of
 
 BEST = "the best there is"
 _BEST_RENDER = {"solver_rate_hz": 48_000, "iterations": 60, "polish_iterations": 2, "tolerance": 1e-6}
@@ -55,8 +56,33 @@ Key = tuple[str, float]
 
 @dataclass
 class _Tally:
+    """What the shots of a film, or of several, are like in one setting, and the processor time of that."""
+
     felt: dict[Key, FeltShot] = field(default_factory=dict)
     cpu_s: float = 0.0
+
+
+@dataclass
+class _Rendered:
+    """What rendering some films came to, setting by setting."""
+
+    tallies: dict[str, _Tally]
+    weak: list[Key] = field(default_factory=list)
+    shots: int = 0
+    window_s: float = 0.0
+    film_s: float = 0.0
+    read_s: float = 0.0
+
+    def add(self, other: "_Rendered") -> None:
+        """Add what further films came to."""
+        for name, tally in other.tallies.items():
+            self.tallies[name].felt |= tally.felt
+            self.tallies[name].cpu_s += tally.cpu_s
+        self.weak += other.weak
+        self.shots += other.shots
+        self.window_s += other.window_s
+        self.film_s += other.film_s
+        self.read_s += other.read_s
 
 
 def sweep_rendering(
@@ -65,41 +91,25 @@ def sweep_rendering(
     profile: ActuatorProfile,
     *,
     repeats: int = 1,
+    jobs: int = 1,
     progress: Progress = unwatched,
 ) -> RenderingSweep:
     """Render the true shots of films with every setting, and in the other ways there are with the first.
 
-    The processor time of a window is the least of so many repeats, after one that does not count. Raises RuleError
-    where no shot is weak.
+    The processor time of a window is the least of so many repeats, after one that does not count; so many films are
+    rendered at once as there are jobs. Raises RuleError where no shot is weak.
     """
-    best = _best(settings[0].tier)
-    tiers = [*((each.name, each.tier) for each in settings), (BEST, best)]
-    others = [drive for drive in DRIVES if drive != "constrained"]
-    tallies = {name: _Tally() for name in (*others, *(name for name, _ in tiers))}
-    weak: list[Key] = []
-    shots, window_s, film_s, read_s = 0, 0.0, 0.0, 0.0
     fired = [case for case in cases if case.true_ms.size]
-    for index, case in enumerate(fired):
-        progress("rendering", index, len(fired))
-        with true_scene(case.name, case.path, (case.true_ms / 1000.0).tolist(), settings[0].tier) as scene:
-            film_s += scene.frames / scene.track.rate_hz
-            read_s += read_cpu_s(case.path)
-            for name, tier in tiers:
-                first = name == settings[0].name
-                wanted: Sequence[Drive] = DRIVES if first else ("constrained",)
-                rows = _rows(scene, setting_for(profile, scene.track.rate_hz, "causal", tier.render), wanted, repeats)
-                for row in rows:
-                    for drive in wanted:
-                        tally = tallies[drive if drive != "constrained" else name]
-                        tally.cpu_s += row.cpu_s[drive]
-                        tally.felt |= {(shot.scene, shot.onset_s): shot.felt[drive] for shot in row.shots}
-                if first:
-                    shots += sum(len(row.shots) for row in rows)
-                    window_s += sum(row.window_s for row in rows)
-                    weak += [(shot.scene, shot.onset_s) for row in rows for shot in row.shots if shot.weak]
+    rendering = _Rendering(settings, profile, repeats)
+    every = rendering.nothing()
+    progress("rendering", 0, len(fired))
+    for number, (_, done) in enumerate(each_of(rendering, fired, jobs=jobs)):
+        every.add(done)
+        progress("rendering", number + 1, len(fired))
+    weak = every.weak
     if not weak:
         raise RuleError("study: no shot that is weak in direct conversion; give films with shots that are")
-    lost = {name: float(np.mean([_lost(tally.felt[key]) for key in weak])) for name, tally in tallies.items()}
+    lost = {name: float(np.mean([_lost(tally.felt[key]) for key in weak])) for name, tally in every.tallies.items()}
     points = tuple(
         RenderingPoint(
             name=name,
@@ -107,12 +117,48 @@ def sweep_rendering(
             correlation=float(np.mean([tally.felt[key].correlation for key in weak])),
             lost=lost[name],
             above_best=lost[name] - lost[BEST],
-            cpu_s_per_window_s=tally.cpu_s / window_s,
-            cost=Cost(tally.cpu_s / read_s, 3600.0 * tally.cpu_s / film_s),
+            cpu_s_per_window_s=tally.cpu_s / every.window_s,
+            cost=Cost(tally.cpu_s / every.read_s, 3600.0 * tally.cpu_s / every.film_s),
         )
-        for name, tally in tallies.items()
+        for name, tally in every.tallies.items()
     )
-    return RenderingSweep(shots, len(weak), window_s, points)
+    return RenderingSweep(every.shots, len(weak), every.window_s, points)
+
+
+@dataclass(frozen=True, eq=False)
+class _Rendering:
+    """Renders the true shots of a film with each setting and the best there is, and in other ways with the first."""
+
+    settings: Sequence[Setting]
+    profile: ActuatorProfile
+    repeats: int
+
+    def nothing(self) -> _Rendered:
+        """Return what no film comes to."""
+        others = [drive for drive in DRIVES if drive != "constrained"]
+        return _Rendered({name: _Tally() for name in (*others, *(each.name for each in self.settings), BEST)})
+
+    def __call__(self, case: Case) -> _Rendered:
+        """Render a film's shots."""
+        done, first = self.nothing(), self.settings[0]
+        tiers = [*((each.name, each.tier) for each in self.settings), (BEST, _best(first.tier))]
+        with true_scene(case.name, case.path, (case.true_ms / 1000.0).tolist(), first.tier) as scene:
+            done.film_s = scene.frames / scene.track.rate_hz
+            done.read_s = read_cpu_s(case.path)
+            for name, tier in tiers:
+                wanted: Sequence[Drive] = DRIVES if name == first.name else ("constrained",)
+                setting = setting_for(self.profile, scene.track.rate_hz, "causal", tier.render)
+                rows = _rows(scene, setting, wanted, self.repeats)
+                for row in rows:
+                    for drive in wanted:
+                        tally = done.tallies[drive if drive != "constrained" else name]
+                        tally.cpu_s += row.cpu_s[drive]
+                        tally.felt |= {(shot.scene, shot.onset_s): shot.felt[drive] for shot in row.shots}
+                if name == first.name:
+                    done.shots = sum(len(row.shots) for row in rows)
+                    done.window_s = sum(row.window_s for row in rows)
+                    done.weak = [(shot.scene, shot.onset_s) for row in rows for shot in row.shots if shot.weak]
+        return done
 
 
 def _rows(scene: TrueScene, setting: RenderedAs, wanted: Sequence[Drive], repeats: int) -> list[WindowRow]:

@@ -1,0 +1,39 @@
+"""Film after film, in this process or in several at once: what is measured in one film depends on no other."""
+
+import signal
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from typing import Any, TypeVar
+
+_Item = TypeVar("_Item")
+_Result = TypeVar("_Result")
+_given: list[Callable[[Any], Any]] = []
+"""What a worker does, once it has been told."""
+
+
+def each_of(
+    work: Callable[[_Item], _Result], items: Iterable[_Item], *, jobs: int = 1
+) -> Iterator[tuple[_Item, _Result]]:
+    """Yield each item and what comes of it, in order, worked out by so many processes; one job is done in this one.
+
+    With more, work, items and results are pickled: the work once for each process, so that what it keeps stays there.
+    """
+    if jobs == 1:
+        for item in items:
+            yield item, work(item)
+        return
+    every = list(items)
+    # not forked: a library's threads would be gone in the children, and what they hold be held for ever
+    with ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_take, initargs=(work,)) as pool:
+        yield from zip(every, pool.map(_done, every), strict=True)
+
+
+def _take(work: Callable[[Any], Any]) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # who interrupts the run hears from it, not from each worker
+    _given[:] = [work]
+
+
+def _done(item: Any) -> Any:
+    (work,) = _given
+    return work(item)
