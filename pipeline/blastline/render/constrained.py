@@ -30,6 +30,15 @@ _ALREADY = 0.1
 
 
 @dataclass(frozen=True, eq=False)
+class Candidate:
+    """A drive u, N u, and the objective; worked out once, since N u takes two transforms."""
+
+    drive: Samples
+    normal: Samples
+    objective: float
+
+
+@dataclass(frozen=True, eq=False)
 class BoxProblem:
     """1/2 u'Nu - b'u over |u| <= 1, N a symmetric Toeplitz matrix by its spectrum on a zero-padded circle."""
 
@@ -46,7 +55,13 @@ class BoxProblem:
 
     def objective(self, u: Samples) -> float:
         """Return 1/2 u'Nu - b'u."""
-        return _objective(u, self.normal(u), self.rhs)
+        return self.at(u).objective
+
+    def at(self, u: Samples) -> Candidate:
+        """Return a drive with its N u and its objective."""
+        normal = self.normal(u)
+        # not np.dot: its threads burn more time than they save, and their number would change the last bit
+        return Candidate(u, normal, float(np.sum(u * (0.5 * normal - self.rhs))))
 
 
 @dataclass(frozen=True)
@@ -106,8 +121,8 @@ def _piece(
     """Return the drive of one piece: the better of what the solver finds and the first guess, polished."""
     stride = sound_stride(recursion, max(1, rate_hz // rules.solver_rate_hz))
     corners = corner_rhs(problem.rhs, stride)
-    steps, polish, best = 0, _UNAIDED, start
-    if energy + problem.objective(start) <= _ALREADY * rules.tolerance * energy:
+    steps, polish, best = 0, _UNAIDED, problem.at(start)
+    if energy + best.objective <= _ALREADY * rules.tolerance * energy:
         polish = rules.polish_iterations
     elif len(corners) >= SHORTEST:
         found = solve_inside(
@@ -120,9 +135,10 @@ def _piece(
         )
         steps, polish = found.steps, rules.polish_iterations if found.finished else _UNAIDED
         # where the limit is hardly met, the compensator's drive is better than straight lines
-        best = min(between_corners(found.drive, stride, len(start)), start, key=problem.objective)
-    drive = minimise(problem, best, iterations=polish, tolerance=rules.tolerance)
-    return drive, Effort(steps, max(0.0, -problem.objective(drive) / energy) if energy > 0.0 else 1.0)
+        straight = problem.at(between_corners(found.drive, stride, len(start)))
+        best = min(straight, best, key=lambda each: each.objective)
+    solution = minimised(problem, best, iterations=polish, tolerance=rules.tolerance)
+    return solution.drive, Effort(steps, max(0.0, -solution.objective / energy) if energy > 0.0 else 1.0)
 
 
 def full_problem(wanted: Samples, impulse: Samples, *, frames: int) -> BoxProblem:
@@ -153,34 +169,32 @@ def between_corners(corners: Samples, stride: int, frames: int) -> Samples:
 
 
 def minimise(problem: BoxProblem, start: Samples, *, iterations: int, tolerance: float) -> Samples:
+    """Return the drive that `minimised` comes to."""
+    return minimised(problem, problem.at(start), iterations=iterations, tolerance=tolerance).drive
+
+
+def minimised(problem: BoxProblem, start: Candidate, *, iterations: int, tolerance: float) -> Candidate:
     """Return the minimum, no worse than `start`, after at most so many iterations of the fast gradient method.
 
     This is FISTA (Beck and Teboulle 2009) with restart (O'Donoghue and Candes 2015), each iteration one FFT there and
     back. It stops where five iterations lower the objective by less than `tolerance` of its size, the explained energy.
     """
-    normal, rhs, lipschitz = problem.normal, problem.rhs, float(np.max(problem.spectrum))
-    u, nu = start, normal(start)
-    y, ny, t = u, nu, 1.0
-    lowest = [_objective(u, nu, rhs)]
+    lipschitz = float(np.max(problem.spectrum))
+    best, y, ny, t = start, start.drive, start.normal, 1.0
+    lowest = [best.objective]
     for _ in range(iterations):
-        step = np.clip(y - (ny - rhs) / lipschitz, -1.0, 1.0)
-        nstep = normal(step)
-        value = _objective(step, nstep, rhs)
-        if value > lowest[-1]:
-            if y is u:
+        step = problem.at(np.clip(y - (ny - problem.rhs) / lipschitz, -1.0, 1.0))
+        if step.objective > lowest[-1]:
+            if y is best.drive:
                 break  # a plain gradient step that does not descend: at the minimum, to rounding
-            y, ny, t = u, nu, 1.0
+            y, ny, t = best.drive, best.normal, 1.0
             continue
         t_next = (1.0 + (1.0 + 4.0 * t * t) ** 0.5) / 2.0
         momentum = (t - 1.0) / t_next
-        y, ny, t = step + momentum * (step - u), nstep + momentum * (nstep - nu), t_next
-        u, nu = step, nstep
-        lowest.append(value)
-        if len(lowest) > 5 and lowest[-6] - value <= tolerance * abs(value):
+        y = step.drive + momentum * (step.drive - best.drive)
+        ny, t = step.normal + momentum * (step.normal - best.normal), t_next
+        best = step
+        lowest.append(step.objective)
+        if len(lowest) > 5 and lowest[-6] - step.objective <= tolerance * abs(step.objective):
             break
-    return u
-
-
-def _objective(u: Samples, nu: Samples, rhs: Samples) -> float:
-    # not np.dot: its threads burn more time than they save, and their number would change the last bit
-    return float(np.sum(u * (0.5 * nu - rhs)))
+    return best
