@@ -40,6 +40,7 @@ class Held:
 
     samples: Samples
     rate_hz: int
+    damaged: int = 0
 
     def blocks(self) -> Iterator[Clip]:
         for start in range(0, len(self.samples), 10_000):

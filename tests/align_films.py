@@ -43,6 +43,8 @@ class Held:
     rate_hz: int
     block: int = 65_536
 
+    damaged: int = 0
+
     @property
     def frames(self) -> int:
         return len(self.samples)

@@ -139,6 +139,13 @@ def test_more_than_the_limit_fails() -> None:
     assert figure(checks, "drive_peak") == pytest.approx(1.25, abs=1e-6)
 
 
+def test_samples_that_are_no_number_are_counted() -> None:
+    right = film()
+    checks = checks_of(Film(right.audio, Held(right.drive.samples, RATE_HZ, damaged=5), right.timeline))
+    assert failed(checks) == {"drive_samples"}
+    assert figure(checks, "drive_samples") == 5
+
+
 def test_movement_between_windows_is_counted() -> None:
     right = film()
     drive = right.drive.samples.copy()

@@ -79,6 +79,38 @@ def test_a_result_passes_its_checks_again_and_a_late_drive_does_not(
     assert "failed: " in ended.out
 
 
+def test_a_drive_that_is_no_sound_fails_and_one_of_two_channels_is_refused(
+    tmp_path: Path, result: Path, film: Path, believing: Path
+) -> None:
+    samples, _ = soundfile.read(result / "drive.wav")
+    broken = samples.copy()
+    broken[: RATE_HZ // 10] = np.nan  # before the first shot, where it rests anyway
+    soundfile.write(tmp_path / "broken.wav", broken, RATE_HZ, subtype="FLOAT")
+    soundfile.write(tmp_path / "pair.wav", np.stack([samples, samples], axis=1), RATE_HZ, subtype="PCM_24")
+    one, two = (
+        blastline("check", result, "--audio", film, "--rules", believing, "--quiet", "--drive", tmp_path / name)
+        for name in ("broken.wav", "pair.wav")
+    )
+    assert (one.code, one.out.splitlines()) == (
+        1,
+        [f"failed: drive_samples, the film: {RATE_HZ // 10} samples (limit 0 samples)"],
+    )
+    assert "pair.wav: has 2 channels; expected a drive of 1" in two.complaint
+
+
+def test_a_mix_beyond_full_scale_can_be_the_background(tmp_path: Path, film: Path, believing: Path) -> None:
+    samples, _ = soundfile.read(film)
+    samples[:4800] = 1.1
+    soundfile.write(tmp_path / "loud.wav", samples, RATE_HZ, subtype="FLOAT")
+    options = ("--background", "direct", "--rules", believing, "--no-report", "--quiet")
+    blastline("render", tmp_path / "loud.wav", "-o", tmp_path / "out", *options)
+    drive, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    np.testing.assert_allclose(drive[:4000], 1.0, atol=2.0**-22)
+    checks = {check.name: check.passed for check in read_timeline(tmp_path / "out" / "timeline.json").checks}
+    assert checks["drive_peak"]
+    assert checks["sound_outside_windows"]
+
+
 def test_detect_writes_a_timeline_and_nothing_else(tmp_path: Path, film: Path, believing: Path) -> None:
     shown = blastline("detect", film, "--rules", believing)
     assert shown.code == 0

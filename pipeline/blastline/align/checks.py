@@ -37,7 +37,7 @@ def check_files(
     shared = compare(heard, Sound(drive, film.frames), profile=profile, rules=rules, phase=phase, background=background)
     telling = [is_telling(event, heard, rules) for event in timeline.events]
     timing = time_film(shared, timeline.events, telling) if timeline.events else None
-    checks = [*_file_checks(timeline, shared, film), *_order_check(timeline)]
+    checks = [*_file_checks(timeline, shared, film, drive.damaged), *_order_check(timeline)]
     checks += _timing_checks(shared, [e for e, tells in zip(timeline.events, telling, strict=True) if tells], timing)
     for event, tells, figures, lag in zip(
         timeline.events, telling, *((timing.figures, timing.lags) if timing else ((), ())), strict=True
@@ -75,12 +75,13 @@ def _scaled(event: Event, ratio: float, spare: int) -> Span:
     return Span(max(0, math.floor(window.start * ratio) - spare), math.ceil(window.stop * ratio) + spare)
 
 
-def _file_checks(timeline: Timeline, shared: Comparison, film: FilmFigures) -> Iterator[Check]:
+def _file_checks(timeline: Timeline, shared: Comparison, film: FilmFigures, damaged: int) -> Iterator[Check]:
     rate_hz, drive_rate_hz = timeline.source.sample_rate_hz, shared.drive.rate_hz
     same_rate = drive_rate_hz == rate_hz
     yield Check("sample_rate", None, same_rate, drive_rate_hz, rate_hz, "Hz")
     excess = film.frames - round(timeline.source.frames * drive_rate_hz / rate_hz)
     yield Check("frames", None, excess == 0, excess, 0.0, "frames")
+    yield Check("drive_samples", None, damaged == 0, damaged, 0.0, "samples")
     yield Check("drive_peak", None, film.peak <= shared.rules.peak, film.peak, shared.rules.peak, "of the limit")
     if shared.background == "mute":
         yield Check("silence_outside_windows", None, film.stray == 0, film.stray, 0.0, "samples")

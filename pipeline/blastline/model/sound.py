@@ -116,5 +116,9 @@ class Cutter(Protocol):
 class SoundFile(Cutter, Protocol):
     """A sound file that is not yet decoded: read once from end to end, then in stretches."""
 
+    @property
+    def damaged(self) -> int:
+        """Return how many of the samples that were read are no number, or beyond any sound, and were set to 0."""
+
     def blocks(self) -> Iterable[Clip]:
         """Return the whole file as clips that follow each other without gaps."""

@@ -12,8 +12,9 @@ def compose(blocks: Iterable[Clip], rendered: Iterable[RenderedWindow], backgrou
     """Yield the drive in order, as clips of one float64 column.
 
     With background "mute" these are the windows alone, the drive between them is 0, and `blocks` are not read. With
-    "direct" it is the whole film: the driving column of `blocks`, which follow one another, with the windows in place
-    of it. `rendered` comes sorted and is read as the blocks reach it; memory holds one block and one window.
+    "direct" it is the whole film: the driving column of `blocks`, which follow one another, within the limit as the
+    windows are, with these in place of it. `rendered` comes sorted and is read as the blocks reach it; memory holds one
+    block and one window.
     Raises ValueError where the blocks end before the windows do.
     """
     if background == "mute":
@@ -24,7 +25,7 @@ def compose(blocks: Iterable[Clip], rendered: Iterable[RenderedWindow], backgrou
     reached = 0
     for block in blocks:
         reached = block.span.stop
-        column = np.array(block.driving[:, None], dtype=np.float64)
+        column = np.clip(block.driving[:, None].astype(np.float64), -1.0, 1.0)  # a mix of channels may exceed 1
         while window is not None and window.start < reached:
             _replace(column, block.start, window)
             if window.span.stop > reached:

@@ -9,6 +9,7 @@ from ..units import SILENCE_DB
 CHECKS = {
     "sample_rate": "The drive has the film's sample rate",
     "frames": "The drive has the film's number of frames",
+    "drive_samples": "Every sample of the drive is a number",
     "drive_peak": "The drive keeps to the actuator's limit",
     "silence_outside_windows": "Nothing moves between the shots",
     "sound_outside_windows": "Between the shots the drive is the film's sound",
@@ -30,7 +31,8 @@ CHECKS = {
 }
 """What each check claims; a check without an entry is called by its name."""
 
-_EXACT = {"sample_rate", "frames", "silence_outside_windows", "sound_outside_windows", "timeline_order"}
+_OUTSIDE = {"silence_outside_windows", "sound_outside_windows"}
+_EXACT = {"sample_rate", "frames", "drive_samples", "timeline_order"} | _OUTSIDE
 _AT_LEAST = {"felt_correlation", "drive_correlation", "fade_in_before_onset", "audio_rise"}
 
 

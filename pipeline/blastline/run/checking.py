@@ -11,6 +11,7 @@ from ..model import Source, Timeline
 from ..ruleset import ActuatorProfile, AlignRules, load_actuator, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack
 from . import names
+from .driving import open_drive
 from .listening import BLOCK
 from .progress import Progress, no_progress, told
 
@@ -42,7 +43,7 @@ def check(
         if timeline.actuator is None and drive is None:
             return msgspec.structs.replace(timeline, checks=check_timeline(timeline, audio=track, rules=read.align))
         profile, _ = load_actuator(actuator or _actuator_of(timeline, path), rules)
-        with open_soundtrack(drive or path.parent / names.DRIVE) as made:
+        with open_drive(drive or path.parent / names.DRIVE) as made:
             return checked(timeline, track, made, profile=profile, rules=read.align, progress=progress)
 
 

@@ -24,7 +24,7 @@ from ..ruleset import Rules, rules_path
 from ..soundtrack import Soundtrack, open_soundtrack
 from . import names
 from .checking import checked
-from .driving import write_drive_of
+from .driving import open_drive, write_drive_of
 from .listening import BLOCK, Listened, Mark, assemble, event_id, listen
 from .options import RenderOptions, Setup, set_up
 from .progress import Progress, no_note, no_progress
@@ -189,7 +189,7 @@ class Gauge:
             drives = write_drive_of(heard, folder / names.DRIVE, setup)
             source = msgspec.structs.replace(self._sample.source, frames=heard.source.frames)
             timeline = assemble(replace(heard, source=source), setup.rules, drives, setup.actuator)
-            with open_soundtrack(folder / names.DRIVE) as drive:
+            with open_drive(folder / names.DRIVE) as drive:
                 profile, align, track = setup.profile, setup.rules.align, self._track
                 timeline = checked(timeline, track, drive, profile=profile, rules=align, progress=no_progress)
                 written = write_formats(timeline, folder, drive, setup, no_note)

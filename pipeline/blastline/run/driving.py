@@ -7,9 +7,10 @@ from pathlib import Path
 import msgspec
 
 from .. import scene
+from ..errors import SoundtrackError
 from ..model import Clip, DriveInfo, Span
 from ..render import RenderedWindow, compose, drive_filters, hear_window, measure, needed_audio, render_window
-from ..soundtrack import Cue, Soundtrack, write_drive
+from ..soundtrack import Cue, Soundtrack, open_soundtrack, write_drive
 from .listening import BLOCK, Listened
 from .options import Setup
 
@@ -37,6 +38,18 @@ def write_drive_of(heard: Listened, path: Path, setup: Setup) -> dict[int, Drive
         description=f"vibration drive for {setup.profile.name}",
     )
     return drives
+
+
+def open_drive(path: Path) -> Soundtrack:
+    """Open a drive as a seat plays it: one channel, as it is.
+
+    Raises SoundtrackError for a file that cannot be read, or has more channels: which of them the seat gets is unknown.
+    """
+    drive = open_soundtrack(path, mix="0")
+    if drive.channels > 1:
+        drive.close()
+        raise SoundtrackError(f"{path}: has {drive.channels} channels; expected a drive of 1: export it as mono")
+    return drive
 
 
 def _rendered(heard: Listened, setup: Setup) -> Iterator[RenderedWindow]:

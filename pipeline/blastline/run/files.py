@@ -16,10 +16,10 @@ from ..export import (
 )
 from ..model import Timeline
 from ..ruleset import load_actuator, load_haptics
-from ..soundtrack import open_soundtrack
 from ..staging import staged
 from ..timebase import AS_FILMED, Timebase, retimed
 from . import names
+from .driving import open_drive
 from .haptics import require_length, rounding_notes, tell_silent, track_of
 from .listening import BLOCK
 from .progress import Note, Progress, no_note, no_progress
@@ -74,7 +74,7 @@ def _haptic_track(
     file = drive or path.parent / names.DRIVE
     if drive is None and not file.is_file():
         raise TimelineError(f"{file}: no such file; haptic formats are made from the drive: give it with --drive")
-    with open_soundtrack(file) as made:
+    with open_drive(file) as made:
         frames = sum(len(block.span) for block in made.blocks(BLOCK))
         require_length(timeline, file, rate_hz=made.rate_hz, frames=frames)
         track = track_of(timeline, made, profile=profile, rules=load_haptics(rules))

@@ -16,7 +16,7 @@ from ..soundtrack import Soundtrack, open_soundtrack
 from ..staging import staged
 from . import names
 from .checking import checked
-from .driving import write_drive_of
+from .driving import open_drive, write_drive_of
 from .editing import Editing, hear_edited, read_editing, timebase_of
 from .exports import exports
 from .haptics import rounding_notes, tell_silent, track_of
@@ -50,7 +50,7 @@ def render(
         require_frame_rate(options.formats, track.described())
         meter = OverviewMeter(track.rate_hz) if options.report else None
         timeline = _driven(track, hidden, setup, editing, meter)
-        with open_soundtrack(hidden / names.DRIVE) as drive:
+        with open_drive(hidden / names.DRIVE) as drive:
             profile, align = setup.profile, setup.rules.align
             timeline = checked(timeline, track, drive, profile=profile, rules=align, progress=progress)
             written = write_formats(timeline, hidden, drive, setup, note)

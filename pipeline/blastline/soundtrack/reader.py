@@ -64,6 +64,11 @@ class Soundtrack:
         return reference
 
     @property
+    def damaged(self) -> int:
+        """Return how many samples of the blocks taken so far were no number, or beyond any sound, and were set to 0."""
+        return self._mended
+
+    @property
     def has_sides(self) -> bool:
         """Return whether the film has a centre, so that it can be listened to once more without it."""
         return self._centre is not None
