@@ -5,11 +5,13 @@ from pathlib import Path
 import msgspec
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from blastline.detect import Detection, find_shots, load_verifier
 from blastline.detect.features import feature_names
-from blastline.detect.find import Described, described, let_all_pass
+from blastline.detect.find import Described, _first_of_each, described, let_all_pass
 from blastline.detect.forest import ForestFile, grown, probabilities
 from blastline.detect.picture import pictures
 from blastline.detect.stretches import Stretch, stretches
@@ -226,3 +228,11 @@ def test_a_tier_that_asks_for_more_networks_than_there_are_is_refused() -> None:
     path = rules_path(f"verifier/{RULES.tier.verify.model}")
     with pytest.raises(RuleError, match=r"networks: expected at least 99, as \[verify\] asks, got \d"):
         load_verifier(path, networks=99)
+
+
+@given(st.lists(st.integers(0, 2000), max_size=40), st.integers(1, 300))
+def test_of_onsets_in_one_place_one_is_kept_and_every_other_is_near_one_that_is(places: list[int], apart: int) -> None:
+    onsets = np.array(places, np.intp)
+    kept = onsets[_first_of_each(onsets, apart)]
+    assert np.all(np.diff(kept) >= apart)
+    assert all(np.any((kept <= each) & (kept > each - apart)) for each in places)

@@ -48,6 +48,15 @@ def test_neither_slower_nor_faster_than_a_gun_is_a_row() -> None:
         assert rows([n * gap_ms for n in range(BURSTS.fewest_even)]) == []
 
 
+def test_a_pace_that_drifts_out_of_what_guns_do_ends_the_row() -> None:
+    change = (1.0 + 0.9 * BURSTS.unevenness) ** np.arange(18)
+    for gaps_ms in (FAST_MS * change, FAST_MS / change):
+        assert gaps_ms.min() < BURSTS.shortest_gap_ms or gaps_ms.max() > BURSTS.longest_gap_ms
+        (row,) = rows(np.cumsum(gaps_ms).tolist())
+        within = (gaps_ms >= BURSTS.shortest_gap_ms) & (gaps_ms <= BURSTS.longest_gap_ms)
+        assert row == list(range(np.count_nonzero(within[1:]) + 1))
+
+
 def test_a_pace_may_drift_but_not_stumble() -> None:
     drifting = np.cumsum(FAST_MS * (1.0 + 0.9 * BURSTS.unevenness) ** np.arange(5))
     stumbling = np.cumsum(FAST_MS * (1.0 + 1.5 * BURSTS.unevenness) ** (np.arange(12) % 2))

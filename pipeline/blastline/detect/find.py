@@ -166,9 +166,12 @@ def _peaks_dbfs(stretch: Stretch, places: NDArray[np.intp], grid: Grid) -> NDArr
 
 
 def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
-    """Return the indices, in order of onset, of those that follow the one before by at least `apart`."""
-    order = np.argsort(onsets, kind="stable")
-    return order[np.diff(onsets[order], prepend=-apart) >= apart]
+    """Return the indices, in order of onset, of those that follow the last one taken by at least `apart`."""
+    taken: list[int] = []
+    for index in np.argsort(onsets, kind="stable").tolist():
+        if not taken or onsets[index] - onsets[taken[-1]] >= apart:
+            taken.append(index)
+    return np.array(taken, np.intp)
 
 
 def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier, rate_hz: int) -> Sorted:

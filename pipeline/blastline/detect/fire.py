@@ -32,7 +32,7 @@ def rows_of_fire(
     for first, place in enumerate(at):
         for second in range(bisect_left(at, place + shortest), bisect_right(at, place + longest)):
             if (first, second) not in told:
-                row = _row_on(at, loud_db, first, second, rules)
+                row = _row_on(at, loud_db, first, second, gaps=(shortest, longest), rules=rules)
                 told.update(pairwise(row))
                 rows.append(row)
     free = np.ones(onsets.size, bool)
@@ -44,11 +44,17 @@ def rows_of_fire(
     return chosen
 
 
-def _row_on(at: list[int], loud_db: list[float], first: int, second: int, rules: BurstRules) -> list[int]:
-    """Return the row that goes on from two sounds at their pace, each next one where it is due, if it is as loud."""
+def _row_on(
+    at: list[int], loud_db: list[float], first: int, second: int, *, gaps: tuple[int, int], rules: BurstRules
+) -> list[int]:
+    """Return the row that goes on from two sounds at their pace, each next one where it is due, if it is as loud.
+
+    No gap is shorter or longer than `gaps` allow.
+    """
     row, due, late = [first], at[second], 0.0
     while True:
-        near = range(bisect_left(at, due - late), bisect_right(at, due + late))
+        earliest, latest = (at[row[-1]] + gap for gap in gaps)
+        near = range(bisect_left(at, max(due - late, earliest)), bisect_right(at, min(due + late, latest)))
         alike = [place for place in near if abs(loud_db[place] - loud_db[first]) <= rules.echo_drop_db]
         if not alike:
             return row
