@@ -24,6 +24,8 @@ CHANGES: Mapping[Quality, tuple[str, ...]] = {
         "verify.look_from=0.05",
         "verify.look_from=0.2",
         "verify.look_from=0.3",
+        "render.solver_rate_hz=8000",
+        "render.polish_iterations=4",
     ),
     "standard": (
         f"scan.band_jump_db={OFF}",
@@ -42,21 +44,20 @@ CHANGES: Mapping[Quality, tuple[str, ...]] = {
         "verify.even_networks_threshold=0.7",
         "verify.round_threshold=0.3",
         f"segment.reflection_level_db={OFF}",
-        "render.solver_rate_hz=4000",
+        "render.solver_rate_hz=8000",
         "render.solver_rate_hz=16000",
         "render.solver_rate_hz=24000",
-        "render.tolerance=1e-2",
         "render.tolerance=1e-3",
         "render.iterations=5",
         "render.polish_iterations=0",
         "render.polish_iterations=30",
-        "render.preroll_ms=50.0",
     ),
     "reference": (
         "verify.networks=1",
         f"scan.band_jump_db={OFF}",
         "verify.look_from=0.02",
         "render.solver_rate_hz=48000",
+        "render.tolerance=1e-4",
     ),
 }
 """Changes of each tier: detection hears most of them, those of [render] only the drive feels."""
