@@ -22,9 +22,8 @@ from film import made_of
 from numpy.typing import NDArray
 
 from blastline import scene
-from blastline.detect import Verifier, find_shots, load_verifier
+from blastline.detect import Verifier, find_shots, fire, load_verifier
 from blastline.detect.find import Test, described, guesses, judged, let_all_pass
-from blastline.detect.fire import even_rows
 from blastline.detect.forest import score
 from blastline.detect.network import log_odds
 from blastline.detect.picture import pictures
@@ -114,7 +113,7 @@ def believed(film: Looked, surety: NDArray[np.float64], rules: Rules) -> tuple[S
     onsets = np.array([film.shots[place].onset for place in seen], np.intp)
     peaks_dbfs = np.array([film.shots[place].peak_dbfs for place in seen])
     odds = odds_of(Verdicts(surety[seen], _probability(film.screen[seen]), np.full(seen.size, len(film.networks))))
-    rows = even_rows(onsets, peaks_dbfs, odds, rate_hz=rate_hz, tier=tier)
+    rows = fire.even_rows(fire.Looked(onsets, peaks_dbfs, odds), rate_hz=rate_hz, tier=tier)
     enough = [
         msgspec.structs.replace(
             film.shots[place],

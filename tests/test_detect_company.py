@@ -5,8 +5,11 @@ from collections.abc import Sequence
 import msgspec
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from blastline.detect.company import in_company, worth_parting
+from blastline.detect.fire import Looked
+from blastline.detect.verify import Verdicts, odds_of
 from blastline.model import EvenRow, Shot, ShotEvidence, Span
 from blastline.ruleset import load_rules
 
@@ -31,6 +34,11 @@ def believed_ms(*shots: Shot) -> list[float]:
     kept, refused = in_company(shots, rate_hz=RATE_HZ, tier=TIER)
     assert sorted([s.onset for s in kept] + [r.at_sample for r in refused]) == sorted(s.onset for s in shots)
     return [s.onset * 1000 / RATE_HZ for s in kept]
+
+
+def looked(onsets: NDArray[np.intp], surety: NDArray[np.float64]) -> Looked:
+    """Return candidates of which screen and networks think alike."""
+    return Looked(onsets, np.zeros(onsets.size), odds_of(Verdicts(surety, surety, np.full(onsets.size, 2))))
 
 
 def pair(confidence: float = VERIFY.company_threshold) -> tuple[Shot, Shot]:
@@ -132,7 +140,9 @@ def test_what_is_not_worth_parting_is_never_believed(seed: int) -> None:
     for start in range(0, 60 * RATE_HZ + 1, 20 * RATE_HZ):
         inside = np.flatnonzero((onsets >= start) & (onsets < start + 20 * RATE_HZ))
         core, rows = Span(start, start + 20 * RATE_HZ), row[inside].tolist()
-        worth[inside] = worth_parting(onsets[inside], surety[inside], rows, rate_hz=RATE_HZ, tier=TIER, core=core)
+        worth[inside] = worth_parting(
+            looked(onsets[inside], surety[inside]), rows, rate_hz=RATE_HZ, tier=TIER, core=core
+        )
     assert np.sum(~worth & (surety >= VERIFY.round_threshold)) > 0
     assert believed_ms(*shots) == believed_ms(*(s for s, kept in zip(shots, worth, strict=True) if kept))
 
@@ -142,7 +152,7 @@ def test_a_round_at_the_edge_of_a_core_may_belong_to_a_burst_beyond_it() -> None
     edges_ms = (0.0, BURSTS.longest_gap_ms, 10_000.0, 20_000.0 - BURSTS.longest_gap_ms, 19_999.0)
     onsets = np.array([round(at_ms * RATE_HZ / 1000) for at_ms in edges_ms], np.intp)
     surety = np.full(onsets.size, VERIFY.round_threshold)
-    worth = worth_parting(onsets, surety, [None] * onsets.size, rate_hz=RATE_HZ, tier=TIER, core=core)
+    worth = worth_parting(looked(onsets, surety), [None] * onsets.size, rate_hz=RATE_HZ, tier=TIER, core=core)
     assert worth.tolist() == [True, True, False, True, True]
 
 
@@ -188,7 +198,7 @@ def test_several_guns_may_fire_for_long() -> None:
 def test_fire_is_worth_parting_however_unlikely_each_of_its_rounds() -> None:
     onsets = np.array([s.onset for s in pair()], np.intp)
     core, surety = Span(0, 40 * RATE_HZ), np.zeros(2)
-    assert worth_parting(onsets, surety, ["fire", None], rate_hz=RATE_HZ, tier=TIER, core=core).tolist() == [
+    assert worth_parting(looked(onsets, surety), ["fire", None], rate_hz=RATE_HZ, tier=TIER, core=core).tolist() == [
         True,
         False,
     ]

@@ -13,10 +13,10 @@ from blastline.detect import Detection, find_shots, load_verifier
 from blastline.detect.features import feature_names
 from blastline.detect.find import Described, _first_of_each, described, let_all_pass
 from blastline.detect.forest import ForestFile, grown, probabilities
-from blastline.detect.picture import pictures
-from blastline.detect.stretches import Stretch, stretches
+from blastline.detect.picture import Pictures, pictures
+from blastline.detect.stretches import CORE_PIECES, Stretch, stretches
 from blastline.detect.tracks import Grid, pieces
-from blastline.detect.verify import SCHEMA, ModelFile, SieveFile, Verifier
+from blastline.detect.verify import SCHEMA, ModelFile, Sieve, SieveFile, Verdicts, Verifier
 from blastline.errors import RuleError
 from blastline.model import Clip, Shot
 from blastline.ruleset import load_rules, rules_path
@@ -236,3 +236,39 @@ def test_of_onsets_in_one_place_one_is_kept_and_every_other_is_near_one_that_is(
     kept = onsets[_first_of_each(onsets, apart)]
     assert np.all(np.diff(kept) >= apart)
     assert all(np.any((kept <= each) & (kept > each - apart)) for each in places)
+
+
+class AllAlike(Sieve):
+    """A sieve that gives everything the same probability."""
+
+    def lets_pass(self, rows: NDArray[np.float64]) -> NDArray[np.bool_]:
+        return np.ones(rows.shape[0], bool)
+
+    def probabilities(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.full(rows.shape[0], 0.5)
+
+
+class Undecided(Verifier):
+    """A verifier that thinks just enough of everything for a row of it to be fire."""
+
+    def verdicts(self, rows: NDArray[np.float64], shown: Pictures) -> Verdicts:
+        every = np.full(rows.shape[0], RULES.tier.verify.even_threshold + 0.01)
+        return Verdicts(every, every, np.ones(rows.shape[0], np.intp))
+
+
+@pytest.mark.parametrize("rounds", [6, 14])
+def test_a_row_may_cross_the_end_of_a_stretch(rounds: int) -> None:
+    sieve = AllAlike(VERIFIER.screen.forest, 0.01)
+    verifier = Undecided(sieve, sieve, VERIFIER.networks)
+    border_s = CORE_PIECES * Grid(RATE_HZ).piece / RATE_HZ
+    rng = np.random.default_rng(0)
+    bang = 0.5 * np.exp(-np.arange(4800) / 480.0) * rng.standard_normal(4800)
+    for first_s in (border_s - 10.0, *(border_s - 0.1 * n - 0.05 for n in range(rounds + 1))):
+        samples = 1e-4 * rng.standard_normal(round((border_s + 6.0) * RATE_HZ))
+        starts = [round((first_s + 0.1 * n) * RATE_HZ) for n in range(rounds)]
+        for start in starts:
+            samples[start : start + bang.size] += bang
+        clip = Clip(samples.astype(np.float32)[:, None], RATE_HZ)
+        shots = find_shots([clip], rate_hz=RATE_HZ, tier=RULES.tier, verifier=verifier).shots
+        assert [shot.evidence.even_row for shot in shots if shot.evidence] == ["fire"] * rounds
+        assert np.abs([shot.onset - start for shot, start in zip(shots, starts, strict=True)]).max() < 48

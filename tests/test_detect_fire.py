@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import expit, logit
 
-from blastline.detect.fire import even_rows, rows_of_fire, worth_a_look
+from blastline.detect.fire import Looked, even_rows, rows_of_fire, worth_a_look
 from blastline.detect.verify import SCREEN_SHARE, Verdicts, odds_of
 from blastline.model import EvenRow
 from blastline.ruleset import load_rules
@@ -25,7 +25,7 @@ def told(
     onsets = np.array([samples_from_ms(n * gap_ms, RATE_HZ) for n in range(len(surety))], np.intp)
     by_screen = np.array(surety if screened is None else screened)
     odds = odds_of(Verdicts(np.array(surety), by_screen, np.full(onsets.size, 2)))
-    return even_rows(onsets, np.zeros(onsets.size), odds, rate_hz=RATE_HZ, tier=TIER)
+    return even_rows(Looked(onsets, np.zeros(onsets.size), odds), rate_hz=RATE_HZ, tier=TIER)
 
 
 def rows(onsets_ms: list[float], peaks_dbfs: list[float] | None = None, rate_hz: int = RATE_HZ) -> list[list[int]]:

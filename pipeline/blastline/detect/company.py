@@ -19,7 +19,9 @@ from numpy.typing import NDArray
 from ..model import EvenRow, Rejection, Shot, Span
 from ..ruleset import BurstRules, QualityRules
 from ..units import samples_from_ms, samples_from_s
+from .fire import Looked
 from .rows import in_endless_fire, in_even_rows, in_loops, runs_of
+from .verify import log_odds_of
 
 _ROUNDING = 2  # samples that a gap may gain on its way to another rate
 _ALONE = "alone, and not sure enough for that"
@@ -129,25 +131,20 @@ def _refused(shot: Shot, why: str) -> Rejection:
 
 
 def worth_parting(
-    onsets: NDArray[np.intp],
-    surety: NDArray[np.float64],
-    rows: Sequence[EvenRow | None],
-    *,
-    rate_hz: int,
-    tier: QualityRules,
-    core: Span,
+    looked: Looked, rows: Sequence[EvenRow | None], *, rate_hz: int, tier: QualityRules, core: Span
 ) -> NDArray[np.bool_]:
-    """Return which candidates `in_company` could believe, given those of a stretch's core, ascending.
+    """Return which candidates `in_company` could believe, given those of a stretch's core and the rows among them.
 
-    The others need no parts: they are rounds of no burst. What a burst beyond the core may reach is worth it.
+    The others need no parts: they are rounds of no burst. What a burst or a row beyond the core may reach is worth it.
     """
     longest = samples_from_ms(tier.bursts.longest_gap_ms, rate_hz) + _ROUNDING
     fired = np.array([row == "fire" for row in rows], bool)
-    worth: NDArray[np.bool_] = (surety >= tier.verify.company_threshold) | fired
-    members = np.flatnonzero((surety >= tier.verify.round_threshold) | worth)
-    for run in runs_of(onsets[members], longest):
+    worth: NDArray[np.bool_] = (looked.odds.by_all >= log_odds_of(tier.verify.company_threshold)) | fired
+    likeliest = np.maximum(looked.odds.by_all, looked.odds.by_networks)
+    members = np.flatnonzero((likeliest >= log_odds_of(tier.verify.round_threshold)) | worth)
+    for run in runs_of(looked.onsets[members], longest):
         burst = members[run]
-        at = onsets[burst]
+        at = looked.onsets[burst]
         if (at < core.start + longest).any() or (at >= core.stop - longest).any() or worth[burst].any():
             worth[burst] = True
     return worth

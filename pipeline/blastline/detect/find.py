@@ -1,16 +1,17 @@
 """The detector's story: stretches of the film go by, and what is a shot in each one's core is kept."""
 
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain
 from typing import TypeVar
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Channels, Clip, Rejection, Shot
+from ..model import Channels, Clip, EvenRow, HeardIn, Rejection, Shot
 from ..ruleset import QualityRules
 from ..units import levels_db, samples_from_ms
 from .backdrop import backdrops
@@ -19,14 +20,14 @@ from .bursts import group_bursts, keep_apart, part_from_echoes, without_echoes
 from .company import in_company, unlike_a_shot, worth_parting
 from .direction import placed
 from .features import features
-from .fire import even_rows, worth_a_look
+from .fire import Looked, even_rows, worth_a_look
 from .neighbours import neighbourhood
 from .onset import farthest_ms, refine_onsets
 from .picture import pictures
-from .rate import LISTENING_HZ, in_film, resampled
+from .rate import LISTENING_HZ, film_sample, in_film, resampled
 from .scan import candidate_steps
 from .segment import PEAK_MS, peak_dbfs, segment
-from .sides import Sorted, as_heard, beside, joined
+from .sides import as_heard, beside, joined
 from .sparse import bands_near
 from .stretches import Stretch, side_by_side, stretches
 from .tracks import Grid, pieces
@@ -45,6 +46,15 @@ class Detection:
 
     shots: tuple[Shot, ...]
     rejections: tuple[Rejection, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Searched:
+    """What a stretch holds, in one mix or in both: shots, rejections, and of each mix all that was looked at."""
+
+    shots: list[Shot]
+    refused: list[Rejection]
+    looked: dict[HeardIn, Looked]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,12 +82,22 @@ def find_shots(
     `rate_hz` is the film's, whose samples all places count. Blocks with sides are listened to twice. `channels`, where
     given, tell from where the shots come.
     """
-    shots: list[Shot] = []
-    rejections: list[Rejection] = []
-    for found, refused in _heard(blocks, rate_hz, tier, verifier, channels):
-        shots += found
-        rejections += refused
-    return judged(shots, rejections, rate_hz=rate_hz, tier=tier)
+    found = list(searched(blocks, rate_hz=rate_hz, tier=tier, verifier=verifier, channels=channels))
+    shots = chain.from_iterable(in_rows(found, rate_hz=rate_hz, tier=tier))
+    return judged(shots, chain.from_iterable(each.refused for each in found), rate_hz=rate_hz, tier=tier)
+
+
+def in_rows(found: Sequence[Searched], *, rate_hz: int, tier: QualityRules) -> Iterator[list[Shot]]:
+    """Yield the shots of each stretch, with what the rows of the whole film tell of them: a row may cross stretches."""
+    told: dict[HeardIn, dict[int, EvenRow | None]] = {}
+    rules_of: dict[HeardIn, QualityRules] = {"mains": tier, "sides": beside(tier)}
+    for mix, rules in rules_of.items():
+        parts = [each.looked[mix] for each in found if mix in each.looked]
+        if parts:
+            every = Looked.all_of(parts)
+            told[mix] = dict(zip(every.onsets.tolist(), even_rows(every, rate_hz=rate_hz, tier=rules), strict=True))
+    for each in found:
+        yield [_in_row(shot, told) for shot in each.shots]
 
 
 def judged(shots: Iterable[Shot], rejections: Iterable[Rejection], *, rate_hz: int, tier: QualityRules) -> Detection:
@@ -92,10 +112,13 @@ def judged(shots: Iterable[Shot], rejections: Iterable[Rejection], *, rate_hz: i
     )
 
 
-def _heard(
-    blocks: Iterable[Clip], rate_hz: int, tier: QualityRules, verifier: Verifier, channels: Channels | None
-) -> Iterator[Sorted]:
-    """Yield what is found in each of a film's stretches, with what their sides add where the blocks have any."""
+def searched(
+    blocks: Iterable[Clip], *, rate_hz: int, tier: QualityRules, verifier: Verifier, channels: Channels | None = None
+) -> Iterator[Searched]:
+    """Yield what is found in each of a film's stretches, with what their sides add where the blocks have any.
+
+    Nothing is believed yet, since that depends on all of the film.
+    """
     rest = resampled(blocks, rate_hz)
     first = next(rest, None)
     if first is None:
@@ -105,15 +128,17 @@ def _heard(
     search = partial(_search, grid=grid, tier=tier, verifier=verifier, rate_hz=rate_hz)
     place = partial(placed, channels=channels, rate_hz=rate_hz, rules=tier.channels)
     if first.sides is None:
-        for found, refused in map(search, stretches(cut(film))):
-            yield place(found), refused
+        for mains in map(search, stretches(cut(film))):
+            yield Searched(place(mains.shots), mains.refused, mains.looked)
         return
     clips: deque[Clip] = deque()
     search_beside = partial(search, tier=beside(tier))
-    for mains, sides in side_by_side(cut(_kept_in(clips, film)), cut(map(as_heard, _taken_from(clips)))):
-        there = search_beside(sides)
-        found, refused = joined(search(mains), there, rate_hz=rate_hz, sure=tier.verify.threshold)
-        yield place(found, beside=[shot.onset for shot in there[0]]), refused
+    for stretch, sides in side_by_side(cut(_kept_in(clips, film)), cut(map(as_heard, _taken_from(clips)))):
+        mains, there = search(stretch), search_beside(sides)
+        heard = ((each.shots, each.refused) for each in (mains, there))
+        shots, refused = joined(*heard, rate_hz=rate_hz, sure=tier.verify.threshold)
+        looked: dict[HeardIn, Looked] = {"mains": mains.looked["mains"], "sides": there.looked["mains"]}
+        yield Searched(place(shots, beside=[shot.onset for shot in there.shots]), refused, looked)
 
 
 def _kept_in(queue: deque[_T], items: Iterable[_T]) -> Iterator[_T]:
@@ -174,8 +199,8 @@ def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
     return np.array(taken, np.intp)
 
 
-def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier, rate_hz: int) -> Sorted:
-    """Return what is found in a stretch, with its places in the samples of a film of that rate."""
+def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier, rate_hz: int) -> Searched:
+    """Return what is found in a stretch of one mix, with its places in the samples of a film of that rate."""
 
     def screen(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
         likely, peaks_dbfs = verifier.screen.probabilities(rows), _peaks_dbfs(stretch, places, grid)
@@ -187,8 +212,9 @@ def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier
     verdicts, before = verifier.verdicts(found.rows, shown), backdrops(shown)
     at = found.onsets + stretch.start
     peaks_dbfs = np.array([peak_dbfs(stretch.samples, onset, grid.rate_hz) for onset in found.onsets.tolist()])
-    rows = even_rows(at, peaks_dbfs, odds_of(verdicts), rate_hz=grid.rate_hz, tier=tier)
-    worth = worth_parting(at, verdicts.surety, rows, rate_hz=grid.rate_hz, tier=tier, core=stretch.core)
+    looked = Looked(at, peaks_dbfs, odds_of(verdicts))
+    rows = even_rows(looked, rate_hz=grid.rate_hz, tier=tier)
+    worth = worth_parting(looked, rows, rate_hz=grid.rate_hz, tier=tier, core=stretch.core)
     shots = [
         segment(
             stretch.samples,
@@ -201,7 +227,6 @@ def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier
             screen=float(verdicts.screened[index]),
             networks=int(verdicts.networks[index]),
             backdrop=before[index],
-            even_row=rows[index],
         )
         for index in np.flatnonzero(worth)
     ]
@@ -209,4 +234,13 @@ def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier
         unlike_a_shot(int(at[index]), float(verdicts.surety[index]))
         for index in np.flatnonzero(~worth & (verdicts.surety >= tier.verify.report_from))
     ]
-    return in_film(shots, refused, rate_hz)
+    in_film_at = np.array([film_sample(sample, rate_hz) for sample in at.tolist()], np.intp)
+    return Searched(*in_film(shots, refused, rate_hz), {"mains": replace(looked, onsets=in_film_at)})
+
+
+def _in_row(shot: Shot, told: dict[HeardIn, dict[int, EvenRow | None]]) -> Shot:
+    """Return a shot with what its row tells of it: that of the mix it was found in, which need not be the surer one."""
+    rows = told["sides"] if shot.heard_in == "sides" and shot.onset in told["sides"] else told["mains"]
+    if shot.evidence is None or rows.get(shot.onset) is None:
+        return shot
+    return msgspec.structs.replace(shot, evidence=msgspec.structs.replace(shot.evidence, even_row=rows[shot.onset]))

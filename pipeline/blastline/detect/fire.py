@@ -7,6 +7,8 @@ A row is as many looks at one gun, or at one machine, so its mean odds say more 
 """
 
 from bisect import bisect_left, bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -16,6 +18,27 @@ from ..model import EvenRow
 from ..ruleset import BurstRules, QualityRules, VerifyRules
 from ..units import samples_from_ms
 from .verify import Odds, log_odds_of
+
+
+@dataclass(frozen=True, eq=False)
+class Looked:
+    """What the networks looked at in a stretch or a film, in order: onsets, how loud each gets, and what is thought."""
+
+    onsets: NDArray[np.intp]
+    peaks_dbfs: NDArray[np.float64]
+    odds: Odds
+
+    @classmethod
+    def all_of(cls, parts: Sequence["Looked"]) -> "Looked":
+        """Return what was looked at in all of a film's stretches; at least one."""
+        return cls(
+            np.concatenate([part.onsets for part in parts]),
+            np.concatenate([part.peaks_dbfs for part in parts]),
+            Odds(
+                np.concatenate([part.odds.by_all for part in parts]),
+                np.concatenate([part.odds.by_networks for part in parts]),
+            ),
+        )
 
 
 def rows_of_fire(
@@ -63,14 +86,12 @@ def _row_on(
         due, late = at[row[-1]] + gap, rules.unevenness * gap
 
 
-def even_rows(
-    onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], odds: Odds, *, rate_hz: int, tier: QualityRules
-) -> list[EvenRow | None]:
+def even_rows(looked: Looked, *, rate_hz: int, tier: QualityRules) -> list[EvenRow | None]:
     """Return of each candidate, ascending, whether it is a round of even fire or one of a long row that is none."""
-    told: list[EvenRow | None] = [None] * onsets.size
-    rounds = odds.by_networks >= log_odds_of(tier.verify.round_threshold)
-    for row in rows_of_fire(onsets, peaks_dbfs, rate_hz=rate_hz, rules=tier.bursts):
-        if _sounds_like_fire(odds, row, tier.verify):
+    told: list[EvenRow | None] = [None] * looked.onsets.size
+    rounds = looked.odds.by_networks >= log_odds_of(tier.verify.round_threshold)
+    for row in rows_of_fire(looked.onsets, looked.peaks_dbfs, rate_hz=rate_hz, rules=tier.bursts):
+        if _sounds_like_fire(looked.odds, row, tier.verify):
             for place in row[rounds[row]].tolist():
                 told[place] = "fire"
         elif row.size >= tier.bursts.fewest_as_one:

@@ -12,7 +12,7 @@ have to stand out of their own neighbourhood: a tail full of overlapping echoes 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import DecayEnd, EvenRow, Reflection, Shot, ShotEvidence, Span
+from ..model import DecayEnd, Reflection, Shot, ShotEvidence, Span
 from ..ruleset import SegmentRules
 from ..units import db_from_gain, gain_from_db, ms_from_samples, samples_from_ms
 from .reflections import discrete_reflections
@@ -44,11 +44,10 @@ def segment(
     screen: float | None = None,
     networks: int = 0,
     backdrop: int | None = None,
-    even_row: EvenRow | None = None,
 ) -> Shot:
     """Return the shot whose blast starts at index `onset` of `samples`, a stretch that starts at `film_start`.
 
-    `film_stop` is where the film, or what is known of it, ends; `screen`, `networks`, `backdrop` and `even_row` as in
+    `film_stop` is where the film, or what is known of it, ends; `screen`, `networks` and `backdrop` as in
     `model.ShotEvidence`.
     """
     stop = min(onset + reach(rate_hz=rate_hz, rules=rules), film_stop - film_start)
@@ -75,7 +74,7 @@ def segment(
             Reflection(at + lag, at + lag + blast, ms_from_samples(lag, rate_hz), level_db) for lag, level_db in echoes
         ),
         span=Span(at, at + length),
-        evidence=ShotEvidence(screen, networks, room_db, ended, backdrop, even_row),
+        evidence=ShotEvidence(screen, networks, room_db, ended, backdrop),
     )
 
 
