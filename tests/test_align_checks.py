@@ -131,6 +131,14 @@ def test_a_clipped_gain_fails_by_its_level() -> None:
     assert figure(checks, "level_as_rendered", "shot-0001") == pytest.approx(20 * np.log10(3.0), abs=0.6)
 
 
+@pytest.mark.parametrize("gain", [1.3, 2.0, 3.0])
+def test_a_drive_that_is_louder_and_clipped_is_neither_displaced_nor_drifting(gain: float) -> None:
+    right = film()
+    checks = checks_of(right.with_drive(np.clip(gain * right.drive.samples, -1.0, 1.0)))
+    assert {"drive_shift", "drive_drift", "drive_speed"}.isdisjoint(failed(checks))
+    assert "level_as_rendered" in failed(checks)
+
+
 def test_more_than_the_limit_fails() -> None:
     right = film()
     loud = 1.25 * right.drive.samples

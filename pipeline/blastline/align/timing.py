@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..model import Event
-from .comparison import Comparison
+from .comparison import Comparison, Samples
 from .film import moving_spans
 from .hearing import Part
 from .shots import ShotFigures, likeness_limit, locate, measure, parts_of
@@ -18,6 +18,10 @@ _PROBES = 24
 
 _WIDE_MS = 4000.0
 """How far from its expected place a probe is looked for."""
+
+_STEADY = 0.1
+"""So many samples, in the median, the exact lags of one drive lie beside their line; where they scatter more, the drive
+is not what was rendered, and no lag of it is exact: one that was made louder and clipped seemed to drift by 78."""
 
 _STILL_MS = 10.0
 """A drive at rest for this long has left its window."""
@@ -82,20 +86,39 @@ def _measure_all(
             found.append((event.onset_sample, lag))
         if tells and figure.exact:
             exact.append(found[-1])
-    enough = len(exact) >= max(1, len(found) / 4)
+    enough = _is_line(exact, of=found)
     line = _line(exact if enough else found) if found else None
     return Timing(line, enough, read, figures, tuple(lags), len(found))
 
 
 def _line(found: Sequence[tuple[float, float]]) -> Place:
-    """Return the line through the lags by Theil and Sen: the median slope of all pairs, which strays ignore."""
+    """Return the line through the lags by Theil and Sen: the median slope of all pairs, which strays ignore.
+
+    Each pair weighs as much as its shots are apart (Jaeckel 1972): those of a burst tell little of a film's slope.
+    """
     spread = found[:: max(1, len(found) // 400)]
     samples, lags = (np.array(column, dtype=np.float64) for column in zip(*spread, strict=True))
     first, second = np.triu_indices(len(samples), k=1)
     apart = samples[second] - samples[first]
-    slopes = (lags[second] - lags[first])[apart > 0] / apart[apart > 0]
-    slope = float(np.median(slopes)) if len(slopes) else 0.0
+    first, second, apart = first[apart > 0], second[apart > 0], apart[apart > 0]
+    slopes = (lags[second] - lags[first]) / apart
+    slope = _weighted_median(slopes, apart) if len(slopes) else 0.0
     return Place(1.0 + slope, float(np.median(lags - slope * samples)))
+
+
+def _is_line(exact: Sequence[tuple[float, float]], *, of: Sequence[tuple[float, float]]) -> bool:
+    """Return whether exact lags tell of a whole film: enough of all, over half of its length, close to one line."""
+    if not exact or len(exact) < len(of) / 4 or exact[-1][0] - exact[0][0] < (of[-1][0] - of[0][0]) / 2:
+        return False
+    line = _line(exact)
+    return float(np.median([abs(lag - line.lag(sample)) for sample, lag in exact])) <= _STEADY
+
+
+def _weighted_median(values: Samples, weights: Samples) -> float:
+    """Return the value below which half of the weight lies."""
+    order = np.argsort(values)
+    reached = np.cumsum(weights[order])
+    return float(values[order][np.searchsorted(reached, 0.5 * reached[-1])])
 
 
 def _guesses(
