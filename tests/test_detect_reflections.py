@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from blastline.detect.reflections import _Heard
 from blastline.detect.segment import segment
 from blastline.model import Shot
 from blastline.ruleset import load_rules
@@ -154,6 +155,36 @@ def test_a_shot_that_ends_with_the_film_has_the_echoes_that_are_left() -> None:
     for left_ms, heard in ((1.0, 0), (60.0, 1), (450.0, 2)):
         shot = parted(samples[: onset + round(left_ms * 48)])
         assert len(shot.reflections) == heard
+
+
+def held_up(samples: NDArray[np.float64], late_ms: float) -> NDArray[np.float64]:
+    """Return a shot whose sound from 13 ms on comes so much later, over noise of -30 dB all the while."""
+    noise = 0.5 * gain_from_db(-30.0) * np.random.default_rng([7, 1]).standard_normal(round(late_ms * 48))
+    cut = round(ONSET_S * RATE_HZ) + 13 * 48
+    return np.concatenate([samples[:cut], noise, samples[cut:]])
+
+
+def test_a_late_echo_has_to_be_clearer_than_an_early_one() -> None:
+    """The same echo in the same noise: early it is taken, late only where it is 2 dB stronger."""
+
+    def taken(level_db: float, late_ms: float) -> bool:
+        shot = parted(held_up(film({25.0: level_db}, noise_db=-30.0, seed=1), late_ms))
+        return any(abs(delay_ms - 25.0 - late_ms) < 0.3 for delay_ms in delays_ms(shot))
+
+    assert taken(-23.3, late_ms=0.0)
+    assert not taken(-23.3, late_ms=425.0)
+    assert taken(-21.3, late_ms=425.0)
+
+
+def test_clearness_weighs_chance_against_how_rare_so_late_an_echo_is() -> None:
+    """Noise exceeds z with exp(-pi z^2 / 4), and echoes thin out as 1 / lag from 30 ms on."""
+    lags_ms, z = np.array([5.0, 29.0, 60.0, 120.0, 480.0]), 4.5
+    answer, places = np.ones(500 * 48), np.round(lags_ms * 48).astype(np.intp)
+    answer[places] = z
+    clear = _Heard(answer, np.ones(200 * 48), grain=48).clearness(places, lags_ms)
+    chance = np.exp(-0.25 * np.pi * np.square(clear))
+    np.testing.assert_allclose(chance / chance[0], np.maximum(lags_ms / 30.0, 1.0), rtol=1e-6)
+    assert (clear >= RULES.reflection_prominence).tolist() == [True, True, True, True, False]
 
 
 def test_rules_decide_from_what_level_on_an_echo_counts() -> None:

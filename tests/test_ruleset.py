@@ -119,6 +119,16 @@ def test_every_shipped_file_is_sound() -> None:
         ("quality/standard.toml", "[windows]\nguard_ms = nan\n", "windows.guard_ms = nan: expected"),
         ("quality/standard.toml", "[bursts]\nfewest_shots = 1\n", "bursts.fewest_shots = 1: expected `int` >= 2"),
         ("quality/standard.toml", "[bursts]\nfewest_shots = 2.5\n", "bursts.fewest_shots = 2.5: expected `int`, got"),
+        (
+            "quality/standard.toml",
+            "[segment]\nlongest_ms = 3001\n",
+            "segment.longest_ms = 3001: expected `float` <= 3000",
+        ),
+        (
+            "quality/standard.toml",
+            "[segment]\nlatest_reflection_ms = 1e9\n",
+            "segment.latest_reflection_ms = 1000000000.0: expected `float` <= 3000.0",
+        ),
         ("quality/standard.toml", "[scan]\nsource = ''\n", "scan.source = '': expected `str` of length >= 3"),
         ("quality/standard.toml", "schema = 2\n", "schema = 2: expected 1, the only layout that this version reads"),
         (

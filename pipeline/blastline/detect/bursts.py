@@ -1,5 +1,6 @@
 """Which shots are one, which are echoes, and which belong together as automatic fire."""
 
+from bisect import bisect_left
 from collections.abc import Iterable, Sequence
 
 import msgspec
@@ -15,20 +16,24 @@ _SAME_ECHO_MS = 1.0  # two shots that hear an echo this close hear the same one
 def keep_apart(
     shots: Iterable[Shot], *, rate_hz: int, rules: BurstRules
 ) -> tuple[tuple[Shot, ...], tuple[Rejection, ...]]:
-    """Return the shots no two of which lie nearer than `shortest_gap_ms`, and the ones given up for a surer one."""
+    """Return the shots no two of which lie nearer than `shortest_gap_ms`, and the rest, both in order of time.
+
+    What is given up lies too near to one that is kept and at least as sure.
+    """
     gap = samples_from_ms(rules.shortest_gap_ms, rate_hz)
     kept: list[Shot] = []
     dropped: list[Rejection] = []
-    for shot in sorted(shots, key=lambda s: s.onset):
-        if not kept or shot.onset - kept[-1].onset >= gap:
+    taken: list[int] = []  # onsets, ascending
+    # the surest first, so that only a shot that stays costs another its place; of equals the one that began the sound
+    for shot in sorted(shots, key=lambda s: (-s.confidence, s.onset)):
+        place = bisect_left(taken, shot.onset)
+        if any(abs(shot.onset - onset) < gap for onset in taken[max(0, place - 1) : place + 1]):
+            why = "nearer to a surer shot than any gun fires"
+            dropped.append(Rejection(shot.onset, why, {"probability": shot.confidence}))
+        else:
+            taken.insert(place, shot.onset)
             kept.append(shot)
-            continue
-        loser, winner = sorted((kept[-1], shot), key=lambda s: s.confidence)
-        kept[-1] = winner
-        dropped.append(
-            Rejection(loser.onset, "nearer to a surer shot than any gun fires", {"probability": loser.confidence})
-        )
-    return tuple(kept), tuple(dropped)
+    return tuple(sorted(kept, key=lambda s: s.onset)), tuple(sorted(dropped, key=lambda r: r.at_sample))
 
 
 def without_echoes(

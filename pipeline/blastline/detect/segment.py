@@ -181,5 +181,5 @@ def _running_peak(magnitude: NDArray[np.float64], width: int) -> NDArray[np.floa
     """Return the largest of each sample and the `width - 1` after it."""
     from scipy.ndimage import maximum_filter1d
 
-    ahead = maximum_filter1d(magnitude, width, mode="constant", cval=0.0, origin=-((width - 1) // 2))
+    ahead = maximum_filter1d(magnitude, width, mode="constant", cval=0.0, origin=-(width // 2))
     return np.asarray(ahead, np.float64)

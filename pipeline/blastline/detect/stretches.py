@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from ..model import Span
 from .tracks import Piece
 
-# A piece is about a second. Before the core: the neighbourhood of `features`; after it: the longest decay.
+# A piece is about a second. Before the core: the neighbourhood of `features`; after it: that and the longest decay that
+# rules may ask for. What is silence around the farthest neighbours is told by what is here of the 2 s around them.
 LEFT_PIECES, CORE_PIECES, RIGHT_PIECES = 4, 32, 3
 
 

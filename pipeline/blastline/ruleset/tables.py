@@ -20,6 +20,15 @@ LARGEST_LEVEL_DB = 40.0
 """How far the sound may be raised or lowered before it becomes vibration."""
 
 
+LONGEST_DECAY_MS = 3000.0
+"""How long a shot may be.
+
+Detection keeps 3.07 s after the last place where a shot may begin, and listens for 50 ms more than a shot may last.
+"""
+
+Decay = Annotated[float, Meta(gt=0.0, le=LONGEST_DECAY_MS)]
+
+
 class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A table of a rule file: unknown and missing keys are errors."""
 
@@ -111,17 +120,18 @@ class ChannelRules(Table, frozen=True):
 class SegmentRules(Table, frozen=True):
     """Where the blast ends, what counts as a reflection, and when the decay is over.
 
-    Without a `reflection_level_db` no reflections are looked for.
+    Without a `reflection_level_db` no reflections are looked for. Reflections and decay end within 3 s: beyond it, a
+    shot's parts would depend on where in the film it lies.
     """
 
     longest_blast_ms: Positive
     blast_decay_db: Annotated[float, Meta(gt=0.0, le=60.0)]
     earliest_reflection_ms: Positive
-    latest_reflection_ms: Positive
+    latest_reflection_ms: Decay
     reflection_prominence: Annotated[float, Meta(ge=1.0, le=20.0)]
     decay_db: Annotated[float, Meta(gt=0.0, le=80.0)]
     shortest_ms: Positive
-    longest_ms: Positive
+    longest_ms: Decay
     reflection_level_db: Annotated[float, Meta(ge=-60.0, le=0.0)] | None = None
 
     def __post_init__(self) -> None:

@@ -1,0 +1,75 @@
+"""Shots near each other: which of them stay, and whose an echo is that two of them claim."""
+
+import msgspec
+import numpy as np
+import pytest
+
+from blastline.detect.bursts import keep_apart, part_from_echoes
+from blastline.model import Reflection, Rejection, Shot, Span
+from blastline.ruleset import load_rules
+
+RATE_HZ = 48_000
+RULES = load_rules("standard").tier.bursts
+GAP = round(RULES.shortest_gap_ms * RATE_HZ / 1000.0)
+
+
+def sample(at_ms: float) -> int:
+    return round(at_ms * RATE_HZ / 1000.0)
+
+
+def shot(at_ms: float, *, confidence: float = 0.9, echoes_at_ms: tuple[float, ...] = ()) -> Shot:
+    at = sample(at_ms)
+    echoes = tuple(Reflection(sample(ms), sample(ms + 2.0), ms - at_ms, -12.0) for ms in echoes_at_ms)
+    return Shot(
+        at, confidence, peak_dbfs=0.0, snr_db=20.0, blast=Span(at, at + 9), reflections=echoes, span=Span(at, at + 9)
+    )
+
+
+def apart(*shots: Shot) -> tuple[list[int], list[Rejection]]:
+    kept, dropped = keep_apart(shots, rate_hz=RATE_HZ, rules=RULES)
+    return [each.onset for each in kept], list(dropped)
+
+
+def test_only_a_shot_that_stays_costs_another_its_place() -> None:
+    kept, dropped = apart(shot(0, confidence=0.90), shot(30, confidence=0.95), shot(60, confidence=0.97))
+    assert kept == [sample(0), sample(60)]
+    assert [each.at_sample for each in dropped] == [sample(30)]
+
+
+def test_of_two_as_sure_the_earlier_stays() -> None:
+    kept, dropped = apart(shot(20), shot(0))
+    assert kept == [sample(0)]
+    assert [each.at_sample for each in dropped] == [sample(20)]
+
+
+def test_shots_as_near_as_a_gun_fires_both_stay() -> None:
+    first = shot(100)
+    for gap, stay in ((GAP, 2), (GAP - 1, 1)):
+        assert len(apart(first, msgspec.structs.replace(first, onset=first.onset + gap))[0]) == stay
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_what_stays_is_apart_and_what_goes_is_near_to_something_as_sure_that_stays(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    shots = [shot(ms, confidence=round(rng.uniform(0.5, 1.0), 1)) for ms in rng.uniform(0.0, 2000.0, 60).tolist()]
+    sure = {each.onset: each.confidence for each in shots}
+    kept, dropped = apart(*shots)
+    assert min(np.diff(kept)) >= GAP
+    assert sorted([*kept, *(each.at_sample for each in dropped)]) == sorted(sure)
+    assert [each.at_sample for each in dropped] == sorted(each.at_sample for each in dropped)
+    for each in dropped:
+        near = [onset for onset in kept if abs(onset - each.at_sample) < GAP]
+        assert max(sure[onset] for onset in near) >= each.evidence["probability"] == sure[each.at_sample]
+    assert apart(*rng.permutation(np.array(shots, object)).tolist()) == (kept, dropped)
+
+
+@pytest.mark.parametrize(("beside_ms", "left"), [(0.0, []), (0.9, []), (-0.9, []), (1.5, [101.5]), (-1.5, [98.5])])
+def test_an_echo_that_two_shots_claim_is_the_later_ones_alone(beside_ms: float, left: list[float]) -> None:
+    """It sounds too late after the later shot to be a round of its own, so that alone does not part them."""
+    later = shot(50, echoes_at_ms=(100,))
+    assert RULES.shortest_gap_ms < 50.0
+    first, second = part_from_echoes(
+        [shot(0, echoes_at_ms=(20, 100.0 + beside_ms)), later], rate_hz=RATE_HZ, rules=RULES
+    )
+    assert [echo.delay_ms for echo in first.reflections] == [20, *left]
+    assert second == later
