@@ -154,7 +154,7 @@ def timecode_at(source: Source, sample: int) -> str:
     """
     scale = frame_scale(source)
     if scale is None:
-        return _clock_text(clock_seconds(source.start_timecode) + picture_time(source, sample), 3)
+        return clock_text(clock_seconds(source.start_timecode) + picture_time(source, sample), 3)
     return scale.label(frame_time(source, sample, scale).frame)
 
 
@@ -173,7 +173,15 @@ def clock(samples: int, rate_hz: int, *, decimals: int) -> str:
     >>> clock(172_800_000, 48_000, decimals=3)
     '01:00:00.000'
     """
-    return _clock_text(Fraction(samples, rate_hz), decimals)
+    return clock_text(Fraction(samples, rate_hz), decimals)
+
+
+def clock_text(seconds: Fraction, decimals: int) -> str:
+    """Return a time of day as HH:MM:SS and a fraction, to the nearest step."""
+    steps = _nearest(seconds * 10**decimals)
+    sign = "-" if steps < 0 else ""
+    whole, fraction = divmod(abs(steps), 10**decimals)
+    return f"{sign}{whole // 3600:02}:{whole // 60 % 60:02}:{whole % 60:02}.{fraction:0{decimals}}"
 
 
 @lru_cache(maxsize=64)
@@ -211,10 +219,3 @@ def clock_seconds(text: str | None) -> Fraction:
         return Fraction(0)
     hours, minutes, seconds = match.groups()
     return 3600 * int(hours) + 60 * int(minutes) + Fraction(seconds)
-
-
-def _clock_text(seconds: Fraction, decimals: int) -> str:
-    steps = _nearest(seconds * 10**decimals)
-    sign = "-" if steps < 0 else ""
-    whole, fraction = divmod(abs(steps), 10**decimals)
-    return f"{sign}{whole // 3600:02}:{whole // 60 % 60:02}:{whole % 60:02}.{fraction:0{decimals}}"
