@@ -96,6 +96,13 @@ def test_a_broadcast_waves_time_of_day_stays_the_same_moment(rate: str) -> None:
     assert scale.drop_frame == rate.endswith("df")
 
 
+@pytest.mark.parametrize("clock", ["01:00:00.2", "01:00:00.20", "01:00:00.200", "01:00:00.2000"])
+@pytest.mark.parametrize("rate", [None, "25", "29.97", "29.97df"])
+def test_a_clock_is_the_same_moment_however_many_decimals_it_has(clock: str, rate: str | None) -> None:
+    """With two or three of them it is no timecode of so many frames."""
+    assert time_of_start(with_timebase(SOUND, parse_timebase(clock, rate))) == 3600 * 48_000 + 9600
+
+
 def test_a_timeline_is_renamed_and_not_moved() -> None:
     moved = retimed(timeline(), parse_timebase("10:00:00:00", "25"))
     assert [event.timecode for event in moved.events] == ["10:00:01:00", "10:00:02:00"]

@@ -28,7 +28,7 @@ STANDARD_RATES = tuple(Fraction(n * 1000, 1001) for n in (24, 30, 48, 60, 120)) 
 
 DROP_FRAME_RATES = frozenset(Fraction(n * 1000, 1001) for n in (30, 60, 120))
 
-LABEL = re.compile(r"(\d\d):([0-5]\d):([0-5]\d)([:;.,])(\d\d\d?)")
+LABEL = re.compile(r"(\d\d):([0-5]\d):([0-5]\d)([:;,])(\d\d\d?)")  # with a point it is a clock, a part of a second
 CLOCK = re.compile(r"(\d+):(\d\d):(\d\d(?:\.\d+)?)")
 _SAME_RATE = Fraction(1, 5000)  # 24 and 23.976 differ by 1 in 1001; 23.98 is 23.976 rounded, by 1 in 6000
 _OFFSET_DENOMINATOR = 1_000_000  # finer than any container's clock, coarse enough to undo the float
@@ -197,7 +197,7 @@ def _scale(start_timecode: str | None, frame_rate: str | None) -> FrameScale | N
     try:
         first = frame_of(start, nominal, drop_frame=drop_frame)
     except RuleError:  # a number that is left out, or one of another rate: it is what the film says, so count on
-        hours, minutes, seconds, number = (int(part) for part in re.split("[:;.,]", start))
+        hours, minutes, seconds, number = (int(part) for part in re.split("[:;,]", start))
         first = ((60 * hours + minutes) * 60 + seconds) * nominal + number
         drop_frame = False
     return FrameScale(rate, Fraction(first), drop_frame)
