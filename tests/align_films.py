@@ -183,8 +183,9 @@ def make_drive(
     level_db: float = 0.0,
 ) -> tuple[Samples, DriveModel]:
     """Return the drive inside a window before its fades: the compensator's, or a limited one where that exceeds 1."""
+    level = 10.0 ** (level_db / 20.0)
     if model == "direct":
-        return audio[window.start : window.stop], "direct"
+        return np.clip(level * audio[window.start : window.stop], -1.0, 1.0), "direct"
     roll = round(0.5 * rate_hz)
     start, stop = max(0, window.start - roll), min(len(audio), window.stop + roll)
     inside = slice(window.start - start, window.stop - start)
@@ -198,7 +199,6 @@ def make_drive(
         target = dsp.run_filter(back, dsp.run_filter(back, piece)[::-1])[::-1][inside]
         first = dsp.run_filter(dsp.digital(dsp.inverse(PROFILE) * half, rate_hz), piece)
         wet = dsp.run_filter(back, first[::-1])[::-1][inside]
-    level = 10.0 ** (level_db / 20.0)
     if level * np.abs(wet).max() <= 1.0:
         return level * wet, "filter"
     return limited(level * target, onset - round(1e-3 * rate_hz) - window.start, rate_hz), "constrained"

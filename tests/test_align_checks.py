@@ -52,6 +52,24 @@ def test_a_direct_drive_is_compared_as_it_is() -> None:
     assert figure(checks, "drive_correlation", "shot-0002") > 0.999
 
 
+@pytest.mark.parametrize("level_db", [-12.0, -6.0, 6.0, 12.0])
+@pytest.mark.parametrize("background", ["mute", "direct"])
+def test_a_direct_drive_at_a_level_passes_though_the_limit_clips_it(level_db: float, background: Background) -> None:
+    right = make_film(
+        onsets_s=(0.4, 0.9, 1.4),
+        peaks=(0.9, 0.5, 1.2),
+        seconds=2.0,
+        background=background,
+        model="direct",
+        rumble=0.05,
+        tail=1.0,
+        level_db=level_db,
+    )
+    assert failed(checks_of(right, background=background)) == set()
+    in_windows = [right.drive.samples[event.window.start : event.window.stop] for event in right.timeline.events]
+    assert (np.max(np.abs(np.concatenate(in_windows))) > 0.999) == (level_db > 0.0)
+
+
 @pytest.mark.parametrize(
     ("by", "phase", "model"),
     [

@@ -110,6 +110,46 @@ def test_a_gain_scales_what_its_shot_drives_and_nothing_before_it(model: DriveMo
     assert whole == pytest.approx(10.0**-0.3, rel=0.02)
 
 
+def test_a_shot_wanted_softer_is_softer_though_the_window_is_scaled_to_the_limit() -> None:
+    """The compensator of this one needs five times the limit: its gain is not what brings it back to it."""
+    film, only = film_with_shot(peak=0.9)
+    [planned] = plan_windows([only], frames=len(film), rate_hz=RATE_HZ, rules=WINDOWS)
+
+    def drive(gain_db: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        [asked] = with_gains([planned], [only], [gain_db])
+        heard = hear_window(clip(film), asked, filters=CAUSAL, rules=RENDER)
+        done = render_window(heard, [only], model="filter", reason="", background="mute")
+        return np.asarray(done.clip.samples[:, 0], np.float64)
+
+    usual = drive(0.0)
+    assert np.max(np.abs(usual)) == 1.0
+    for gain_db in (-1.0, -6.0, -20.0):
+        np.testing.assert_allclose(drive(gain_db), 10.0 ** (gain_db / 20.0) * usual, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(drive(6.0), usual, rtol=1e-9, atol=1e-12, err_msg="louder than the limit it cannot be")
+
+
+@pytest.mark.parametrize("gains_db", [(0.0, 6.0), (-12.0, 6.0), (12.0, -6.0)])
+def test_a_gain_is_reached_over_the_lead_and_without_a_step(gains_db: tuple[float, float]) -> None:
+    film, first = film_with_shot(peak=0.1)
+    shots = [first, shot_at(first.onset + RATE_HZ // 10)]
+    [planned] = with_gains(plan_windows(shots, frames=len(film), rate_hz=RATE_HZ, rules=WINDOWS), shots, gains_db)
+    gains = hear_window(clip(film), planned, filters=CAUSAL, rules=RENDER).gains
+    before, after = (10.0 ** (gain_db / 20.0) for gain_db in gains_db)
+    onset, lead = shots[1].onset - planned.window.start, RATE_HZ // 1000
+    np.testing.assert_allclose(gains[: onset - lead], before, rtol=1e-12)
+    np.testing.assert_allclose(gains[onset:], after, rtol=1e-12)
+    assert np.max(np.abs(np.diff(gains))) <= abs(after - before) / lead * (1.0 + 1e-9)
+
+
+def test_a_fade_out_ends_where_a_later_shot_begins() -> None:
+    """The window that was set for the first shot fades out from 960 on; the second begins within that."""
+    shots = [shot(500, 700), shot(980, 985)]
+    settled = {0: Window(494, 1000, 5, 40), 1: Window(974, 990, 5, 5)}
+    [joined] = plan_windows(shots, frames=FRAMES, rate_hz=1000, rules=RULES, given=settled)
+    assert joined.window == Window(494, 1000, 5, 19)
+    assert joined.core.stop == 981
+
+
 def test_windows_without_a_gain_stay_as_they_are() -> None:
     shots = [shot(100, 300), shot(900, 1000)]
     planned = plan_windows(shots, frames=FRAMES, rate_hz=1000, rules=RULES)

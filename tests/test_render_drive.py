@@ -215,12 +215,23 @@ def test_filter_beyond_the_limit_is_scaled_not_clipped_and_says_so() -> None:
     np.testing.assert_allclose(found, unlimited / np.max(np.abs(unlimited)), atol=1e-3)
 
 
-def test_level_raises_the_target() -> None:
+@pytest.mark.parametrize("model", ["direct", "filter"])
+def test_level_raises_what_is_driven(model: DriveModel) -> None:
     film, shot = film_with_shot(peak=0.05)
-    (plain,) = rendered(film, [shot], "filter")
-    (louder,) = rendered(film, [shot], "filter", rules=altered(level_db=6.0))
+    (plain,) = rendered(film, [shot], model)
+    (louder,) = rendered(film, [shot], model, rules=altered(level_db=6.0))
     np.testing.assert_allclose(louder.clip.samples, 10.0 ** (6.0 / 20.0) * plain.clip.samples, rtol=1e-9, atol=1e-15)
     assert louder.drives[0].perceived_gain_db == pytest.approx(plain.drives[0].perceived_gain_db + 6.0, abs=1e-6)
+
+
+def test_a_level_below_the_limit_changes_nothing_in_how_near_direct_conversion_is() -> None:
+    film, shot = film_with_shot(peak=0.05)
+    usual, louder = (
+        measure(hear_window(clip(film), only_window(film, shot), filters=CAUSAL, rules=rules))
+        for rules in (RENDER, altered(level_db=6.0))
+    )
+    assert louder.direct_level_db == pytest.approx(usual.direct_level_db, abs=1e-9)
+    assert louder.direct_fidelity == pytest.approx(usual.direct_fidelity, abs=1e-9)
 
 
 def test_lower_level_is_followed_more_faithfully() -> None:

@@ -6,9 +6,9 @@ from scipy.signal import sosfilt
 from blastline import dsp
 from blastline.errors import RuleError
 from blastline.model import Phase, Span
-from blastline.render import DriveFilters, drive_filters, needed_audio, preroll
+from blastline.render import DriveFilters, drive_filters, hear_window, needed_audio, preroll
 from blastline.render.filters import compensated, felt, in_band, settled_band, settled_compensated
-from render_signals import CAUSAL, KINDS, PROFILE, RATE_HZ, RENDER, ZERO, film_with_shot, only_window
+from render_signals import CAUSAL, KINDS, PROFILE, RATE_HZ, RENDER, ZERO, clip, film_with_shot, only_window
 
 
 @pytest.mark.parametrize("rate_hz", [8_000, 22_050, 44_100, 96_000, 384_000])
@@ -39,11 +39,27 @@ def test_filters_that_begin_settled_are_filters_that_have_run(filters: DriveFilt
     """The state that a window begins with is worked out; run from the start of the sound, it comes to the same."""
     sound = np.random.default_rng(before).standard_normal(before + 5000 + after)
     inside = slice(before, before + 5000)
-    for run, settled in ((in_band, settled_band), (compensated, settled_compensated)):
-        wanted = run(sound, filters)[inside]
+    for sections, settled in ((filters.band, settled_band), (filters.compensator, settled_compensated)):
+        wanted = sosfilt(sections, np.pad(sound, (0, 28_800 - after)))
+        wanted = (sosfilt(filters.band, wanted[::-1])[::-1] if filters.phase == "zero" else wanted)[inside]
         found = settled(sound, inside, filters, RENDER)
         assert found.shape == wanted.shape
         np.testing.assert_allclose(found, wanted, rtol=0.0, atol=1e-11 * np.max(np.abs(wanted)))
+
+
+@pytest.mark.parametrize("filters", [CAUSAL, ZERO], ids=["causal", "zero"])
+@pytest.mark.parametrize("before_end_ms", [1, 5, 20, 100, 700])
+def test_silence_after_the_film_changes_nothing_in_it(filters: DriveFilters, before_end_ms: int) -> None:
+    """Backwards filters hear what the forward ones still ring when the film is over: to them it ends in silence."""
+    film, shot = film_with_shot(after_s=before_end_ms / 1000.0)
+    longer = np.concatenate([film, np.zeros(2 * RATE_HZ)])
+    for run in (in_band, compensated):
+        wanted = run(longer, filters)[: len(film)]
+        np.testing.assert_allclose(run(film, filters), wanted, rtol=0.0, atol=1e-8 * np.max(np.abs(wanted)))
+    planned = only_window(film, shot)
+    short, long = (hear_window(clip(each), planned, filters=filters, rules=RENDER) for each in (film, longer))
+    assert np.array_equal(short.target, long.target)
+    assert np.array_equal(short.unlimited, long.unlimited)
 
 
 @pytest.mark.parametrize("rate_hz", [8_000, 48_000, 192_000])

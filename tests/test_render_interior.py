@@ -92,6 +92,20 @@ def test_gap_to_the_minimum_is_what_was_asked_for_with_any_actuator(name: str, r
     assert gap <= 1e-3 * abs(problem.objective(drive))  # the bound is looser than the solver's own, of 1e-4
 
 
+@pytest.mark.parametrize("name", [*OTHERS, "built in"])
+def test_steps_are_few_however_far_over_the_limit_the_target_is(name: str) -> None:
+    """Without Mehrotra's corrector they are 19 to 21."""
+    filters = drive_filters(OTHERS.get(name, PROFILE), 48_000, "causal")
+    target, warm = shot(filters, peak=5.0, frames=9600)
+    stride = sound_stride(filters.recursion, 4)
+    rhs = corner_rhs(full_problem(target, filters.recursion.impulse, frames=len(target)).rhs, stride)
+    found = solve_inside(
+        filters.recursion, rhs, warm[stride - 1 :: stride][: len(rhs)], stride=stride, iterations=60, tolerance=1e-4
+    )
+    assert found.finished
+    assert found.steps <= 17
+
+
 def test_stride_is_kept_where_rounding_allows_it() -> None:
     assert sound_stride(CAUSAL.recursion, 1) == 1
     assert sound_stride(CAUSAL.recursion, 6) == 6

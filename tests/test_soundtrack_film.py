@@ -158,6 +158,7 @@ def test_sound_that_starts_after_the_picture(tmp_path: Path, codec: str, extensi
         (Fraction(24_000, 1001), "01:00:00:00", 172_972_800),
         (Fraction(30_000, 1001), "00:59:59;28", 172_799_827 - 3203),
         (Fraction(25), "10:00:00:00", 1_728_000_000),
+        (Fraction(120), "01:00:00:119", 172_847_600),
     ],
 )
 @pytest.mark.parametrize("extension", ["mov", "mp4", "mkv"])

@@ -5,9 +5,11 @@ from fractions import Fraction
 
 import msgspec
 import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
 
 from blastline.errors import RuleError
-from blastline.timebase import AS_FILMED, parse_timebase, retimed, with_timebase
+from blastline.timebase import AS_FILMED, Timebase, parse_timebase, recalled, retimed, with_timebase
 from blastline.timecode import frame_scale, time_of_start, timecode_at
 from timelines import timeline
 
@@ -94,7 +96,58 @@ def test_a_broadcast_waves_time_of_day_stays_the_same_moment(rate: str) -> None:
     assert scale.drop_frame == rate.endswith("df")
 
 
+@pytest.mark.parametrize("clock", ["01:00:00.2", "01:00:00.20", "01:00:00.200", "01:00:00.2000"])
+@pytest.mark.parametrize("rate", [None, "25", "29.97", "29.97df"])
+def test_a_clock_is_the_same_moment_however_many_decimals_it_has(clock: str, rate: str | None) -> None:
+    """With two or three of them it is no timecode of so many frames."""
+    assert time_of_start(with_timebase(SOUND, parse_timebase(clock, rate))) == 3600 * 48_000 + 9600
+
+
 def test_a_timeline_is_renamed_and_not_moved() -> None:
     moved = retimed(timeline(), parse_timebase("10:00:00:00", "25"))
     assert [event.timecode for event in moved.events] == ["10:00:01:00", "10:00:02:00"]
     assert [event.onset_sample for event in moved.events] == [event.onset_sample for event in timeline().events]
+
+
+CLOCKS = st.builds(
+    lambda hours, minutes, seconds, rest: f"{hours:02}:{minutes:02}:{seconds:02}{rest}",
+    st.integers(0, 30),
+    st.integers(0, 59),
+    st.integers(0, 59),
+    st.from_regex(r"(\.\d{1,9})?", fullmatch=True),
+)
+LABELS = st.from_regex(r"[01]\d:[0-5]\d:[0-5]\d[:;][01]\d", fullmatch=True)
+STARTS = st.none() | CLOCKS | LABELS
+OFFSETS = st.just(0.0) | st.builds(
+    lambda steps, scale: steps / scale, st.integers(-90_000, 90_000), st.sampled_from([1000, 44_100, 48_000, 90_000])
+)
+
+
+@given(
+    STARTS,
+    st.sampled_from([None, "24", "25", "30000/1001", "60000/1001", "15"]),
+    OFFSETS,
+    STARTS,
+    st.sampled_from([None, "23.976", "25", "29.97", "29.97df", "29.97ndf", "59.94df", "119.88df", "120"]),
+)
+@settings(max_examples=400)
+def test_what_was_said_of_a_film_is_known_from_the_timeline_made_of_it(
+    own_start: str | None, own_rate: str | None, offset_s: float, start: str | None, rate: str | None
+) -> None:
+    """Whoever renders an edited timeline says nothing and gets the timecodes of the first time, to the last bit."""
+    filmed = msgspec.structs.replace(FILM, start_timecode=own_start, frame_rate=own_rate, start_offset_s=offset_s)
+    try:
+        earlier = with_timebase(filmed, parse_timebase(start, rate))
+    except RuleError:
+        assume(False)
+    assert with_timebase(filmed, recalled(AS_FILMED, earlier, filmed)) == earlier
+
+
+def test_a_clock_that_was_made_a_drop_frame_timecode_is_said_again() -> None:
+    earlier = with_timebase(SOUND, parse_timebase("01:00:00.250", "29.97df"))
+    assert (earlier.start_timecode, earlier.start_offset_s > 0.0) == ("01:00:00;07", True)
+    assert recalled(AS_FILMED, earlier, SOUND) == Timebase("01:00:00.25", Fraction(30_000, 1001), drop_frame=True)
+    # said anew at another rate, the clock still stands
+    assert with_timebase(SOUND, recalled(parse_timebase(None, "25"), earlier, SOUND)).start_timecode == "01:00:00.25"
+    own = with_timebase(BROADCAST, parse_timebase(None, "29.97df"))
+    assert recalled(AS_FILMED, own, BROADCAST).start_timecode is None

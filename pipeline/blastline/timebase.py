@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -14,14 +15,19 @@ from .timecode import (
     DROP_FRAME_RATES,
     LABEL,
     clock_seconds,
+    clock_text,
     exact_offset,
     frame_of,
+    frame_scale,
     label,
     standard_rate,
     timecode_at,
 )
 
 _RATE = re.compile(r"(\d+(?:\.\d+)?|\d+/\d+)(df|ndf)?", re.IGNORECASE)
+
+_MOST_DECIMALS = 24
+"""A clock of so many tells any two floats below a frame's length apart, but for the very least."""
 
 
 @dataclass(frozen=True)
@@ -80,15 +86,11 @@ def recalled(said: Timebase, earlier: Source, filmed: Source) -> Timebase:
 
     `filmed` is the film's own word, from which `earlier` differs where a user said something.
     """
-    start = earlier.start_timecode if earlier.start_timecode != filmed.start_timecode else None
-    rate = earlier.frame_rate if earlier.frame_rate != filmed.frame_rate else None
-    drops = None
-    if earlier.start_offset_s != filmed.start_offset_s:  # a clock was made a drop-frame timecode and a rest
-        start, drops = None, True
+    before = _said_before(earlier, filmed)
     return Timebase(
-        said.start_timecode or start,
-        said.frame_rate or (Fraction(rate) if rate else None),
-        drops if said == AS_FILMED else said.drop_frame,
+        said.start_timecode or before.start_timecode,
+        said.frame_rate or before.frame_rate,
+        before.drop_frame if said == AS_FILMED else said.drop_frame,
     )
 
 
@@ -104,6 +106,34 @@ def retimed(timeline: Timeline, timebase: Timebase) -> Timeline:
         msgspec.structs.replace(event, timecode=timecode_at(source, event.onset_sample)) for event in timeline.events
     )
     return msgspec.structs.replace(timeline, source=source, events=events)
+
+
+def _said_before(earlier: Source, filmed: Source) -> Timebase:
+    """Return what a user said who made `earlier` of a film; the film's own start is not said again."""
+    rate = Fraction(earlier.frame_rate) if earlier.frame_rate and earlier.frame_rate != filmed.frame_rate else None
+    start = earlier.start_timecode if earlier.start_timecode != filmed.start_timecode else None
+    if earlier.start_offset_s == filmed.start_offset_s:
+        return Timebase(start, rate)
+    for spoken in _clocks(earlier, filmed):
+        said = Timebase(spoken, rate, drop_frame=True)
+        if with_timebase(filmed, said) == earlier:
+            return said
+    return Timebase(start, rate)
+
+
+def _clocks(earlier: Source, filmed: Source) -> Iterator[str | None]:
+    """Yield starts that drop-frame may have made a timecode and a rest: the film's own, then clocks of more decimals.
+
+    The shortest that does it is the user's own; more decimals than a float holds are never asked for.
+    """
+    scale = frame_scale(earlier)
+    if scale is None or not scale.drop_frame:
+        return
+    if filmed.start_timecode is None or CLOCK.fullmatch(filmed.start_timecode):
+        yield None
+    moment = scale.start / scale.rate + Fraction(earlier.start_offset_s) - exact_offset(filmed)
+    for decimals in range(1, _MOST_DECIMALS + 1):
+        yield clock_text(max(Fraction(0), moment), decimals)
 
 
 def _counted(source: Source, rate: Fraction, timebase: Timebase) -> Source:

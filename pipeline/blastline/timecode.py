@@ -28,7 +28,7 @@ STANDARD_RATES = tuple(Fraction(n * 1000, 1001) for n in (24, 30, 48, 60, 120)) 
 
 DROP_FRAME_RATES = frozenset(Fraction(n * 1000, 1001) for n in (30, 60, 120))
 
-LABEL = re.compile(r"(\d\d):([0-5]\d):([0-5]\d)([:;.,])(\d\d\d?)")
+LABEL = re.compile(r"(\d\d):([0-5]\d):([0-5]\d)([:;,])(\d\d\d?)")  # with a point it is a clock, a part of a second
 CLOCK = re.compile(r"(\d+):(\d\d):(\d\d(?:\.\d+)?)")
 _SAME_RATE = Fraction(1, 5000)  # 24 and 23.976 differ by 1 in 1001; 23.98 is 23.976 rounded, by 1 in 6000
 _OFFSET_DENOMINATOR = 1_000_000  # finer than any container's clock, coarse enough to undo the float
@@ -154,7 +154,7 @@ def timecode_at(source: Source, sample: int) -> str:
     """
     scale = frame_scale(source)
     if scale is None:
-        return _clock_text(clock_seconds(source.start_timecode) + picture_time(source, sample), 3)
+        return clock_text(clock_seconds(source.start_timecode) + picture_time(source, sample), 3)
     return scale.label(frame_time(source, sample, scale).frame)
 
 
@@ -173,7 +173,15 @@ def clock(samples: int, rate_hz: int, *, decimals: int) -> str:
     >>> clock(172_800_000, 48_000, decimals=3)
     '01:00:00.000'
     """
-    return _clock_text(Fraction(samples, rate_hz), decimals)
+    return clock_text(Fraction(samples, rate_hz), decimals)
+
+
+def clock_text(seconds: Fraction, decimals: int) -> str:
+    """Return a time of day as HH:MM:SS and a fraction, to the nearest step."""
+    steps = _nearest(seconds * 10**decimals)
+    sign = "-" if steps < 0 else ""
+    whole, fraction = divmod(abs(steps), 10**decimals)
+    return f"{sign}{whole // 3600:02}:{whole // 60 % 60:02}:{whole % 60:02}.{fraction:0{decimals}}"
 
 
 @lru_cache(maxsize=64)
@@ -189,7 +197,7 @@ def _scale(start_timecode: str | None, frame_rate: str | None) -> FrameScale | N
     try:
         first = frame_of(start, nominal, drop_frame=drop_frame)
     except RuleError:  # a number that is left out, or one of another rate: it is what the film says, so count on
-        hours, minutes, seconds, number = (int(part) for part in re.split("[:;.,]", start))
+        hours, minutes, seconds, number = (int(part) for part in re.split("[:;,]", start))
         first = ((60 * hours + minutes) * 60 + seconds) * nominal + number
         drop_frame = False
     return FrameScale(rate, Fraction(first), drop_frame)
@@ -211,10 +219,3 @@ def clock_seconds(text: str | None) -> Fraction:
         return Fraction(0)
     hours, minutes, seconds = match.groups()
     return 3600 * int(hours) + 60 * int(minutes) + Fraction(seconds)
-
-
-def _clock_text(seconds: Fraction, decimals: int) -> str:
-    steps = _nearest(seconds * 10**decimals)
-    sign = "-" if steps < 0 else ""
-    whole, fraction = divmod(abs(steps), 10**decimals)
-    return f"{sign}{whole // 3600:02}:{whole // 60 % 60:02}:{whole % 60:02}.{fraction:0{decimals}}"

@@ -30,13 +30,16 @@ Values = NDArray[np.float64]
 _MOST_EXCESS = 4
 _POINTS_PER_PARAMETER = 2.0
 _ROOM = (0.1, 2.0)
+_SPARE_DB = 1.0
+"""The response is raised to the inverse's bound wherever it is weaker, and a model of it errs to both sides."""
+
 _PATIENCE = 2
 """So many poles more than the best model has are tried in vain before the search ends."""
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A model with its weighted rms error in dB, the criterion's score (less is better), and its parameters' number."""
+    """A model with its weighted rms error in dB and the criterion's score (less is better)."""
 
     model: Model
     error_db: float
@@ -71,7 +74,7 @@ class BandError:
 def fit(target: FitTarget, *, rules: FitRules, name: str) -> FittedResponse:
     """Return the best model of a felt response.
 
-    Raises RuleError where no model keeps the bound of the inverse.
+    Raises RuleError where no model keeps the bound of the inverse, give or take 1 dB.
     """
     trust = _trust(target, rules)
     papers = _judged(_fit_papers(target, trust), target, rules)
@@ -97,7 +100,8 @@ def fit(target: FitTarget, *, rules: FitRules, name: str) -> FittedResponse:
         fits += [judged] if judged else []
     if not fits:
         raise RuleError(
-            f"{name}: no stable model with an inverse of at most {rules.largest_gain_db:g} dB was found; "
+            f"{name}: no stable model with an inverse of at most {rules.largest_gain_db + _SPARE_DB:g} dB was found, "
+            f"{_SPARE_DB:g} dB over the bound of {rules.largest_gain_db:g} that the response was held to; "
             "expected a smoother response"
         )
     return FittedResponse(min(fits, key=_score), papers, target)
@@ -161,9 +165,8 @@ def _starts(
         known = analogue(smaller)
         error = level_db(smaller, target.frequencies_hz) - target.target_db
         worst = 2.0 * math.pi * float(target.frequencies_hz[np.argmax(np.abs(error) * np.sqrt(target.weights))])
-        added = [-worst] if (zeros - 1, poles - 1) not in best_of or poles - smaller.poles == 1 else []
         pair = [complex(-0.3 * worst, 0.95 * worst), complex(-0.3 * worst, -0.95 * worst)]
-        extra = [complex(a) for a in added] if poles - smaller.poles == 1 else pair
+        extra = [complex(-worst)] if poles - smaller.poles == 1 else pair
         yield start_from_roots(form, [*known.zeros.tolist(), *extra], [*known.poles.tolist(), *extra])
 
 
@@ -179,8 +182,8 @@ def _score(candidate: Fit) -> float:
 
 
 def _judged(model: Model, target: FitTarget, rules: FitRules) -> Fit | None:
-    """Return a model with its score; None where its inverse exceeds the bound."""
-    if inversion_db(model, target, rules=rules) > rules.largest_gain_db + 1.0:
+    """Return a model with its score; None where its inverse exceeds the bound by more than a fit may be off."""
+    if inversion_db(model, target, rules=rules) > rules.largest_gain_db + _SPARE_DB:
         return None
     points, free = len(target.frequencies_hz), len(model.parameters)
     score = points * math.log1p(_misfit(model, target, _trust(target, rules))) + free * math.log(points)

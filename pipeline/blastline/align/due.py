@@ -94,8 +94,8 @@ def due_before_next(shared: Comparison, heard: Heard, felt: Felt, reading: Readi
 
 
 def _unsolved(heard: Heard, level: float) -> Samples:
-    """Return the drive of an open window without a solver; rest, where there is one."""
-    return np.zeros(len(heard.span)) if heard.solved or heard.wet is None else level * heard.wet
+    """Return the drive of an open window without a solver, which keeps to the limit; rest, where there is one."""
+    return np.zeros(len(heard.span)) if heard.solved or heard.wet is None else np.clip(level * heard.wet, -1.0, 1.0)
 
 
 def _opening(heard: Heard, wet: Samples) -> Samples:
@@ -109,11 +109,13 @@ def _rest(shared: Comparison, heard: Heard) -> slice:
 
 
 def _level_of_wet(shared: Comparison, heard: Heard, felt: Felt) -> float:
+    """Return the level at which a drive without a solver was rendered, told where the limit does not hold it down."""
     if heard.wet is None:
         return 1.0
     rest = _rest(shared, heard)
     where = rest if rest.stop > rest.start else heard.core
-    return _level(heard.wet[where], felt.drive[where])
+    free = np.flatnonzero(felt.free[where]) + where.start
+    return _level(heard.wet[free], felt.drive[free])
 
 
 def _level(intended: Samples, given: Samples) -> float:

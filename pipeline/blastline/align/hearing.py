@@ -92,7 +92,7 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
         intended = dsp.run_filter(shared.band, audio[: kept.stop])[kept]
     dry, wet = np.clip(audio, -1.0, 1.0), None
     if is_direct(event):
-        wet = dry[kept]
+        wet = audio[kept]
     elif not (part.opens and is_solved(event)):
         wet = shared.compensated(audio)[kept]
     if part.before_db:

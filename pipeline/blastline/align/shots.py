@@ -21,6 +21,9 @@ REFINE_MS = 0.1
 _EXACT = 0.98
 """Where the drive is free of its limit, a right one follows the sound at least this well (0.99 in what we rendered)."""
 
+_LEAST_MS = 5.0
+"""So much of a shot tells its lag to half a sample; 2 ms, before a film's end, were up to 1.9 samples off."""
+
 
 @dataclass(frozen=True)
 class ShotFigures:
@@ -135,7 +138,8 @@ def _refined(
     felt, shown = read(late)
     exact = is_direct(event)
     if not exact:
-        stop = min(pattern.stop, heard.core.stop - (shared.memory if part.followed else 0))
+        asked = part.followed or event.window.fade_out_samples < shared.memory
+        stop = min(pattern.stop, heard.core.stop - (shared.memory if asked else 0))
         bend = _bend(shared, shown, felt, slice(pattern.start, stop))
         if bend is not None:
             match, exact = Match(late + bend, match.correlation), True
@@ -150,10 +154,10 @@ def _bend(shared: Comparison, shown: Shown, felt: Felt, pattern: slice) -> float
 
     A drive u that makes |H u - t| least within its limit has, wherever it is free of it, no slope left to descend:
     H'(H u - t) = 0. So H'H u and H't are one and the same at these samples, and only at the right lag. The pattern
-    ends before H is asked for the next shot, of which the drive does not know.
+    ends before H is asked for what the drive does not know or do: the next shot, and what follows the film's end.
     """
     reach = max(4, shared.samples(REFINE_MS))
-    if pattern.stop <= pattern.start:
+    if pattern.stop - pattern.start < shared.samples(_LEAST_MS):
         return None
     around = slice(pattern.start - reach, pattern.stop + reach)
     at_limit = find(shown.intended[pattern], shown.felt[around], felt.free[around])

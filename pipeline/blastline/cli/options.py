@@ -155,7 +155,7 @@ StartTimecode = Annotated[
     str | None,
     typer.Option(
         metavar="HH:MM:SS:FF",
-        help="The timecode of the picture's first frame; HH:MM:SS;FF is drop-frame.",
+        help="The timecode of the picture's first frame; HH:MM:SS;FF is drop-frame, HH:MM:SS.mmm a clock.",
         show_default="as the film says",
         rich_help_panel=TIMECODE,
     ),

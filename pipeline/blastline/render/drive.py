@@ -33,7 +33,7 @@ def measure(heard: HeardWindow) -> SceneEvidence:
     """
     core = _within(heard.planned.core, heard.planned)
     target = heard.target[core]
-    direct = felt(_limited(heard.gains * heard.sound), heard.filters)[core]
+    direct = felt(_limited(heard.asked), heard.filters)[core]
     return SceneEvidence(
         direct_level_db=_level_db(direct, target),
         direct_fidelity=_correlation(direct, target),
@@ -53,7 +53,7 @@ def render_window(
     direct = _limited(heard.sound)
     own = [shots[index] for index in planned.shots]
     starts = _starts(planned, own, filters, heard.rules)
-    wet = _limited(heard.gains * heard.sound) if model == "direct" else heard.unlimited
+    wet = _limited(heard.asked) if model == "direct" else heard.unlimited
     if model == "filter" and (peak := _excess(wet, heard.gains)) > 1.0:
         wet = wet / peak
         reason = f"{reason}; the compensator's peak is {peak:.3g} of the limit, so the window is scaled down by it"

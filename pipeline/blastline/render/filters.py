@@ -22,6 +22,8 @@ _FADED = 1e-10  # an impulse response is cut where this much of it is left: far 
 
 _LONGEST_SUMMED_S = 2.0  # a longer pre-roll is run: with all of the film, to the bits of the whole track
 
+_SLOWEST = 1.0 - 1e-6  # a pole nearer to the unit circle is taken as this one: it rings on for minutes
+
 _LARGEST_GAIN = 1e6  # 120 dB either way: beyond any unit that an actuator is measured in
 
 
@@ -30,14 +32,16 @@ class DriveFilters:
     """Second-order sections, float64, for one actuator at one sample rate.
 
     `band` and `compensator` run forwards. With phase "zero" they hold half of the band's roll-off each, and `band`
-    runs backwards over their output as well. `felt` is H, `impulse` its impulse response until it has faded, and
-    `recursion` H for the solver: of the actuator's own poles alone where that is close enough.
+    runs backwards over their output as well. After `ring` samples of silence both have faded. `felt` is H, `impulse`
+    its impulse response until it has faded, and `recursion` H for the solver: of the actuator's own poles alone where
+    that is close enough.
     """
 
     rate_hz: int
     phase: Phase
     band: Samples
     compensator: Samples
+    ring: int
     felt: Samples
     impulse: Samples
     recursion: Recursion
@@ -58,11 +62,14 @@ def drive_filters(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Drive
     slowest = float(np.min(-felt.poles.real))
     length = math.ceil(-math.log(_FADED) * 2.0 / slowest * rate_hz)
     impulse = _until_faded(dsp.run_filter(sections, np.concatenate([[1.0], np.zeros(length)])))
+    band = dsp.digital(shape, rate_hz, lean=True)
+    compensator = dsp.digital(dsp.inverse(profile) * shape, rate_hz, lean=True)
     return DriveFilters(
         rate_hz,
         phase,
-        band=dsp.digital(shape, rate_hz, lean=True),
-        compensator=dsp.digital(dsp.inverse(profile) * shape, rate_hz, lean=True),
+        band=band,
+        compensator=compensator,
+        ring=max(_ring(band), _ring(compensator)),
         felt=sections,
         impulse=impulse,
         recursion=_recursion(np.exp(felt.poles / rate_hz), sections, impulse),
@@ -84,13 +91,13 @@ def needed_audio(planned: PlannedWindow, *, frames: int, filters: DriveFilters, 
 
 
 def in_band(samples: Samples, filters: DriveFilters) -> Samples:
-    """Return the sound in the band of vibration, which the felt vibration is to follow."""
-    return _backwards(dsp.run_filter(filters.band, samples), filters)
+    """Return the sound in the band of vibration, which the felt vibration is to follow; after it is silence."""
+    return _both_ways(filters.band, samples, filters)
 
 
 def compensated(samples: Samples, filters: DriveFilters) -> Samples:
     """Return the drive that would make the felt vibration the sound in the band, if the actuator had no limit."""
-    return _backwards(dsp.run_filter(filters.compensator, samples), filters)
+    return _both_ways(filters.compensator, samples, filters)
 
 
 def settled_band(samples: Samples, inside: slice, filters: DriveFilters, rules: RenderRules) -> Samples:
@@ -108,19 +115,29 @@ def felt(drive: Samples, filters: DriveFilters) -> Samples:
     return dsp.run_filter(filters.felt, drive)
 
 
-def _backwards(samples: Samples, filters: DriveFilters) -> Samples:
-    """Return the samples through the other half of a zero-phase band, or as they are."""
+def _both_ways(sections: Samples, samples: Samples, filters: DriveFilters) -> Samples:
+    """Return the samples through sections and, where the phase is zero, backwards through the band."""
     if filters.phase == "causal":
-        return samples
-    return dsp.run_filter(filters.band, samples[::-1])[::-1]
+        return dsp.run_filter(sections, samples)
+    forwards = dsp.run_filter(sections, _ringing_on(samples, filters.ring))
+    return dsp.run_filter(filters.band, forwards[::-1])[::-1][: len(samples)]
 
 
 def _inside(sections: Samples, samples: Samples, inside: slice, filters: DriveFilters, roll: int) -> Samples:
-    """Return the samples inside through sections and, where the phase is zero, backwards through the band."""
-    forwards = _settled(sections, samples, inside.start, filters, roll)
+    """Return the samples inside through sections and, where the phase is zero, backwards through the band.
+
+    Where fewer than the pre-roll follow, the film has ended there and is followed by silence.
+    """
     if filters.phase == "causal":
-        return forwards[: inside.stop - inside.start]
-    return _settled(filters.band, forwards[::-1], len(samples) - inside.stop, filters, roll)[::-1]
+        return _settled(sections, samples, inside.start, filters, roll)[: inside.stop - inside.start]
+    ended = _ringing_on(samples, min(filters.ring, max(0, roll - (len(samples) - inside.stop))))
+    forwards = _settled(sections, ended, inside.start, filters, roll)
+    return _settled(filters.band, forwards[::-1], len(ended) - inside.stop, filters, roll)[::-1]
+
+
+def _ringing_on(samples: Samples, silence: int) -> Samples:
+    """Return samples with silence after them: what a filter still rings there belongs to what runs backwards."""
+    return np.concatenate([samples, np.zeros(silence)])
 
 
 def _settled(sections: Samples, samples: Samples, start: int, filters: DriveFilters, roll: int) -> Samples:
@@ -135,6 +152,14 @@ def _settled(sections: Samples, samples: Samples, start: int, filters: DriveFilt
 @lru_cache(maxsize=8)
 def _settlings(filters: DriveFilters, roll: int) -> tuple[dsp.Settling, dsp.Settling]:
     return dsp.settling(filters.band, roll), dsp.settling(filters.compensator, roll)
+
+
+def _ring(sections: Samples) -> int:
+    """Return the samples after which what sections ring is negligible."""
+    from scipy.signal import sos2zpk
+
+    slowest = min(float(np.max(np.abs(sos2zpk(sections)[1]))), _SLOWEST)
+    return math.ceil(math.log(_FADED) / math.log(slowest))
 
 
 def _until_faded(response: Samples) -> Samples:

@@ -15,8 +15,8 @@ from .windows import PlannedWindow
 class HeardWindow:
     """A window with its sound, exactly over its span, and how it is to be rendered.
 
-    `gains` are those of its shots, sample by sample. With them and the level of the rules, `target` is the sound in the
-    band, which is to be felt, and `unlimited` the compensator's drive.
+    `gains` are those of its shots, sample by sample. With them and the level of the rules, `asked` is the sound,
+    `target` the sound in the band, which is to be felt, and `unlimited` the compensator's drive.
     """
 
     planned: PlannedWindow
@@ -24,6 +24,7 @@ class HeardWindow:
     rules: RenderRules
     sound: Samples
     gains: Samples
+    asked: Samples
     target: Samples
     unlimited: Samples
 
@@ -48,6 +49,7 @@ def hear_window(audio: Clip, planned: PlannedWindow, *, filters: DriveFilters, r
         rules,
         sound[inside],
         gains,
+        asked=level * sound[inside],
         target=level * settled_band(sound, inside, filters, rules),
         unlimited=level * settled_compensated(sound, inside, filters, rules),
     )

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from av.container import InputContainer
     from av.video.stream import VideoStream
 
-_TIMECODE = re.compile(r"(\d\d:\d\d:\d\d)([:;.,])(\d\d)")
+_TIMECODE = re.compile(r"(\d\d:\d\d:\d\d)([:;.,])(\d\d\d?)")
 _ESTIMATED = frozenset({"aac", "ac3", "dts", "dtshd", "eac3", "loas", "mlp", "mpeg", "mpegts", "truehd"})
 """Formats that declare no length: FFmpeg guesses one from the size of the file."""
 
