@@ -111,7 +111,7 @@ def test_samples_that_are_no_sound_are_set_to_zero_and_counted(tmp_path: Path) -
     samples[65_540, 1] = -np.inf
     path = wav(tmp_path / "film.wav", samples, subtype="FLOAT")
     found, source = read(path, mix="0")
-    assert source.warnings == ("3 samples were NaN or infinite and were set to 0, first at sample 1234",)
+    assert source.warnings == ("3 samples were NaN, infinite or beyond 1e9, and were set to 0, first at sample 1234",)
     np.testing.assert_array_equal(found[1234:1236], 0.0)
     np.testing.assert_array_equal(found[1236:], samples[1236:, :1].astype(np.float32))
     with open_soundtrack(path) as track:
@@ -128,7 +128,7 @@ def test_one_absurd_sample_anywhere_is_found(tmp_path: Path, absurd: float) -> N
     found, source = read(wav(tmp_path / "film.wav", samples, subtype="FLOAT"))
     samples[150_000] = 0.0
     np.testing.assert_array_equal(found, samples.astype(np.float32))
-    assert source.warnings == ("1 sample was NaN or infinite and was set to 0, first at sample 150000",)
+    assert source.warnings == ("1 sample was NaN, infinite or beyond 1e9, and was set to 0, first at sample 150000",)
 
 
 def test_a_chunk_of_odd_length_does_not_hide_the_missing_end(tmp_path: Path) -> None:
@@ -245,6 +245,15 @@ def test_garbage_is_refused(tmp_path: Path, head: bytes) -> None:
 def test_a_track_without_samples_is_refused(tmp_path: Path) -> None:
     with pytest.raises(SoundtrackError, match="no sound"):
         open_soundtrack(wav(tmp_path / "film.wav", noise(0)))
+
+
+def test_a_wav_of_no_channels_counts_each_packet_once(tmp_path: Path) -> None:
+    path = wav(tmp_path / "film.wav", noise(300_000))
+    data = bytearray(path.read_bytes())
+    data[22:24] = b"\0\0"
+    path.write_bytes(data)
+    with pytest.raises(SoundtrackError, match=r"film\.wav: (\d+) of \1 packets of sound cannot be decoded"):
+        read(path)
 
 
 @pytest.mark.parametrize("rate_hz", [4_000, 500_000])
