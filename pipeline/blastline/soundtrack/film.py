@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import SoundtrackError
-from .chunks import ChunkTable
+from .chunks import ChunkTable, overflow_warning
 from .decode import Tally, check_sums, decoded, packed
 from .facts import film_facts, origin_of
 from .placement import Placement
@@ -87,6 +87,8 @@ class FilmTrack:
             )
         if self._table is not None and self._table.data_bytes == 0:
             lines.append("the header was never finished; the sound was read to the end of the file")
+        elif self._table is not None and self._table.goes_on:
+            lines.append(overflow_warning(self._table))
         elif self._table is not None and (self._table.data_bytes or 0) > self._table.present_bytes:
             declared, present = self._table.data_bytes, self._table.present_bytes
             lines.append(f"the header declares {declared} bytes of sound but {present} follow: the end is missing")
@@ -115,7 +117,8 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None
 
     try:
         # an absolute path, because FFmpeg takes what comes before a colon for a protocol
-        container = av.open(str(path.resolve()), metadata_errors="replace")
+        options = {"ignore_length": "1"} if table is not None and table.goes_on else {}
+        container = av.open(str(path.resolve()), metadata_errors="replace", options=options)
     except FFmpegError as error:
         raise SoundtrackError(f"is not a sound file or film that can be read: {error.strerror}") from error
     try:
