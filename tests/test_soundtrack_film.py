@@ -12,6 +12,7 @@ from typing import Any
 import av
 import numpy as np
 import pytest
+import soundfile
 from numpy.typing import NDArray
 
 from blastline.errors import OutputError, SoundtrackError
@@ -269,6 +270,47 @@ def test_a_missing_end_is_noticed(tmp_path: Path, codec: str, extension: str, op
         warning.startswith("the file declares 10.0") and warning.endswith("the end is missing")
         for warning in source.warnings
     )
+
+
+@pytest.mark.parametrize("picture_rate", [None, FILM_RATE])
+@pytest.mark.parametrize("codec", ["pcm_s16le", "ac3", "libmp3lame"])
+def test_a_missing_end_of_an_avi_is_noticed(tmp_path: Path, codec: str, picture_rate: Fraction | None) -> None:
+    path = tmp_path / "film.avi"
+    write_media(path, [impulses(LONG, LONG_SHOTS, channels=2)], codec=codec, picture_rate=picture_rate)
+    data = path.read_bytes()
+    assert read(path)[1].warnings == ()
+    path.write_bytes(data + bytes(5_000))
+    assert read(path)[1].warnings == ()
+    path.write_bytes(data[: data.rindex(b"idx1")])  # only the index is missing
+    assert read(path)[1].warnings == ()
+    path.write_bytes(data[: len(data) * 6 // 10])
+    warning = read(path)[1].warnings[-1]
+    assert warning.startswith("the file declares 10.0")
+    assert warning.endswith("the end is missing")
+    place = data.index(b"auds") + 32
+    path.write_bytes((data[:place] + bytes(4) + data[place + 4 :])[: len(data) * 6 // 10])
+    assert "the file stops before its own end: the end of the sound is missing" in read(path)[1].warnings
+
+
+@pytest.mark.parametrize("codec", ["libopus", "flac", "vorbis"])
+def test_a_missing_end_of_an_ogg_is_noticed(tmp_path: Path, codec: str) -> None:
+    path = tmp_path / "film.ogg"
+    written = impulses(LONG, LONG_SHOTS, channels=2)
+    if codec == "vorbis":
+        with soundfile.SoundFile(path, "w", RATE_HZ, 2, format="OGG", subtype="VORBIS") as file:
+            for start in range(0, LONG, 4_096):
+                file.write(written[start : start + 4_096])
+    else:
+        write_media(path, [written], codec=codec, container_format="ogg")
+    assert read(path)[1].warnings == ()
+    data = path.read_bytes()
+    for trailer in (b"TAG" + bytes(125), b"OggS"):
+        path.write_bytes(data + trailer)
+        assert read(path)[1].warnings == ()
+    pages = [found.start() for found in re.finditer(rb"OggS\0", data)]
+    for kept in (len(data) // 2, pages[len(pages) // 2], pages[-1], len(data) - 1):
+        path.write_bytes(data[:kept])
+        assert read(path)[1].warnings[0] == "the file stops before its own end: the end of the sound is missing"
 
 
 def test_a_film_cut_before_its_index_is_refused(tmp_path: Path) -> None:

@@ -30,9 +30,20 @@ def origin_of(first: "AudioFrame", stream: "AudioStream", tally: Tally) -> Fract
 
 
 def film_facts(
-    container: "InputContainer", stream: "AudioStream", first: "AudioFrame", origin: Fraction | None
+    container: "InputContainer",
+    stream: "AudioStream",
+    first: "AudioFrame",
+    origin: Fraction | None,
+    *,
+    is_cut: bool = False,
 ) -> TrackFacts:
-    """Return what container, stream and first frame tell; `origin` is when sample 0 plays."""
+    """Return what container, stream and first frame tell; `origin` is when sample 0 plays.
+
+    `is_cut` tells that the file stops before its own end.
+    """
+    declared = header_frames(container, stream, first.sample_rate) if is_cut else None
+    if declared is None:
+        declared = _declared_frames(container, stream, first.sample_rate, origin or Fraction(0))
     names = tuple(channel.name for channel in first.layout.channels)
     picture = next((v for v in container.streams.video if not _is_cover(v)), None)
     offset = Fraction(0)
@@ -47,7 +58,7 @@ def film_facts(
         rate_hz=first.sample_rate,
         channels=len(names),
         layout=names if len(set(names)) == len(names) and "NONE" not in names else None,
-        declared_frames=_declared_frames(container, stream, first.sample_rate, origin or Fraction(0)),
+        declared_frames=declared,
         stream=container.streams.audio.index(stream),
         start_timecode=timecode,
         frame_rate=None if picture is None else _frame_rate(picture),
@@ -55,6 +66,16 @@ def film_facts(
         time_reference=reference,
         guessed_s=container.duration / 1_000_000 if container.duration else None,
     )
+
+
+def header_frames(container: "InputContainer", stream: "AudioStream", rate_hz: int) -> int | None:
+    """Return the frames that the header of a stream in AVI declares, None where it does not, and for other formats.
+
+    Of a file that is cut, FFmpeg tells the length of what is left instead.
+    """
+    if container.format.name != "avi" or not stream.frames or not stream.time_base:
+        return None
+    return int(stream.frames * stream.time_base * rate_hz)
 
 
 def _is_cover(stream: "VideoStream") -> bool:

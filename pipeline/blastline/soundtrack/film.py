@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from ..errors import SoundtrackError
 from .chunks import ChunkTable, overflow_warning
 from .decode import Tally, check_sums, decoded, packed
-from .facts import film_facts, origin_of
+from .ending import stops_early
+from .facts import film_facts, header_frames, origin_of
 from .placement import Placement
 from .track import Samples
 
@@ -25,8 +26,13 @@ _SLACK_S = 10
 class FilmTrack:
     """One sound stream of a file, decoded from its first packet to its last."""
 
-    def __init__(self, container: "InputContainer", stream: "AudioStream", table: ChunkTable | None) -> None:
-        """Take over an open container and decode the first frame, which says what the sound really is."""
+    def __init__(
+        self, container: "InputContainer", stream: "AudioStream", table: ChunkTable | None, *, is_cut: bool = False
+    ) -> None:
+        """Take over an open container and decode the first frame, which says what the sound really is.
+
+        `is_cut` tells that the file stops before its own end.
+        """
         self._container, self._stream = container, stream
         self._tally = Tally()
         check_sums(stream)
@@ -37,11 +43,13 @@ class FilmTrack:
             raise SoundtrackError("no sound could be decoded")
         self._first = first
         self._origin = origin_of(first, stream, self._tally)
-        self.facts = film_facts(container, stream, first, self._origin)
+        self.facts = film_facts(container, stream, first, self._origin, is_cut=is_cut)
         rate_hz, declared = self.facts.rate_hz, self.facts.declared_frames
         longest = _MAX_UNDECLARED_S * rate_hz if declared is None else declared + _SLACK_S * rate_hz
         self._placement: Placement[AudioFrame] = Placement(rate_hz, longest, self._origin)
         self._table = table
+        # where a length is declared, that tells whether any sound is missing
+        self._end_is_missing = is_cut and header_frames(container, stream, self.facts.rate_hz) is None
 
     def pieces(self) -> Iterator[Samples]:
         """Yield all samples in order, shape (frames, channels). Raises SoundtrackError where too much is damaged."""
@@ -92,6 +100,8 @@ class FilmTrack:
         elif self._table is not None and (self._table.data_bytes or 0) > self._table.present_bytes:
             declared, present = self._table.data_bytes, self._table.present_bytes
             lines.append(f"the header declares {declared} bytes of sound but {present} follow: the end is missing")
+        if self._end_is_missing:
+            lines.append("the file stops before its own end: the end of the sound is missing")
         if tally.stopped:
             lines.append(f"reading stopped early: {tally.stopped}")
         return lines
@@ -122,7 +132,8 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None
     except FFmpegError as error:
         raise SoundtrackError(f"is not a sound file or film that can be read: {error.strerror}") from error
     try:
-        return FilmTrack(container, _chosen(container, stream), table)
+        is_cut = stops_early(path, container.format.name)
+        return FilmTrack(container, _chosen(container, stream), table, is_cut=is_cut)
     except BaseException:
         container.close()
         raise
