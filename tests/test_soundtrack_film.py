@@ -1,14 +1,18 @@
 """Films and compressed sound: the right delay, nothing lost or shifted, and damage that is told."""
 
 import errno
+import re
 import socket
 import tempfile
+from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import av
 import numpy as np
 import pytest
+import soundfile
 from numpy.typing import NDArray
 
 from blastline.errors import OutputError, SoundtrackError
@@ -43,6 +47,7 @@ LOSSY = [
     ("eac3", "mkv", 6),
     ("eac3", "mp4", 1),
     ("libopus", "mkv", 8),
+    ("libopus", "ogg", 2),
     ("libmp3lame", "mp3", 2),
     ("pcm_mulaw", "wav", 1),
     ("adpcm_ms", "wav", 2),
@@ -268,6 +273,47 @@ def test_a_missing_end_is_noticed(tmp_path: Path, codec: str, extension: str, op
     )
 
 
+@pytest.mark.parametrize("picture_rate", [None, FILM_RATE])
+@pytest.mark.parametrize("codec", ["pcm_s16le", "ac3", "libmp3lame"])
+def test_a_missing_end_of_an_avi_is_noticed(tmp_path: Path, codec: str, picture_rate: Fraction | None) -> None:
+    path = tmp_path / "film.avi"
+    write_media(path, [impulses(LONG, LONG_SHOTS, channels=2)], codec=codec, picture_rate=picture_rate)
+    data = path.read_bytes()
+    assert read(path)[1].warnings == ()
+    path.write_bytes(data + bytes(5_000))
+    assert read(path)[1].warnings == ()
+    path.write_bytes(data[: data.rindex(b"idx1")])  # only the index is missing
+    assert read(path)[1].warnings == ()
+    path.write_bytes(data[: len(data) * 6 // 10])
+    warning = read(path)[1].warnings[-1]
+    assert warning.startswith("the file declares 10.0")
+    assert warning.endswith("the end is missing")
+    place = data.index(b"auds") + 32
+    path.write_bytes((data[:place] + bytes(4) + data[place + 4 :])[: len(data) * 6 // 10])
+    assert "the file stops before its own end: the end of the sound is missing" in read(path)[1].warnings
+
+
+@pytest.mark.parametrize("codec", ["libopus", "flac", "vorbis"])
+def test_a_missing_end_of_an_ogg_is_noticed(tmp_path: Path, codec: str) -> None:
+    path = tmp_path / "film.ogg"
+    written = impulses(LONG, LONG_SHOTS, channels=2)
+    if codec == "vorbis":
+        with soundfile.SoundFile(path, "w", RATE_HZ, 2, format="OGG", subtype="VORBIS") as file:
+            for start in range(0, LONG, 4_096):
+                file.write(written[start : start + 4_096])
+    else:
+        write_media(path, [written], codec=codec, container_format="ogg")
+    assert read(path)[1].warnings == ()
+    data = path.read_bytes()
+    for trailer in (b"TAG" + bytes(125), b"OggS"):
+        path.write_bytes(data + trailer)
+        assert read(path)[1].warnings == ()
+    pages = [found.start() for found in re.finditer(rb"OggS\0", data)]
+    for kept in (len(data) // 2, pages[len(pages) // 2], pages[-1], len(data) - 1):
+        path.write_bytes(data[:kept])
+        assert read(path)[1].warnings[0] == "the file stops before its own end: the end of the sound is missing"
+
+
 def test_a_film_cut_before_its_index_is_refused(tmp_path: Path) -> None:
     path = write_media(tmp_path / "film.mp4", [impulses(FRAMES, SHOTS)], codec="aac")
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
@@ -287,6 +333,55 @@ def test_sound_that_is_mostly_damaged_is_refused(tmp_path: Path, every: int) -> 
         damaged[place : place + size] = rng.bytes(size)
     path.write_bytes(damaged)
     with pytest.raises(SoundtrackError, match=r"film\.mp4: (\d+ of \d+ packets of sound cannot|no sound could)"):
+        read(path)
+
+
+def damaged(path: Path, places: Sequence[float]) -> tuple[bytes, float]:
+    """Return a file with one byte flipped in the packets at these parts of it, and when the first of them plays."""
+    with av.open(str(path)) as container:
+        demuxed = [packet for packet in container.demux(audio=0) if packet.size]
+        packets = [(bytes(packet), float((packet.pts or 0) * packet.time_base)) for packet in demuxed]
+    data, searched = bytearray(path.read_bytes()), 0
+    wanted = [round(place * (len(packets) - 1)) for place in places]
+    for index, (packet, _) in enumerate(packets):
+        searched = data.index(packet, searched)
+        if index in wanted:
+            data[searched + len(packet) // 2] ^= 0x55
+        searched += len(packet)
+    return bytes(data), packets[wanted[0]][1] - packets[0][1]
+
+
+@pytest.mark.parametrize(
+    ("codec", "extension"),
+    [
+        ("ac3", "ac3"),
+        ("ac3", "mkv"),
+        ("ac3", "mp4"),
+        ("eac3", "eac3"),
+        ("eac3", "mkv"),
+        ("flac", "mkv"),
+        ("flac", "mp4"),
+        ("tta", "mkv"),
+        ("wavpack", "wv"),
+    ],
+)
+def test_frames_with_a_wrong_checksum_are_lost_and_told(tmp_path: Path, codec: str, extension: str) -> None:
+    frames = 40 * RATE_HZ if codec == "tta" else LONG  # its packets last a second
+    path = write_media(tmp_path / f"film.{extension}", [impulses(frames, LONG_SHOTS, channels=2)], codec=codec)
+    whole, intact = read(path, mix="0")
+    assert intact.warnings == ()
+    one, place_s = damaged(path, [0.35])
+    every, _ = damaged(path, np.linspace(0.0, 1.0, 1_000).tolist())
+    path.write_bytes(one)
+    samples, source = read(path, mix="0")
+    assert len(samples) == len(whole)
+    assert onsets(samples[:, 0]) == onsets(whole[:, 0])
+    failed, filled = source.warnings
+    assert re.match(r"1 of \d+ packets of sound could not be decoded .*, first at \d+\.\d+ s$", failed)
+    assert float(failed.split()[-2]) == pytest.approx(place_s, abs=0.006)  # the delay of AC-3 is cut off
+    assert filled.startswith("1 gap was filled with silence")
+    path.write_bytes(every)
+    with pytest.raises(SoundtrackError, match=r"(\d\d+) of \1 packets of sound cannot be decoded"):
         read(path)
 
 

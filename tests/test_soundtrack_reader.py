@@ -111,7 +111,7 @@ def test_samples_that_are_no_sound_are_set_to_zero_and_counted(tmp_path: Path) -
     samples[65_540, 1] = -np.inf
     path = wav(tmp_path / "film.wav", samples, subtype="FLOAT")
     found, source = read(path, mix="0")
-    assert source.warnings == ("3 samples were NaN or infinite and were set to 0, first at sample 1234",)
+    assert source.warnings == ("3 samples were NaN, infinite or beyond 1e9, and were set to 0, first at sample 1234",)
     np.testing.assert_array_equal(found[1234:1236], 0.0)
     np.testing.assert_array_equal(found[1236:], samples[1236:, :1].astype(np.float32))
     with open_soundtrack(path) as track:
@@ -128,7 +128,7 @@ def test_one_absurd_sample_anywhere_is_found(tmp_path: Path, absurd: float) -> N
     found, source = read(wav(tmp_path / "film.wav", samples, subtype="FLOAT"))
     samples[150_000] = 0.0
     np.testing.assert_array_equal(found, samples.astype(np.float32))
-    assert source.warnings == ("1 sample was NaN or infinite and was set to 0, first at sample 150000",)
+    assert source.warnings == ("1 sample was NaN, infinite or beyond 1e9, and was set to 0, first at sample 150000",)
 
 
 def test_a_chunk_of_odd_length_does_not_hide_the_missing_end(tmp_path: Path) -> None:
@@ -168,6 +168,66 @@ def test_a_header_that_was_never_finished_hides_nothing(tmp_path: Path, size: in
     found, source = read(path)
     np.testing.assert_array_equal(found, expected)
     assert any("never finished" in warning for warning in source.warnings) == warned
+
+
+def declaring(path: Path, data_bytes: int) -> Path:
+    """Have a WAV declare another size of its samples."""
+    data = bytearray(path.read_bytes())
+    place = data.index(b"data") + 4
+    data[place : place + 4] = struct.pack("<I", data_bytes)
+    path.write_bytes(data)
+    return path
+
+
+@pytest.mark.parametrize("subtype", ["PCM_U8", "PCM_16", "PCM_24", "PCM_32", "FLOAT", "DOUBLE", "MS_ADPCM", "ULAW"])
+@pytest.mark.parametrize("declared", [1, 1_001, 4_096])
+def test_sound_beyond_the_declared_size_is_read_and_told(tmp_path: Path, subtype: str, declared: int) -> None:
+    path = wav(tmp_path / "film.wav", noise(channels=2), subtype=subtype)
+    expected, intact = read(path)
+    assert intact.warnings == ()
+    found, source = read(declaring(path, declared))
+    np.testing.assert_array_equal(found[: len(expected)], expected)
+    (warning,) = source.warnings
+    assert warning.startswith(f"the header declares {declared} bytes of sound but ")
+    assert warning.endswith(" follow; the sound was read to the end of the file")
+    if subtype in ("PCM_24", "FLOAT"):
+        assert len(found) == len(expected)
+        with open_soundtrack(path) as track:
+            assert track.expected_frames == FRAMES
+            assert sum(len(block.span) for block in track.blocks()) == FRAMES
+            np.testing.assert_array_equal(track.cut(Span(5, FRAMES)).samples, found[5:].astype(np.float64))
+
+
+def test_a_size_that_started_again_beyond_4_gib_is_seen(tmp_path: Path) -> None:
+    path = wav(tmp_path / "film.wav", noise(RATE_HZ, 2))
+    start, frames = path.read_bytes().index(b"data") + 8, (2**32 + 40_000) // 4
+    with declaring(path, 40_000).open("r+b") as file:
+        file.truncate(start + 4 * frames)  # a hole, which takes no room
+    with open_soundtrack(path) as track:
+        assert track.expected_frames == frames
+
+
+@pytest.mark.parametrize("frames", [FRAMES, FRAMES + 1])
+@pytest.mark.parametrize(
+    "trailer",
+    [
+        b"LIST" + struct.pack("<I", 5_000) + b"INFO" + bytes(range(1, 101)) * 50,
+        b"bext" + struct.pack("<I", 5_000) + b"\1" * 5_000 + b"iXML\2\0\0\0ab",
+        b"id3 " + struct.pack("<I", 6_000) + b"ID3" + b"\7" * 5_997,
+        b"ID3\4" + b"\7" * 6_000,
+        b"odd1" + struct.pack("<I", 5_001) + b"\3" * 5_001 + b"\0",
+        b"LIST" + struct.pack("<I", 50_000) + b"cut off" * 1_000,
+        bytes(100_000),
+        b"crumbs" * 500,
+    ],
+)
+def test_what_properly_follows_the_sound_is_no_sound(tmp_path: Path, trailer: bytes, frames: int) -> None:
+    path = wav(tmp_path / "film.wav", noise(frames, 1), subtype="PCM_24")
+    body = path.read_bytes()[: 44 + 3 * frames]
+    for padding in {b"", b"\0" * (frames % 2)}:
+        path.write_bytes(body + padding + trailer)
+        found, source = read(path)
+        assert (len(found), source.warnings) == (frames, ())
 
 
 def test_the_time_of_day_goes_through_reader_and_writer(tmp_path: Path) -> None:
@@ -245,6 +305,15 @@ def test_garbage_is_refused(tmp_path: Path, head: bytes) -> None:
 def test_a_track_without_samples_is_refused(tmp_path: Path) -> None:
     with pytest.raises(SoundtrackError, match="no sound"):
         open_soundtrack(wav(tmp_path / "film.wav", noise(0)))
+
+
+def test_a_wav_of_no_channels_counts_each_packet_once(tmp_path: Path) -> None:
+    path = wav(tmp_path / "film.wav", noise(300_000))
+    data = bytearray(path.read_bytes())
+    data[22:24] = b"\0\0"
+    path.write_bytes(data)
+    with pytest.raises(SoundtrackError, match=r"film\.wav: (\d+) of \1 packets of sound cannot be decoded"):
+        read(path)
 
 
 @pytest.mark.parametrize("rate_hz", [4_000, 500_000])

@@ -1,14 +1,16 @@
 """The chunk table of WAV, RF64, W64, AIFF and CAF: what the header promises, which sample readers do not tell.
 
-A recorder that lost power leaves a data size of 0, a broken copy leaves a size beyond the end of the file; both read
-silently as something else. The broadcast extension holds the time of day of the first sample, the format chunk says
-which loudspeaker each channel feeds.
+A recorder that lost power leaves a data size of 0, a broken copy leaves a size beyond the end of the file, and beyond
+4 GiB the 32 bits of a size start again at 0; all read silently as something else. The broadcast extension holds the
+time of day of the first sample, the format chunk says which loudspeaker each channel feeds.
 """
 
 import struct
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
+
+from .overflow import more_follows
 
 _UNKNOWN_SIZE = 0xFFFFFFFF
 _EXTENSIBLE = 0xFFFE
@@ -42,13 +44,15 @@ class ChunkTable:
 
     `data_bytes` is the declared size of the samples, None where it is left open; `present_bytes` is how many follow
     in the file. `time_reference` counts samples since midnight, None without a broadcast extension. `layout` names
-    the channels, None where the header does not.
+    the channels, None where the header does not. `goes_on` tells that the declared sound is followed by much that is
+    no chunk, so that it can only be more of it.
     """
 
     data_bytes: int | None
     present_bytes: int
     time_reference: int | None
     layout: tuple[str, ...] | None
+    goes_on: bool = False
 
 
 @dataclass(frozen=True)
@@ -61,16 +65,25 @@ class _Form:
     size_includes_head: bool = False
     data_name: bytes = b"data"
     data_preamble: int = 0
+    is_wave: bool = False
 
 
 _FORMS = {
-    b"RIFF": _Form(12, struct.Struct("<4sI"), alignment=2),
-    b"RF64": _Form(12, struct.Struct("<4sI"), alignment=2),
-    b"RIFX": _Form(12, struct.Struct(">4sI"), alignment=2),
+    b"RIFF": _Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True),
+    b"RF64": _Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True),
+    b"RIFX": _Form(12, struct.Struct(">4sI"), alignment=2, is_wave=True),
     b"FORM": _Form(12, struct.Struct(">4sI"), alignment=2, data_name=b"SSND", data_preamble=8),
     b"riff": _Form(40, struct.Struct("<4s12xq"), alignment=8, size_includes_head=True),
     b"caff": _Form(8, struct.Struct(">4sq"), data_preamble=4),
 }
+
+
+def overflow_warning(table: ChunkTable) -> str:
+    """Return the line for the user where the sound goes on beyond what the header declares."""
+    return (
+        f"the header declares {table.data_bytes} bytes of sound but {table.present_bytes} follow; "
+        "the sound was read to the end of the file"
+    )
 
 
 def chunk_table(path: Path) -> ChunkTable | None:
@@ -83,6 +96,7 @@ def chunk_table(path: Path) -> ChunkTable | None:
 def _read_table(file: BinaryIO, form: _Form, file_bytes: int) -> ChunkTable | None:
     kept: dict[bytes, bytes] = {}
     data: tuple[int | None, int] | None = None
+    goes_on = False
     place = form.first
     while place + form.head.size <= file_bytes:
         file.seek(place)
@@ -94,14 +108,16 @@ def _read_table(file: BinaryIO, form: _Form, file_bytes: int) -> ChunkTable | No
             size = _data_size(size, kept.get(b"ds64"))
             start = body + form.data_preamble
             data = (None if size is None else size - form.data_preamble, file_bytes - start)
+            goes_on = form.is_wave and bool(size) and more_follows(file, body + (size or 0), file_bytes, form.head)
         elif name in (b"ds64", b"fmt ", b"bext"):
             kept[name] = file.read(min(size, _MAX_KEPT))
-        if size is None or size < 0 or (data is not None and data[0] == 0):
+        if size is None or size < 0 or goes_on or (data is not None and data[0] == 0):
             break
         place = body + size + -size % form.alignment
     if data is None:
         return None
-    return ChunkTable(data[0], data[1], _time_reference(kept.get(b"bext", b"")), _layout(kept.get(b"fmt ", b"")))
+    reference, layout = _time_reference(kept.get(b"bext", b"")), _layout(kept.get(b"fmt ", b""))
+    return ChunkTable(data[0], data[1], reference, layout, goes_on)
 
 
 def _data_size(size: int, ds64: bytes | None) -> int | None:

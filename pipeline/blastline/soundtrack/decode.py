@@ -15,24 +15,39 @@ from .placement import Gap
 from .track import PIECE, Samples
 
 if TYPE_CHECKING:
-    from av import AudioFrame, AudioResampler
+    from av import AudioFrame, AudioResampler, Packet
     from av.audio.stream import AudioStream
     from av.container import InputContainer
 
 MAX_FAILED_SHARE = 0.1
 _HOPELESS = 500  # packets without a single sample
 
+_CHECKSUMMED = frozenset({"ac3", "eac3", "flac", "tta", "wavpack"})
+"""Codecs whose frames carry a checksum that FFmpeg compares only when it is asked to."""
+
 
 @dataclass
 class Tally:
-    """What happened to the packets: how many there were, how many failed, and where reading stopped early."""
+    """What happened to the packets: how many there were, how many failed, and where reading stopped early.
+
+    A packet fails where it cannot be decoded, or only to sound that is known to be wrong. Times are time stamps.
+    """
 
     packets: int = 0
     failed: int = 0
     frames: int = 0
     first_time: Fraction | None = None
+    first_failed_time: Fraction | None = None
     last_error: str = ""
     stopped: str = ""
+
+    def fail(self, reason: str, time_s: Fraction | None) -> None:
+        """Count one more failure, at most one for each packet."""
+        # what fails in emptying the decoder at the end is no packet of its own
+        self.failed = min(self.failed + 1, self.packets)
+        self.last_error = reason
+        if self.first_failed_time is None:
+            self.first_failed_time = time_s
 
     def require_readable(self) -> None:
         """Raise SoundtrackError where too much failed for the rest to be trusted."""
@@ -47,6 +62,7 @@ def decoded(
 ) -> Generator["AudioFrame", None, None]:
     """Yield the frames of a stream in order, stepping over packets that fail, and over those before `earliest_s`.
 
+    A frame with a wrong checksum would be noise, and noise is easily a shot: it is lost, as one that cannot be decoded.
     Raises SoundtrackError where hundreds of packets give no sound at all.
     """
     from av.error import FFmpegError
@@ -60,24 +76,38 @@ def decoded(
             packet = None
         if packet is None:
             return
-        time_s = None if packet.pts is None or not packet.time_base else packet.pts * packet.time_base
+        time_s = None if packet.pts is None or not packet.time_base else Fraction(packet.pts * packet.time_base)
         if packet.size and earliest_s is not None and time_s is not None and time_s < earliest_s:
             continue
         if packet.size:  # the last one is empty and only empties the decoder
-            if not tally.packets and packet.pts is not None and packet.time_base:
-                tally.first_time = Fraction(packet.pts * packet.time_base)
+            if not tally.packets:
+                tally.first_time = time_s
             tally.packets += 1
-        try:
-            frames = packet.decode()
-        except FFmpegError as error:
-            tally.failed += 1
-            tally.last_error = str(error.strerror)
-            frames = []
-        for frame in frames:
+        for frame in _frames(packet, tally, time_s):
             tally.frames += 1
             yield frame
         if tally.packets >= _HOPELESS and not tally.frames:
             tally.require_readable()
+
+
+def check_sums(stream: "AudioStream") -> None:
+    """Have the decoder of a stream refuse frames whose checksum is wrong; only before the first one is decoded."""
+    if stream.codec_context.codec.name in _CHECKSUMMED:
+        stream.codec_context.options = {"err_detect": "crccheck+explode"}
+
+
+def _frames(packet: "Packet[AudioStream]", tally: Tally, time_s: Fraction | None) -> list["AudioFrame"]:
+    from av.error import FFmpegError
+
+    try:
+        frames = packet.decode()
+    except FFmpegError as error:
+        tally.fail(str(error.strerror), time_s)
+        return []
+    sound = [frame for frame in frames if not frame.is_corrupt]
+    if len(sound) < len(frames):
+        tally.fail("damaged", time_s)
+    return sound
 
 
 def packed(placed: Iterable["AudioFrame | Gap"], *, rate_hz: int, channels: int) -> Iterator[Samples]:

@@ -1,6 +1,5 @@
 """Films and compressed sound through PyAV: which stream, when it starts, and its samples in one sequential pass."""
 
-import re
 from collections.abc import Iterator
 from fractions import Fraction
 from itertools import chain
@@ -8,21 +7,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import SoundtrackError
-from ..timecode import clock, standard_rate
-from .chunks import ChunkTable
-from .decode import Tally, decoded, packed
+from .chunks import ChunkTable, overflow_warning
+from .decode import Tally, check_sums, decoded, packed
+from .ending import stops_early
+from .facts import film_facts, header_frames, origin_of
 from .placement import Placement
-from .track import Samples, TrackFacts
+from .track import Samples
 
 if TYPE_CHECKING:
     from av import AudioFrame
     from av.audio.stream import AudioStream
     from av.container import InputContainer
-    from av.video.stream import VideoStream
-
-_TIMECODE = re.compile(r"(\d\d:\d\d:\d\d)([:;.,])(\d\d\d?)")
-_ESTIMATED = frozenset({"aac", "ac3", "dts", "dtshd", "eac3", "loas", "mlp", "mpeg", "mpegts", "truehd"})
-"""Formats that declare no length: FFmpeg guesses one from the size of the file."""
 
 _MAX_UNDECLARED_S = 24 * 3600
 _SLACK_S = 10
@@ -31,22 +26,30 @@ _SLACK_S = 10
 class FilmTrack:
     """One sound stream of a file, decoded from its first packet to its last."""
 
-    def __init__(self, container: "InputContainer", stream: "AudioStream", table: ChunkTable | None) -> None:
-        """Take over an open container and decode the first frame, which says what the sound really is."""
+    def __init__(
+        self, container: "InputContainer", stream: "AudioStream", table: ChunkTable | None, *, is_cut: bool = False
+    ) -> None:
+        """Take over an open container and decode the first frame, which says what the sound really is.
+
+        `is_cut` tells that the file stops before its own end.
+        """
         self._container, self._stream = container, stream
         self._tally = Tally()
+        check_sums(stream)
         self._frames = decoded(container, stream, self._tally)
         first = next(self._frames, None)
         if first is None:
             self._tally.require_readable()
             raise SoundtrackError("no sound could be decoded")
         self._first = first
-        self._origin = _origin(first, stream, self._tally)
-        self.facts = _facts(container, stream, first, self._origin)
+        self._origin = origin_of(first, stream, self._tally)
+        self.facts = film_facts(container, stream, first, self._origin, is_cut=is_cut)
         rate_hz, declared = self.facts.rate_hz, self.facts.declared_frames
         longest = _MAX_UNDECLARED_S * rate_hz if declared is None else declared + _SLACK_S * rate_hz
         self._placement: Placement[AudioFrame] = Placement(rate_hz, longest, self._origin)
         self._table = table
+        # where a length is declared, that tells whether any sound is missing
+        self._end_is_missing = is_cut and header_frames(container, stream, self.facts.rate_hz) is None
 
     def pieces(self) -> Iterator[Samples]:
         """Yield all samples in order, shape (frames, channels). Raises SoundtrackError where too much is damaged."""
@@ -80,7 +83,7 @@ class FilmTrack:
         lines = []
         if tally.failed:
             packets = f"{tally.failed} of {tally.packets} packets of sound"
-            lines.append(f"{packets} could not be decoded ({tally.last_error})")
+            lines.append(f"{packets} could not be decoded ({tally.last_error}){self._place(tally.first_failed_time)}")
         if gaps := self._placement.gaps:
             total_s, first_s = sum(gap for _, gap in gaps) / rate_hz, gaps[0][0] / rate_hz
             count = "1 gap was" if len(gaps) == 1 else f"{len(gaps)} gaps were"
@@ -92,12 +95,21 @@ class FilmTrack:
             )
         if self._table is not None and self._table.data_bytes == 0:
             lines.append("the header was never finished; the sound was read to the end of the file")
+        elif self._table is not None and self._table.goes_on:
+            lines.append(overflow_warning(self._table))
         elif self._table is not None and (self._table.data_bytes or 0) > self._table.present_bytes:
             declared, present = self._table.data_bytes, self._table.present_bytes
             lines.append(f"the header declares {declared} bytes of sound but {present} follow: the end is missing")
+        if self._end_is_missing:
+            lines.append("the file stops before its own end: the end of the sound is missing")
         if tally.stopped:
             lines.append(f"reading stopped early: {tally.stopped}")
         return lines
+
+    def _place(self, time: Fraction | None) -> str:
+        """Return where in the sound a time stamp is, to be added to a line; nothing where there is no stamp."""
+        origin = self._placement.origin
+        return "" if time is None or origin is None else f", first at {max(0.0, float(time - origin)):.3f} s"
 
     def close(self) -> None:
         """Close the file."""
@@ -115,11 +127,13 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None
 
     try:
         # an absolute path, because FFmpeg takes what comes before a colon for a protocol
-        container = av.open(str(path.resolve()), metadata_errors="replace")
+        options = {"ignore_length": "1"} if table is not None and table.goes_on else {}
+        container = av.open(str(path.resolve()), metadata_errors="replace", options=options)
     except FFmpegError as error:
         raise SoundtrackError(f"is not a sound file or film that can be read: {error.strerror}") from error
     try:
-        return FilmTrack(container, _chosen(container, stream), table)
+        is_cut = stops_early(path, container.format.name)
+        return FilmTrack(container, _chosen(container, stream), table, is_cut=is_cut)
     except BaseException:
         container.close()
         raise
@@ -149,83 +163,3 @@ def _description(stream: "AudioStream") -> str:
     channels = stream.codec_context.channels
     words = [stream.codec_context.name, f"{channels} channel{'s' if channels != 1 else ''}"]
     return ", ".join(words + [tag for key in ("language", "title") if (tag := stream.metadata.get(key))])
-
-
-def _origin(first: "AudioFrame", stream: "AudioStream", tally: Tally) -> Fraction | None:
-    """Return when sample 0 plays, in seconds: with the first frame, or earlier where what came before it was lost."""
-    time = None if first.pts is None or not first.time_base else Fraction(first.pts * first.time_base)
-    codec = stream.codec_context.codec
-    if time is None or tally.first_time is None or not (tally.failed or (codec.lossless and not codec.lossy)):
-        return time
-    declared = Fraction((stream.start_time or 0) * (stream.time_base or 0))
-    return min(time, max(tally.first_time, declared))
-
-
-def _facts(
-    container: "InputContainer", stream: "AudioStream", first: "AudioFrame", origin: Fraction | None
-) -> TrackFacts:
-    names = tuple(channel.name for channel in first.layout.channels)
-    picture = next((v for v in container.streams.video if not _is_cover(v)), None)
-    offset = Fraction(0)
-    if picture is not None and picture.start_time is not None and picture.time_base and origin is not None:
-        offset = origin - picture.start_time * picture.time_base
-    tag = container.metadata.get("time_reference", "")
-    reference = int(tag) if tag.isdecimal() else None
-    timecode = _start_timecode(container)
-    if timecode is None and reference is not None:
-        timecode = clock(reference, first.sample_rate, decimals=6)
-    return TrackFacts(
-        rate_hz=first.sample_rate,
-        channels=len(names),
-        layout=names if len(set(names)) == len(names) and "NONE" not in names else None,
-        declared_frames=_declared_frames(container, stream, first.sample_rate, origin or Fraction(0)),
-        stream=container.streams.audio.index(stream),
-        start_timecode=timecode,
-        frame_rate=None if picture is None else _frame_rate(picture),
-        start_offset_s=float(offset),
-        time_reference=reference,
-        guessed_s=container.duration / 1_000_000 if container.duration else None,
-    )
-
-
-def _is_cover(stream: "VideoStream") -> bool:
-    from av.stream import Disposition
-
-    return bool(stream.disposition & Disposition.attached_pic)
-
-
-def _start_timecode(container: "InputContainer") -> str | None:
-    """Return the timecode of the first picture, as HH:MM:SS:FF or, counting drop-frame, HH:MM:SS;FF."""
-    tags = [stream.metadata for stream in (*container.streams.video, *container.streams.data)]
-    for metadata in (*tags, container.metadata):
-        match = _TIMECODE.fullmatch(metadata.get("timecode") or metadata.get("TIMECODE", ""))
-        if match:
-            clock, mark, frame = match.groups()
-            return f"{clock}{':' if mark == ':' else ';'}{frame}"
-    return None
-
-
-def _frame_rate(picture: "VideoStream") -> str | None:
-    """Return the rate as a fraction; measured rates are a little off and are taken for the one they are meant to be."""
-    measured = picture.average_rate or picture.guessed_rate
-    if not measured:
-        return None
-    rate = Fraction(measured)
-    return str(standard_rate(rate) or rate)
-
-
-def _declared_frames(container: "InputContainer", stream: "AudioStream", rate_hz: int, origin: Fraction) -> int | None:
-    """Return how many frames the container says the stream has, None where it does not say."""
-    if container.format.name in _ESTIMATED:
-        return None
-    if stream.duration and stream.time_base:
-        return int(stream.duration * stream.time_base * rate_hz)
-    tag = stream.metadata.get("DURATION", "")
-    if re.fullmatch(r"\d+:\d\d:\d\d(\.\d+)?", tag):
-        hours, minutes, seconds = tag.split(":")
-        end = 3600 * int(hours) + 60 * int(minutes) + Fraction(seconds)
-    elif container.duration:
-        end = Fraction(container.duration, 1_000_000)
-    else:
-        return None
-    return max(0, int((end - max(origin, Fraction(0))) * rate_hz))

@@ -13,7 +13,8 @@ import numpy as np
 
 from ..errors import SoundtrackError
 from ..timecode import clock
-from .chunks import ChunkTable
+from .chunks import ChunkTable, overflow_warning
+from .overflow import Tail
 from .track import PIECE, Samples, TrackFacts
 
 _BYTES = {"PCM_S8": 1, "PCM_U8": 1, "PCM_16": 2, "PCM_24": 3, "PCM_32": 4, "FLOAT": 4, "DOUBLE": 8}
@@ -30,8 +31,10 @@ class PcmTrack:
         """Take over an open `soundfile.SoundFile`, what its header declares, and its samples of 16 or 24 bits."""
         self._file = file
         self._packed = packed
+        self._table = table
         frame_bytes = _BYTES[file.subtype] * file.channels
-        declared = file.frames if table.data_bytes is None else table.data_bytes // frame_bytes
+        is_open = table.data_bytes is None or table.goes_on
+        declared = file.frames if is_open else (table.data_bytes or 0) // frame_bytes
         reference = table.time_reference
         self.facts = TrackFacts(
             rate_hz=file.samplerate,
@@ -76,8 +79,8 @@ class PcmTrack:
         return samples
 
     def warnings(self) -> list[str]:
-        """Return nothing: there is no decoder that could stumble."""
-        return []
+        """Return where the header is wrong; there is no decoder that could stumble."""
+        return [overflow_warning(self._table)] if self._table.goes_on else []
 
     def close(self) -> None:
         """Close the file."""
@@ -168,14 +171,24 @@ def open_pcm(path: Path, table: ChunkTable | None) -> PcmTrack | None:
         file = soundfile.SoundFile(path)
     except (soundfile.SoundFileError, TypeError):  # TypeError: a name that ends in .raw
         return None
-    if file.subtype in _BYTES and file.frames:
-        packed: ShortSamples | PackedSamples | None = None
-        if file.format in _LITTLE_ENDIAN and file.endian in ("FILE", "LITTLE"):
-            start = path.stat().st_size - table.present_bytes
-            if file.subtype == "PCM_16":
-                packed = ShortSamples(path.open("rb", buffering=0), start, file.channels)
-            elif file.subtype == "PCM_24":
-                packed = PackedSamples(path.open("rb", buffering=0), start, file.channels)
-        return PcmTrack(file, table, packed)
+    if file.subtype not in _BYTES or not file.frames:
+        file.close()
+        return None
+    start = path.stat().st_size - table.present_bytes
+    packed: ShortSamples | PackedSamples | None = None
+    if file.format in _LITTLE_ENDIAN and file.endian in ("FILE", "LITTLE"):
+        if file.subtype == "PCM_16":
+            packed = ShortSamples(path.open("rb", buffering=0), start, file.channels)
+        elif file.subtype == "PCM_24":
+            packed = PackedSamples(path.open("rb", buffering=0), start, file.channels)
+    return PcmTrack(_whole(file, path, start) if table.goes_on else file, table, packed)
+
+
+def _whole(file: Any, path: Path, start: int) -> Any:
+    """Return a file whose header declares too little, opened anew as bare samples from `start` to its end."""
+    import soundfile
+
+    endian = "BIG" if file.endian == "BIG" else "LITTLE"
+    kind = {"samplerate": file.samplerate, "channels": file.channels, "subtype": file.subtype, "endian": endian}
     file.close()
-    return None
+    return soundfile.SoundFile(Tail(path, start), format="RAW", **kind)

@@ -23,4 +23,4 @@ def mended(samples: Samples) -> tuple[Samples, int, int]:
 def repair_warning(count: int, first: int) -> str:
     """Return the line for the user."""
     samples, were = ("sample", "was") if count == 1 else ("samples", "were")
-    return f"{count} {samples} {were} NaN or infinite and {were} set to 0, first at sample {first}"
+    return f"{count} {samples} {were} NaN, infinite or beyond 1e9, and {were} set to 0, first at sample {first}"

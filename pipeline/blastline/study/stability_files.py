@@ -47,7 +47,7 @@ def _bad_sample_rows(path: Path) -> Iterator[Bar]:
     wanted[list(_BAD)] = 0.0
     yield exact("NaN, infinity and 1e38 in a file: samples not mended", np.count_nonzero(read != wanted))
     yield exact("the same, cut again: samples not mended", np.count_nonzero(cut != wanted))
-    told = [line for line in warnings if line.startswith(f"{len(_BAD)} samples were NaN or infinite")]
+    told = [line for line in warnings if line.startswith(f"{len(_BAD)} samples were NaN, infinite or beyond")]
     named = told and told[0].endswith("first at sample 100")
     yield exact("the same: named and counted wrongly", int(not named), "warnings")
     profile, _ = load_actuator("crowson-t108sm")

@@ -1,0 +1,121 @@
+"""What a film says about a sound stream before it is decoded: when it starts, how long it is, its timecode."""
+
+import re
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from ..timecode import clock, standard_rate
+from .decode import Tally
+from .track import TrackFacts
+
+if TYPE_CHECKING:
+    from av import AudioFrame
+    from av.audio.stream import AudioStream
+    from av.container import InputContainer
+    from av.video.stream import VideoStream
+
+_TIMECODE = re.compile(r"(\d\d:\d\d:\d\d)([:;.,])(\d\d\d?)")
+_ESTIMATED = frozenset({"aac", "ac3", "dts", "dtshd", "eac3", "loas", "mlp", "mpeg", "mpegts", "truehd"})
+"""Formats that declare no length: FFmpeg guesses one from the size of the file."""
+
+
+def origin_of(first: "AudioFrame", stream: "AudioStream", tally: Tally) -> Fraction | None:
+    """Return when sample 0 plays, in seconds: with the first frame, or earlier where what came before it was lost."""
+    time = None if first.pts is None or not first.time_base else Fraction(first.pts * first.time_base)
+    codec = stream.codec_context.codec
+    if time is None or tally.first_time is None or not (tally.failed or (codec.lossless and not codec.lossy)):
+        return time
+    declared = Fraction((stream.start_time or 0) * (stream.time_base or 0))
+    return min(time, max(tally.first_time, declared))
+
+
+def film_facts(
+    container: "InputContainer",
+    stream: "AudioStream",
+    first: "AudioFrame",
+    origin: Fraction | None,
+    *,
+    is_cut: bool = False,
+) -> TrackFacts:
+    """Return what container, stream and first frame tell; `origin` is when sample 0 plays.
+
+    `is_cut` tells that the file stops before its own end.
+    """
+    declared = header_frames(container, stream, first.sample_rate) if is_cut else None
+    if declared is None:
+        declared = _declared_frames(container, stream, first.sample_rate, origin or Fraction(0))
+    names = tuple(channel.name for channel in first.layout.channels)
+    picture = next((v for v in container.streams.video if not _is_cover(v)), None)
+    offset = Fraction(0)
+    if picture is not None and picture.start_time is not None and picture.time_base and origin is not None:
+        offset = origin - picture.start_time * picture.time_base
+    tag = container.metadata.get("time_reference", "")
+    reference = int(tag) if tag.isdecimal() else None
+    timecode = _start_timecode(container)
+    if timecode is None and reference is not None:
+        timecode = clock(reference, first.sample_rate, decimals=6)
+    return TrackFacts(
+        rate_hz=first.sample_rate,
+        channels=len(names),
+        layout=names if len(set(names)) == len(names) and "NONE" not in names else None,
+        declared_frames=declared,
+        stream=container.streams.audio.index(stream),
+        start_timecode=timecode,
+        frame_rate=None if picture is None else _frame_rate(picture),
+        start_offset_s=float(offset),
+        time_reference=reference,
+        guessed_s=container.duration / 1_000_000 if container.duration else None,
+    )
+
+
+def header_frames(container: "InputContainer", stream: "AudioStream", rate_hz: int) -> int | None:
+    """Return the frames that the header of a stream in AVI declares, None where it does not, and for other formats.
+
+    Of a file that is cut, FFmpeg tells the length of what is left instead.
+    """
+    if container.format.name != "avi" or not stream.frames or not stream.time_base:
+        return None
+    return int(stream.frames * stream.time_base * rate_hz)
+
+
+def _is_cover(stream: "VideoStream") -> bool:
+    from av.stream import Disposition
+
+    return bool(stream.disposition & Disposition.attached_pic)
+
+
+def _start_timecode(container: "InputContainer") -> str | None:
+    """Return the timecode of the first picture, as HH:MM:SS:FF or, counting drop-frame, HH:MM:SS;FF."""
+    tags = [stream.metadata for stream in (*container.streams.video, *container.streams.data)]
+    for metadata in (*tags, container.metadata):
+        match = _TIMECODE.fullmatch(metadata.get("timecode") or metadata.get("TIMECODE", ""))
+        if match:
+            clock, mark, frame = match.groups()
+            return f"{clock}{':' if mark == ':' else ';'}{frame}"
+    return None
+
+
+def _frame_rate(picture: "VideoStream") -> str | None:
+    """Return the rate as a fraction; measured rates are a little off and are taken for the one they are meant to be."""
+    measured = picture.average_rate or picture.guessed_rate
+    if not measured:
+        return None
+    rate = Fraction(measured)
+    return str(standard_rate(rate) or rate)
+
+
+def _declared_frames(container: "InputContainer", stream: "AudioStream", rate_hz: int, origin: Fraction) -> int | None:
+    """Return how many frames the container says the stream has, None where it does not say."""
+    if container.format.name in _ESTIMATED:
+        return None
+    if stream.duration and stream.time_base:
+        return int(stream.duration * stream.time_base * rate_hz)
+    tag = stream.metadata.get("DURATION", "")
+    if re.fullmatch(r"\d+:\d\d:\d\d(\.\d+)?", tag):
+        hours, minutes, seconds = tag.split(":")
+        end = 3600 * int(hours) + 60 * int(minutes) + Fraction(seconds)
+    elif container.duration:
+        end = Fraction(container.duration, 1_000_000)
+    else:
+        return None
+    return max(0, int((end - max(origin, Fraction(0))) * rate_hz))

@@ -1,0 +1,77 @@
+"""WAV files that hold more sound than their header declares: how that is told from what properly follows sound.
+
+RIFF size  fmt  data 1000 [ 1000 bytes ][ 1.7 MB that are no chunk ]    more sound, the size is wrong
+RIFF size  fmt  data n    [  n bytes   ][ LIST ][ id3 ][ zeros     ]    all as it should be
+"""
+
+import struct
+from io import RawIOBase
+from pathlib import Path
+from typing import BinaryIO
+
+_LEAST_BYTES = 4_096
+"""Less than this is nothing that could be heard; programs leave all kinds of crumbs."""
+
+_KNOWN = frozenset(
+    b"LIST INFO bext iXML axml chna cart cue smpl inst plst note labl ltxt fact PEAK levl link umid minf elm1 regn "
+    b"JUNK junk PAD pad FLLR Fake _PMX DISP acid strc dbmd MD5 afsp ovwf qlty mext SMED ubxt id3".split()
+)
+_TAGS = (b"ID3", b"TAG", b"APETAGEX", b"LYRICSBEGIN", b"RIFF")
+"""What programs put behind a file that is no chunk: tags of music players, another file."""
+
+_SCANNED_BYTES = 1 << 20
+
+
+def more_follows(file: BinaryIO, end: int, file_bytes: int, head: struct.Struct) -> bool:
+    """Return whether what follows the declared end of the sound is no chunk, no tag and no padding."""
+    if file_bytes - end < _LEAST_BYTES:
+        return False
+    # an odd size is padded to an even one, which some programs forget
+    if any(_is_proper(file, place, file_bytes, head) for place in sorted({end, end + end % 2})):
+        return False
+    file.seek(end)
+    while block := file.read(_SCANNED_BYTES):
+        if block.strip(b"\0"):
+            return True
+    return False
+
+
+def _is_proper(file: BinaryIO, place: int, file_bytes: int, head: struct.Struct) -> bool:
+    """Return whether a chunk of a known kind, a tag, or a row of chunks up to the end of the file begins here."""
+    file.seek(place)
+    start = file.read(16)
+    if start.startswith(_TAGS) or start[:4].rstrip(b" \0") in _KNOWN:
+        return True
+    while place + head.size <= file_bytes:
+        file.seek(place)
+        name, size = head.unpack(file.read(head.size))
+        if not all(0x20 <= letter < 0x7F for letter in name):
+            return False
+        place += head.size + size + size % 2
+    return place <= file_bytes + 1
+
+
+class Tail(RawIOBase):
+    """A file from some byte on, as if it were a file of its own."""
+
+    def __init__(self, path: Path, start: int) -> None:
+        """Open it."""
+        self._file, self._start = path.open("rb", buffering=0), start
+        self.seek(0)
+
+    def seek(self, place: int, whence: int = 0) -> int:
+        """Go to a place, counted from the start of the tail, from here, or from the end."""
+        return self._file.seek(place + self._start if whence == 0 else place, whence) - self._start
+
+    def tell(self) -> int:
+        """Return the place, counted from the start of the tail."""
+        return self._file.tell() - self._start
+
+    def readinto(self, buffer: object) -> int:
+        """Fill a buffer, as far as there is something."""
+        return self._file.readinto(buffer)  # type: ignore[arg-type]
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+        super().close()
