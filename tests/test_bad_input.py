@@ -51,7 +51,42 @@ def without_onsets(plain: dict[str, Any]) -> None:
         del event["onset_sample"], event["onset_s"]
 
 
+def window_beyond(plain: dict[str, Any]) -> None:
+    plain["events"][1]["window"]["stop_sample"] = 10**9
+
+
+def window_backwards(plain: dict[str, Any]) -> None:
+    plain["events"][1]["window"]["start_sample"] = 10**6
+
+
+def onset_beyond(plain: dict[str, Any]) -> None:
+    plain["events"][1].update(onset_sample=10**9, onset_s=10**9 / RATE_HZ)
+
+
+def echo_backwards(plain: dict[str, Any]) -> None:
+    plain["events"][1]["reflections"] = [{"start_sample": 9, "stop_sample": 8, "delay_ms": 1.0, "level_db": -9.0}]
+
+
+def no_timecode(plain: dict[str, Any]) -> None:
+    plain["source"].update(start_timecode="junk", frame_rate="25")
+
+
+def no_rate(plain: dict[str, Any]) -> None:
+    plain["source"]["frame_rate"] = "25/0"
+
+
+def beyond_any_count(plain: dict[str, Any]) -> None:
+    plain["rejections"] = [{"at_sample": 2**63, "reason": "", "evidence": {}}]
+
+
 JSON = [
+    pytest.param(window_beyond, "which has 336000 frames, 7 s", id="a window beyond the film"),
+    pytest.param(window_backwards, "1000000: expected at most 144000, the onset", id="a window that does not hold"),
+    pytest.param(onset_beyond, "the film, which has 336000 frames, 7 s", id="an onset beyond the film"),
+    pytest.param(echo_backwards, "events[1].reflections[0].stop_sample = 8", id="an echo that runs backwards"),
+    pytest.param(no_timecode, "source.start_timecode = 'junk'", id="no timecode"),
+    pytest.param(no_rate, "source.frame_rate = '25/0'", id="no frame rate"),
+    pytest.param(beyond_any_count, "rejections[0].at_sample = 9223372036854775808", id="beyond any count"),
     pytest.param(newer, "schema = 'blastline.timeline/2'", id="a newer schema"),
     pytest.param(negative_sample, "events[1].onset_sample = -480", id="a negative sample"),
     pytest.param(negative_time, "events[1].onset_s = -0.01", id="a negative time"),

@@ -84,6 +84,19 @@ def test_a_new_cut_gets_its_timeline_and_its_tables(films: tuple[Path, Path, Pat
     assert ended.err.count("not placed: shot-") == 2
 
 
+def test_a_film_without_shots_gets_an_empty_timeline_and_its_stretches(
+    films: tuple[Path, Path, Path], tmp_path: Path
+) -> None:
+    timeline, old, new = films
+    timeline.write_bytes(encode(msgspec.structs.replace(read_timeline(timeline), events=())))
+    ended = blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
+    assert (ended.code, "0 of 0 shots placed" in ended.out) == (0, True), ended
+    made = read_timeline(tmp_path / "out" / "timeline.json")
+    assert (made.events, made.rejections, made.source.name) == ((), (), "new.wav")
+    with (tmp_path / "out" / "stretches.csv").open() as file:
+        assert [float(row["old_start_s"]) for row in csv.DictReader(file)] == pytest.approx([3.0, 14.0], abs=0.02)
+
+
 def test_every_span_of_an_event_moves_with_it(films: tuple[Path, Path, Path], tmp_path: Path) -> None:
     timeline, old, new = films
     blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")

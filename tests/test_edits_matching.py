@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 from blastline.export import export_timeline
 from blastline.export.edits import Wanted, match, read_edits
-from blastline.model import Event, Span, Timeline, Window
-from timelines import SHOT, timeline
+from blastline.model import Event, Span, Timeline, Window, encode
+from timelines import RATE_HZ, SHOT, timeline
 
 SHARED_FOLDER = settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 RATES_HZ = (44_100, 48_000, 96_000, 192_000)
@@ -306,6 +306,15 @@ def test_a_shared_window_is_kept_only_while_all_its_shots_are(tmp_path: Path) ->
 def test_an_end_that_was_edited_is_kept_and_the_other_stays(tmp_path: Path) -> None:
     [wish] = table(tmp_path, "id,onset_s,window_stop_s\nshot-0001,1.00002,1.25\n", EVENT).wishes
     assert (wish.window, wish.start, wish.stop, wish.changed) == (None, SHOT.window.start, 60_000, True)
+
+
+def test_a_window_cut_shorter_than_its_fades_keeps_its_ends_and_gets_new_fades(tmp_path: Path) -> None:
+    window = msgspec.structs.replace(SHOT.window, stop=SHOT.onset_sample + 1_500)
+    cut = msgspec.structs.replace(EVENT, window=window)
+    file = tmp_path / "timeline.json"
+    file.write_bytes(encode(timeline(cut)))
+    [wish] = match(read_edits(file), None, rate_hz=RATE_HZ).wishes
+    assert (wish.window, wish.start, wish.stop) == (None, window.start, window.stop)
 
 
 def test_a_window_that_stayed_behind_in_a_table_is_planned_anew(tmp_path: Path) -> None:

@@ -206,6 +206,17 @@ def test_a_table_that_cannot_be_used_is_refused(tmp_path: Path, text: str | byte
     assert refusal(tmp_path, text).startswith(complaint)
 
 
+@pytest.mark.parametrize("name", ["edited.csv", "edited.tsv", "edited.txt"])
+@pytest.mark.parametrize("text", ["sep=;\n", "sep=;", "sep=;\n;;;\n", 'sep=;\n""; \n\n'])
+def test_a_table_without_a_filled_cell_is_refused(tmp_path: Path, name: str, text: str) -> None:
+    assert refusal(tmp_path, text, name).startswith("line 1: no header; expected onset_sample or onset_s")
+
+
+@pytest.mark.parametrize("text", [",,,", ",,,\n,\n", '""', '"",""\n', "\t\t\n", " , \r\n"])
+def test_a_csv_of_blank_cells_is_refused(tmp_path: Path, text: str) -> None:
+    assert refusal(tmp_path, text).startswith("line 1: no header; expected onset_sample or onset_s")
+
+
 @pytest.mark.parametrize(
     ("text", "complaint"),
     [

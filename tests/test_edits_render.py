@@ -119,6 +119,19 @@ def test_a_found_shot_that_is_moved_says_so(tmp_path: Path, film: Path, result: 
     assert [event.origin for event in after.events] == ["moved", "found", "found", "found"]
 
 
+def test_a_window_that_is_rounded_to_just_past_the_end_ends_with_the_film(
+    tmp_path: Path, film: Path, result: Path
+) -> None:
+    plain = json.loads((result / "timeline.json").read_text())
+    for event in plain["events"][2:]:
+        event["window"]["stop_sample"] = FRAMES + RATE_HZ // 1000 - 1
+    file = tmp_path / "edited.json"
+    file.write_text(json.dumps(plain))
+    _, after, drive = rendered(film, file)
+    assert [event.window.stop for event in after.events[2:]] == [FRAMES, FRAMES]
+    moving(drive, sorted({(event.window.start, event.window.stop) for event in after.events}))
+
+
 @pytest.mark.parametrize("name", ["timeline.json", "timeline.csv", "timeline.audacity.txt"])
 def test_what_was_not_edited_is_rendered_to_the_bit(tmp_path: Path, film: Path, result: Path, name: str) -> None:
     file = tmp_path / name

@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given
 
 from blastline.errors import TimelineError
 from blastline.export import read_timeline
-from blastline.model import encode
-from timelines import timeline
+from blastline.model import Timeline, encode
+from timelines import any_timeline, timeline
 
 Edit = Callable[[dict[str, Any]], object]
 
@@ -67,6 +68,59 @@ def refusal(file: Path) -> str:
             "rejections[0].evidence[...]: expected `float`",
         ),
         (lambda t: t["source"].update(sample_rate_hz=0), "source.sample_rate_hz = 0: expected `int` >= 1"),
+        (
+            lambda t: t["source"].update(start_timecode="junk"),
+            "source.start_timecode = 'junk': expected HH:MM:SS:FF, HH:MM:SS;FF, HH:MM:SS.mmm or null",
+        ),
+        (lambda t: t["source"].update(start_timecode=""), "source.start_timecode = ''"),
+        (
+            lambda t: t["source"].update(frame_rate="fast"),
+            "source.frame_rate = 'fast': expected frames a second, such as 25 or 24000/1001, or null",
+        ),
+        (lambda t: t["source"].update(frame_rate="24/0"), "source.frame_rate = '24/0'"),
+        (lambda t: t["source"].update(frame_rate="0"), "source.frame_rate = '0'"),
+        (
+            lambda t: t["source"].update(frames=90_000),
+            "events[1].onset_sample = 96000: expected a sample of the film, which has 90000 frames, 1.875 s",
+        ),
+        (
+            lambda t: t["events"][0].update(onset_s=407.0),
+            "events[0].onset_s = 407.0: expected 1.0000208333333334, where onset_sample = 48001 plays",
+        ),
+        (lambda t: t["events"][0].update(onset_s=48_001.6 / 48_000), "events[0].onset_s = 1.0000333"),
+        (
+            lambda t: t["events"][0]["window"].update(start_sample=72_000, stop_sample=47_713),
+            "events[0].window.start_sample = 72000: expected at most 48001, the onset",
+        ),
+        (
+            lambda t: t["events"][1]["window"].update(start_sample=96_000, stop_sample=96_000),
+            "events[1].window.stop_sample = 96000: expected more than 96000, the onset",
+        ),
+        (
+            lambda t: t["events"][1]["window"].update(start_sample=96_001),
+            "events[1].window.start_sample = 96001: expected at most 96000, the onset",
+        ),
+        (
+            lambda t: t["events"][1]["window"].update(stop_sample=96_000),
+            "events[1].window.stop_sample = 96000: expected more than 96000, the onset",
+        ),
+        (
+            lambda t: t["events"][1]["window"].update(stop_sample=120_001),
+            "events[1].window.stop_sample = 120001: expected an end in the film, which has 120000 frames, 2.5 s",
+        ),
+        (
+            lambda t: t["events"][1]["window"].update(fade_in_samples=3_000),
+            "fade_in_samples = 3000 and fade_out_samples = 1920: expected fades that its 4288 samples have room for",
+        ),
+        (
+            lambda t: t["events"][0]["reflections"][1].update(stop_sample=52_000),
+            "events[0].reflections[1].stop_sample = 52000: expected at least start_sample = 52001",
+        ),
+        (
+            lambda t: t["rejections"][0].update(at_sample=2**63),
+            "rejections[0].at_sample = 9223372036854775808: expected a number below 2^63",
+        ),
+        (lambda t: t["events"][0]["blast"].update(stop_sample=2**70), "events[0].blast.stop_sample = 1180591620717"),
     ],
 )
 def test_a_field_that_does_not_fit_is_named(tmp_path: Path, edit: Edit, complaint: str) -> None:
@@ -99,6 +153,36 @@ def test_a_file_that_is_no_timeline_is_refused(tmp_path: Path, content: bytes, c
 def test_a_file_that_is_not_there_and_a_folder_are_refused(tmp_path: Path) -> None:
     assert refusal(tmp_path / "none.json") == "no such file; expected a timeline.json"
     assert refusal(tmp_path).startswith("cannot be read: Is a directory")
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        lambda t: t["source"].update(frames=0),
+        lambda t: t["source"].update(frames=100_000),
+        lambda t: t["source"].update(frame_rate=None, start_timecode=None),
+        lambda t: t["source"].update(start_timecode="10:00:00.040"),
+        lambda t: t["source"].update(start_timecode="00:75:00;99"),
+        lambda t: t["events"][0].update(onset_s=48_001.49 / 48_000),
+        lambda t: t["events"][1]["window"].update(start_sample=96_000, stop_sample=96_001, fade_out_samples=0),
+        lambda t: t["events"][1]["window"].update(fade_in_samples=2_368),
+    ],
+    ids=["unknown length", "to the end", "no timecode", "clock", "as the film says", "onset", "one sample", "fades"],
+)
+def test_what_is_just_possible_is_read(tmp_path: Path, edit: Edit) -> None:
+    plain = json.loads(encode(timeline()))
+    plain["events"][1]["window"].update(fade_in_samples=0)
+    edit(plain)
+    file = tmp_path / "timeline.json"
+    file.write_text(json.dumps(plain))
+    assert json.loads(encode(read_timeline(file))) == plain
+
+
+@given(any_timeline())
+def test_what_is_written_is_read(tmp_path_factory: pytest.TempPathFactory, written: Timeline) -> None:
+    file = tmp_path_factory.getbasetemp() / "written.json"
+    file.write_bytes(encode(written))
+    assert read_timeline(file) == written
 
 
 def test_a_key_of_a_later_minor_version_is_let_pass(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Timelines for tests: one written out, and any that the types allow."""
 
+import msgspec
 from hypothesis import strategies as st
 
 from blastline.model import (
@@ -77,8 +78,10 @@ _EVIDENCE = st.sampled_from([{}, {"probability": 0.25}, {"level": -3.0, "a b": 1
 
 @st.composite
 def any_event(draw: st.DrawFn, identity: str) -> Event:
-    """Draw an event whose fields are of every shape that their types allow."""
+    """Draw an event whose fields are of every shape that their types allow; its onset is in its window."""
     onset = draw(_INDEX)
+    start, stop = max(0, onset - draw(_LENGTH)), onset + 1 + draw(_LENGTH)
+    fade_in = draw(st.integers(0, stop - start))
     reflections = draw(st.lists(st.builds(_reflection, _INDEX, _LENGTH, st.floats(0.0, 1e4), _NUMBER), max_size=3))
     return Event(
         id=identity,
@@ -92,7 +95,7 @@ def any_event(draw: st.DrawFn, identity: str) -> Event:
         snr_db=draw(_NUMBER),
         blast=Span(onset, onset + draw(_LENGTH)),
         reflections=tuple(reflections),
-        window=Window(max(0, onset - draw(_LENGTH)), onset + draw(_LENGTH), draw(_LENGTH), draw(_LENGTH)),
+        window=Window(start, stop, fade_in, draw(st.integers(0, stop - start - fade_in))),
         drive=draw(st.none() | st.builds(DriveInfo, _models(), _TEXT, _NUMBER, _NUMBER, _NUMBER, evidence=_EVIDENCE)),
         heard_in=draw(st.sampled_from(["mains", "sides"])),
         azimuth_deg=draw(st.sampled_from([None, -179.9, 0.0, 29.7, 180.0])),
@@ -103,8 +106,10 @@ def any_event(draw: st.DrawFn, identity: str) -> Event:
 
 @st.composite
 def any_timeline(draw: st.DrawFn) -> Timeline:
-    """Draw a timeline with up to four events."""
-    return timeline(*[draw(any_event(f"shot-{index}")) for index in range(draw(st.integers(1, 4)))])
+    """Draw a timeline with up to four events, of a film that ends with the last window or later."""
+    drawn = timeline(*[draw(any_event(f"shot-{index}")) for index in range(draw(st.integers(1, 4)))])
+    frames = max(event.window.stop for event in drawn.events) + draw(st.sampled_from([0, 1, 10**6]))
+    return msgspec.structs.replace(drawn, source=msgspec.structs.replace(drawn.source, frames=frames))
 
 
 def _reflection(start: int, length: int, delay_ms: float, level_db: float) -> Reflection:

@@ -30,6 +30,9 @@ DROP_FRAME_RATES = frozenset(Fraction(n * 1000, 1001) for n in (30, 60, 120))
 
 LABEL = re.compile(r"(\d\d):([0-5]\d):([0-5]\d)([:;,])(\d\d\d?)")  # with a point it is a clock, a part of a second
 CLOCK = re.compile(r"(\d+):(\d\d):(\d\d(?:\.\d+)?)")
+SHAPE = re.compile(r"\d\d:\d\d:\d\d[:;.,]\d\d\d?")
+"""What looks like a label, even where no clock has such a number: a film may say 00:75:00:00, and is believed."""
+
 _SAME_RATE = Fraction(1, 5000)  # 24 and 23.976 differ by 1 in 1001; 23.98 is 23.976 rounded, by 1 in 6000
 _OFFSET_DENOMINATOR = 1_000_000  # finer than any container's clock, coarse enough to undo the float
 

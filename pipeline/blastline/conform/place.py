@@ -47,7 +47,7 @@ def place(
     onsets_s: Sequence[float], courses: Sequence[Course], old: Film, new: Film, rules: ConformRules
 ) -> list[Placed | Lost]:
     """Return for each onset of the old film, ascending, its place in the new one, or why it has none."""
-    nexts_s = [*onsets_s[1:], old.duration_s]
+    nexts_s = [*onsets_s, old.duration_s][1:]  # none where there is no onset
     found = [
         _place(onset_s, next_s - onset_s, courses, old, new, rules)
         for onset_s, next_s in zip(onsets_s, nexts_s, strict=True)

@@ -7,14 +7,18 @@ from typing import Any
 import msgspec
 
 from ..errors import TimelineError, misfit
-from ..model import SCHEMA, Event, Timeline
+from ..model import SCHEMA, Timeline
+from .geometry import event_complaints, source_complaints
+
+LARGEST_INTEGER = 2**63 - 1
 
 
 def read_timeline(path: Path) -> Timeline:
     """Return the timeline in a file.
 
     Raises TimelineError where there is no such file, where it is not JSON, where its schema is not the one this
-    version writes, or where a field is missing or holds what it cannot: two events of one id, a negative time.
+    version writes, or where a field is missing or holds what it cannot: two events of one id, a negative time, an
+    onset outside its window or the film.
     """
     plain = read_plain(path, read_content(path, expected="a timeline.json"))
     try:
@@ -27,12 +31,18 @@ def read_timeline(path: Path) -> Timeline:
 
 
 def read_plain(path: Path, content: bytes) -> Any:
-    """Return what a timeline's JSON holds as plain data, once its schema has proved to be the one that is known."""
+    """Return what a timeline's JSON holds as plain data, once its schema has proved to be the one that is known.
+
+    Raises TimelineError for integers that no sample count, and no array, can hold.
+    """
     try:
         plain = msgspec.json.decode(content)
     except (msgspec.DecodeError, RecursionError) as error:
         raise TimelineError(f"{path}: not JSON: {error}; expected a timeline.json") from error
     _refuse_schema(plain, path)
+    for key, value in _integers(plain):
+        if abs(value) > LARGEST_INTEGER:
+            raise TimelineError(f"{path}: {key} = {value}: expected a number below 2^63")
     return plain
 
 
@@ -55,21 +65,25 @@ def _refuse_schema(plain: Any, path: Path) -> None:
         raise TimelineError(f"{path}: schema = {found!r}{writer}: this version reads only {SCHEMA!r}")
 
 
+def _integers(plain: Any) -> Iterator[tuple[str, int]]:
+    """Yield every integer in plain data with the path of its key; without recursion, since data may nest deeply."""
+    left = [("", plain)]
+    while left:
+        key, value = left.pop()
+        if isinstance(value, dict):
+            left += [(f"{key}.{name}" if key else name, each) for name, each in value.items()]
+        elif isinstance(value, list):
+            left += [(f"{key}[{index}]", each) for index, each in enumerate(value)]
+        elif isinstance(value, int):
+            yield key, value
+
+
 def _complaints(timeline: Timeline) -> Iterator[str]:
     """Yield what the types alone cannot refuse."""
+    yield from source_complaints(timeline.source)
     first_of: dict[str, int] = {}
     for index, event in enumerate(timeline.events):
         if event.id in first_of:
             yield f"events[{index}].id = {event.id!r}: events[{first_of[event.id]}] has it too; expected each id once"
         first_of[event.id] = index
-        for key, value in _times(event):
-            if value < 0:
-                yield f"events[{index}].{key} = {value}: expected a time from 0, the first frame of the track"
-
-
-def _times(event: Event) -> Iterator[tuple[str, float]]:
-    """Yield each time of an event that its type lets be negative; ranges do not run backwards, so starts are enough."""
-    yield "onset_s", event.onset_s
-    yield "blast.start_sample", event.blast.start
-    for index, reflection in enumerate(event.reflections):
-        yield f"reflections[{index}].delay_ms", reflection.delay_ms
+        yield from event_complaints(event, f"events[{index}]", timeline.source)

@@ -73,6 +73,11 @@ class Window(msgspec.Struct, frozen=True, order=True, rename=SPAN_KEYS):
         """Return the range of samples, fades included."""
         return Span(self.start, self.stop)
 
+    @property
+    def fits_fades(self) -> bool:
+        """Return whether there is room inside for both fades."""
+        return self.fade_in_samples + self.fade_out_samples <= self.stop - self.start
+
 
 class ActuatorRef(msgspec.Struct, frozen=True):
     """Which actuator profile the drive was made for."""

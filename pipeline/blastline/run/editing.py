@@ -132,14 +132,15 @@ def _inside(wish: Wish, source: Source, path: Path) -> Wish:
             f"{path}: {wish.place}: onset at sample {wish.onset}, {wish.onset / rate_hz:.6g} s: expected a time in the "
             f"film, which has {length}"
         )
-    if wish.stop is not None and wish.stop > frames:
-        if ms_from_samples(wish.stop - frames, rate_hz) >= 1.0:
-            raise TimelineError(
-                f"{path}: {wish.place}: window ends at sample {wish.stop}, {wish.stop / rate_hz:.6g} s: expected a "
-                f"time in the film, which has {length}"
-            )
-        return replace(wish, stop=frames)
-    return wish
+    start, stop = (wish.start, wish.stop) if wish.window is None else (wish.window.start, wish.window.stop)
+    if stop is None or stop <= frames:
+        return wish
+    if ms_from_samples(stop - frames, rate_hz) >= 1.0:
+        raise TimelineError(
+            f"{path}: {wish.place}: window ends at sample {stop}, {stop / rate_hz:.6g} s: expected a time in the film, "
+            f"which has {length}"
+        )
+    return replace(wish, window=None, start=start, stop=frames)
 
 
 def _shots(wishes: Sequence[Wish], track: Soundtrack, source: Source, rules: Rules) -> tuple[Shot, ...]:

@@ -11,6 +11,7 @@ from msgspec import Meta
 
 from ...errors import TimelineError, misfit
 from ...model import Event, Origin, Ratio, Rejection, Source, Span
+from ..geometry import reflection_complaints, source_complaints
 from ..reading import read_plain
 from .row import Edit, EditedFile, Point
 
@@ -47,9 +48,11 @@ def read_document(content: bytes, path: Path) -> EditedFile:
         timeline = msgspec.convert(plain, _Timeline)
     except msgspec.ValidationError as error:
         raise TimelineError(f"{path}: {misfit(plain, error)}") from error
+    for complaint in source_complaints(timeline.source):
+        raise TimelineError(f"{path}: {complaint}")
     edits = tuple(_edit(event, index, path) for index, event in enumerate(timeline.events))
     return EditedFile(
-        path, edits, source=timeline.source, own=_as_it_was(plain["events"]), rejections=timeline.rejections
+        path, edits, source=timeline.source, own=_as_it_was(plain["events"], path), rejections=timeline.rejections
     )
 
 
@@ -78,14 +81,19 @@ def _written(sample: int | None, seconds: Decimal) -> Point:
     return Point(sample, Fraction(seconds), Fraction(10) ** exponent)
 
 
-def _as_it_was(plain: list[Any]) -> Mapping[str, Event]:
-    """Return the events that are whole, by id; the blast, which nobody edits, tells where an onset was."""
+def _as_it_was(plain: list[Any], path: Path) -> Mapping[str, Event]:
+    """Return the events that are whole, by id; the blast, which nobody edits, tells where an onset was.
+
+    Onsets and windows are somebody's edits, which are judged beside the film; nobody edits a reflection.
+    """
     found: dict[str, Event] = {}
-    for fields in plain:
+    for index, fields in enumerate(plain):
         try:
             event = msgspec.convert(fields, Event)
         except msgspec.ValidationError:
             continue  # an event that was added with its onset alone has no past
+        for complaint in reflection_complaints(event.reflections, f"events[{index}]"):
+            raise TimelineError(f"{path}: {complaint}")
         if event.blast.start >= 0:
             found.setdefault(event.id, msgspec.structs.replace(event, onset_sample=event.blast.start))
     return found

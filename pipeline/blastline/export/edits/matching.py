@@ -159,7 +159,8 @@ def _wish(edited: EditedFile, pair: Pair, identity: str, rate_hz: int) -> Wish:
 def _with_whole_windows(wishes: Iterable[Wish], originals: Iterable[Event]) -> Iterator[Wish]:
     """Yield the wishes, each with its original window where nobody has touched any event of it.
 
-    Shots that follow closely share a window. Where one of them is gone, it must not go on in the window of the others.
+    One that has become too short for its fades keeps its ends alone. Shots that follow closely share a window. Where
+    one of them is gone, it must not go on in the window of the others.
     """
     listed = list(wishes)
     untouched = {
@@ -171,7 +172,7 @@ def _with_whole_windows(wishes: Iterable[Wish], originals: Iterable[Event]) -> I
     for wish in listed:
         if wish.was is None or not wish.unmoved:
             yield wish
-        elif mates[wish.was.window] <= untouched:
+        elif mates[wish.was.window] <= untouched and wish.was.window.fits_fades:
             yield replace(wish, window=wish.was.window)
         elif len(mates[wish.was.window]) == 1:
             own = wish.was.window  # the end that was not touched stays

@@ -38,6 +38,8 @@ def _read(path: Path) -> EditedFile:
     first = text.lstrip().split("\n", 1)[0].lower()
     if is_table or any(name in first for name in ONSETS) or first.startswith(("#", '"#"', "sep=")):
         grid = separated(text, path)
+        if not grid.rows:  # blank cells alone, or nothing after `sep=;`
+            raise TimelineError(f"{path}: line 1: no header; expected {_HEADERS}")
         header = grid.rows[0].cells
         if is_reaper(header):
             return read_reaper(grid, path)
