@@ -158,7 +158,7 @@ def detect(
     if output is None:
         typer.echo(found(), nl=False)
         return
-    with staged(output.parent, names=[output.name], overwrite=overwrite) as hidden:
+    with staged(output.parent, names=[output.name], films=[film], overwrite=overwrite) as hidden:
         (hidden / output.name).write_bytes(found())
 
 
