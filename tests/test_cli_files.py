@@ -197,6 +197,35 @@ def test_earlier_results_are_replaced_only_when_that_is_asked_for(tmp_path: Path
     assert files(tmp_path)["notes.txt"] == b"mine"
 
 
+def test_the_film_itself_is_no_place_for_a_timeline(tmp_path: Path, film: Path) -> None:
+    own = tmp_path / "film.wav"
+    own.write_bytes(film.read_bytes())
+    before = files(tmp_path)
+    for options in ((), ("--overwrite",)):
+        complaint = blastline("detect", own, "-o", own, *options).complaint
+        assert complaint == f"{own}: is the film itself; choose another folder or name for the results"
+    (tmp_path / "out").mkdir()
+    own.rename(tmp_path / "out" / "drive.wav")
+    ended = blastline("render", tmp_path / "out" / "drive.wav", "-o", tmp_path / "out", "--overwrite")
+    assert "drive.wav: is the film itself" in ended.complaint
+    assert files(tmp_path) == {"out/drive.wav": before["film.wav"]}
+
+
+def test_of_an_earlier_film_nothing_stays_beside_a_later_one(tmp_path: Path, result: Path, film: Path) -> None:
+    for name in files(result):
+        (tmp_path / name).write_bytes((result / name).read_bytes())
+    formats = ("--format", "otio,haptic", "--frame-rate", "24")
+    assert blastline("export", result / "timeline.json", *formats, "-o", tmp_path, "-q").code == 0
+    edited = tmp_path / "timeline.audacity.txt"
+    edited.write_text("1.0\t1.2\tshot-0001 1.00\n")
+    (tmp_path / "notes.txt").write_text("mine")
+    options = ("--format", "json", "--no-report", "--timeline", edited, "--original", result / "timeline.json")
+    assert blastline("render", film, "-o", tmp_path, *options, "-q").code == 2
+    assert {"timeline.otio", "report.html", "timeline.reel-01.haptic"} <= files(tmp_path).keys()
+    assert blastline("render", film, "-o", tmp_path, *options, "-q", "--overwrite").code == 0
+    assert sorted(files(tmp_path)) == ["drive.wav", "notes.txt", edited.name, "timeline.json"]
+
+
 def test_a_place_that_cannot_be_written_is_refused(tmp_path: Path, film: Path) -> None:
     (tmp_path / "file").write_text("mine")
     assert "file: is a file; expected a folder" in blastline("render", film, "-o", tmp_path / "file").complaint
@@ -229,7 +258,7 @@ def test_a_full_disk_is_one_line_and_leaves_nothing(tmp_path: Path, film: Path, 
         (out / "timeline.csv").write_text("mine")
     before = files(tmp_path)
     ended = blastline_alone("render", film, "-o", out, "--overwrite", "--quiet", prepare=small_files_only)
-    assert "File too large" in ended.complaint
+    assert ended.complaint == f"{out / 'drive.wav'}: cannot write the drive: File too large"
     assert files(tmp_path) == before
     assert out.exists() == earlier
 
