@@ -3,6 +3,7 @@
 import json
 import signal
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -243,15 +244,16 @@ def test_a_timeline_of_a_newer_version_is_refused(tmp_path: Path, result: Path) 
     assert not (tmp_path / "out").exists()
 
 
+def small_files_only(most_bytes: int = 100_000) -> None:
+    """Limit the size of files, which is what a full disk looks like from inside."""
+    import resource
+
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX limits")
 @pytest.mark.parametrize("earlier", [False, True])
 def test_a_full_disk_is_one_line_and_leaves_nothing(tmp_path: Path, film: Path, earlier: bool) -> None:
-    """A limit on the size of a file is what a full disk looks like from inside."""
-    import resource
-
-    def small_files_only() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
-
     out = tmp_path / "out"
     if earlier:
         out.mkdir()
@@ -261,6 +263,16 @@ def test_a_full_disk_is_one_line_and_leaves_nothing(tmp_path: Path, film: Path, 
     assert ended.complaint == f"{out / 'drive.wav'}: cannot write the drive: File too large"
     assert files(tmp_path) == before
     assert out.exists() == earlier
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX limits")
+def test_a_full_disk_is_told_by_detect_and_synth_with_the_name_that_was_asked_for(tmp_path: Path, film: Path) -> None:
+    out, scene = tmp_path / "out", Path(__file__).parents[1] / "fixtures" / "demo.toml"
+    found = blastline_alone("detect", film, "-q", "-o", out / "f.json", prepare=partial(small_files_only, 100))
+    made = blastline_alone("synth", scene, "-q", "-o", out, prepare=small_files_only)
+    assert found.complaint == f"{out / 'f.json'}: cannot write: File too large"
+    assert made.complaint.startswith(f"{out / 'demo.wav'}: cannot write the sound: ")
+    assert not out.exists()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
