@@ -3,6 +3,7 @@
 import json
 import signal
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -197,6 +198,35 @@ def test_earlier_results_are_replaced_only_when_that_is_asked_for(tmp_path: Path
     assert files(tmp_path)["notes.txt"] == b"mine"
 
 
+def test_the_film_itself_is_no_place_for_a_timeline(tmp_path: Path, film: Path) -> None:
+    own = tmp_path / "film.wav"
+    own.write_bytes(film.read_bytes())
+    before = files(tmp_path)
+    for options in ((), ("--overwrite",)):
+        complaint = blastline("detect", own, "-o", own, *options).complaint
+        assert complaint == f"{own}: is the film itself; choose another folder or name for the results"
+    (tmp_path / "out").mkdir()
+    own.rename(tmp_path / "out" / "drive.wav")
+    ended = blastline("render", tmp_path / "out" / "drive.wav", "-o", tmp_path / "out", "--overwrite")
+    assert "drive.wav: is the film itself" in ended.complaint
+    assert files(tmp_path) == {"out/drive.wav": before["film.wav"]}
+
+
+def test_of_an_earlier_film_nothing_stays_beside_a_later_one(tmp_path: Path, result: Path, film: Path) -> None:
+    for name in files(result):
+        (tmp_path / name).write_bytes((result / name).read_bytes())
+    formats = ("--format", "otio,haptic", "--frame-rate", "24")
+    assert blastline("export", result / "timeline.json", *formats, "-o", tmp_path, "-q").code == 0
+    edited = tmp_path / "timeline.audacity.txt"
+    edited.write_text("1.0\t1.2\tshot-0001 1.00\n")
+    (tmp_path / "notes.txt").write_text("mine")
+    options = ("--format", "json", "--no-report", "--timeline", edited, "--original", result / "timeline.json")
+    assert blastline("render", film, "-o", tmp_path, *options, "-q").code == 2
+    assert {"timeline.otio", "report.html", "timeline.reel-01.haptic"} <= files(tmp_path).keys()
+    assert blastline("render", film, "-o", tmp_path, *options, "-q", "--overwrite").code == 0
+    assert sorted(files(tmp_path)) == ["drive.wav", "notes.txt", edited.name, "timeline.json"]
+
+
 def test_a_place_that_cannot_be_written_is_refused(tmp_path: Path, film: Path) -> None:
     (tmp_path / "file").write_text("mine")
     assert "file: is a file; expected a folder" in blastline("render", film, "-o", tmp_path / "file").complaint
@@ -214,24 +244,35 @@ def test_a_timeline_of_a_newer_version_is_refused(tmp_path: Path, result: Path) 
     assert not (tmp_path / "out").exists()
 
 
+def small_files_only(most_bytes: int = 100_000) -> None:
+    """Limit the size of files, which is what a full disk looks like from inside."""
+    import resource
+
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX limits")
 @pytest.mark.parametrize("earlier", [False, True])
 def test_a_full_disk_is_one_line_and_leaves_nothing(tmp_path: Path, film: Path, earlier: bool) -> None:
-    """A limit on the size of a file is what a full disk looks like from inside."""
-    import resource
-
-    def small_files_only() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
-
     out = tmp_path / "out"
     if earlier:
         out.mkdir()
         (out / "timeline.csv").write_text("mine")
     before = files(tmp_path)
     ended = blastline_alone("render", film, "-o", out, "--overwrite", "--quiet", prepare=small_files_only)
-    assert "File too large" in ended.complaint
+    assert ended.complaint == f"{out / 'drive.wav'}: cannot write the drive: File too large"
     assert files(tmp_path) == before
     assert out.exists() == earlier
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX limits")
+def test_a_full_disk_is_told_by_detect_and_synth_with_the_name_that_was_asked_for(tmp_path: Path, film: Path) -> None:
+    out, scene = tmp_path / "out", Path(__file__).parents[1] / "fixtures" / "demo.toml"
+    found = blastline_alone("detect", film, "-q", "-o", out / "f.json", prepare=partial(small_files_only, 100))
+    made = blastline_alone("synth", scene, "-q", "-o", out, prepare=small_files_only)
+    assert found.complaint == f"{out / 'f.json'}: cannot write: File too large"
+    assert made.complaint.startswith(f"{out / 'demo.wav'}: cannot write the sound: ")
+    assert not out.exists()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")

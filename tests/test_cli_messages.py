@@ -52,18 +52,30 @@ def test_a_render_is_summed_up(monkeypatch: pytest.MonkeyPatch) -> None:
     assert (ended.code, ended.out) == (0, "")
     assert ended.err.splitlines() == [
         "blastline: listening ...",
+        "warning: 2 samples were not numbers",
         "webvtt: times are whole milliseconds",
         "2 shots, 1 burst",
         "drive: 1 filter",
-        "warning: 2 samples were not numbers",
         f"results: {Path('out', 'report.html')}",
         "checks: 2 of 2 passed",
     ]
-    assert blastline("render", "film.mkv", "-o", "out", "--quiet").err == ""
+    assert blastline("render", "film.mkv", "-o", "out", "--quiet").err == "warning: 2 samples were not numbers\n"
     (film, folder, options), (_, _, default) = asked
     assert (film, folder) == (Path("film.mkv"), Path("out"))
     assert options == run.RenderOptions(formats=("csv", "json"), mix="0,2", stream=1)
     assert default == run.RenderOptions()
+
+
+@pytest.mark.parametrize("options", [(), ("--quiet",), ("-o", "found.json")])
+def test_detect_warns_of_a_damaged_film(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...]
+) -> None:
+    found = timeline()
+    damaged = msgspec.structs.replace(found, source=msgspec.structs.replace(found.source, warnings=("1 packet lost",)))
+    monkeypatch.setattr(run, "detect", lambda *_, **__: damaged)
+    monkeypatch.chdir(tmp_path)
+    ended = blastline("detect", "film.mkv", *options)
+    assert (ended.code, ended.err) == (0, "warning: 1 packet lost\n")
 
 
 def test_every_option_of_render_arrives(monkeypatch: pytest.MonkeyPatch) -> None:

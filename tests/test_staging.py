@@ -2,6 +2,8 @@
 
 import errno
 import os
+import threading
+import time
 from pathlib import Path
 from typing import Any
 
@@ -201,3 +203,133 @@ def test_a_set_that_cannot_be_replaced_whole_stays_as_it_was(
     else:
         reels_into(tmp_path, 1, "second", overwrite=True)
         assert "reel-2.haptic" not in state(tmp_path)
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_the_film_is_never_replaced(tmp_path: Path, overwrite: bool) -> None:
+    film = tmp_path / "film.wav"
+    film.write_text("film")
+    os.link(film, tmp_path / "b.json")
+    with (
+        pytest.raises(OutputError, match=r"b\.json: is the film itself; choose another"),
+        staged(tmp_path, names=NAMES, films=[film], overwrite=overwrite),
+    ):
+        pass
+    assert state(tmp_path) == {"film.wav": "film", "b.json": "film"}
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes and links")
+@pytest.mark.parametrize("overwrite", [False, True])
+def test_what_is_no_regular_file_is_never_replaced(tmp_path: Path, overwrite: bool) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "mine").write_text("mine")
+    (tmp_path / "link").symlink_to("mine")
+    (tmp_path / "lost").symlink_to("nowhere")
+    for name, what in (("pipe", "a pipe, a device or the like"), ("link", "a link"), ("lost", "a link")):
+        with (
+            pytest.raises(OutputError, match=f"{name}: is {what}; expected the name of a regular file to write"),
+            staged(tmp_path, names=[name], overwrite=overwrite),
+        ):
+            pass
+    assert (tmp_path / "pipe").is_fifo()
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "lost").is_symlink()
+    assert len([*tmp_path.iterdir()]) == 4
+
+
+def test_of_two_runs_at_once_the_first_to_end_stays_whole(tmp_path: Path) -> None:
+    def second() -> None:
+        with staged(tmp_path, names=NAMES, overwrite=False) as hidden:
+            write_all(hidden, "second")
+            run_into(tmp_path, "first")
+
+    with pytest.raises(OutputError, match=r"a\.wav: exists already; give --overwrite"):
+        second()
+    assert state(tmp_path) == {name: f"first {name}" for name in NAMES}
+    assert len([*tmp_path.iterdir()]) == len(NAMES)
+
+
+def test_a_file_of_a_set_that_came_meanwhile_is_an_earlier_result(tmp_path: Path) -> None:
+    def second() -> None:
+        with staged(tmp_path, names=["index.csv"], sets=["reel-*.haptic"], overwrite=False) as hidden:
+            (hidden / "index.csv").write_text("second")
+            (tmp_path / "reel-1.haptic").write_text("mine")
+
+    with pytest.raises(OutputError, match=r"reel-1\.haptic: exists already"):
+        second()
+    assert state(tmp_path) == {"reel-1.haptic": "mine"}
+
+
+def test_two_runs_do_not_move_their_files_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second begins to move while the first has moved one of three: it waits, and replaces all or nothing."""
+    replace, begun = Path.replace, threading.Event()
+
+    def slowly(self: Path, target: Path) -> Path:
+        begun.set()
+        time.sleep(0.05)
+        return replace(self, target)
+
+    monkeypatch.setattr(Path, "replace", slowly)
+    first = threading.Thread(target=run_into, args=(tmp_path, "first"), kwargs={"overwrite": True})
+    first.start()
+    assert begun.wait(10.0)
+    run_into(tmp_path, "second", overwrite=True)
+    first.join()
+    assert state(tmp_path) == {name: f"second {name}" for name in NAMES}
+
+
+def test_a_run_that_never_ends_moving_is_not_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("blastline.staging._LONGEST_WAIT_S", 0.05)
+    (tmp_path / ".blastline-moving").mkdir()
+    with pytest.raises(OutputError, match=r"\.blastline-moving: another run is writing here; remove it"):
+        run_into(tmp_path)
+    assert state(tmp_path) == {}
+
+
+def test_a_full_disk_that_names_no_file_is_told_with_the_one_written_last(tmp_path: Path) -> None:
+    def full(names: list[str], *written: str) -> None:
+        with staged(tmp_path, names=names, overwrite=False) as hidden:
+            for number, name in enumerate(written):
+                (hidden / name).write_text("half")
+                os.utime(hidden / name, (number, number))
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    for names, written in (([*NAMES], ["a.wav", "b.json"]), (["b.json"], [])):
+        with pytest.raises(OutputError) as raised:
+            full(names, *written)
+        assert str(raised.value) == f"{tmp_path / 'b.json'}: cannot write: No space left on device"
+
+
+def test_the_hidden_name_is_never_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    def refused(folder: Path) -> None:
+        with staged(folder, names=NAMES, overwrite=False) as hidden:
+            raise OutputError(f"{hidden / 'a.wav'}: cannot write the drive")
+
+    for folder in (Path(), Path("out"), tmp_path):
+        with pytest.raises(OutputError) as raised:
+            refused(folder)
+        assert str(raised.value) == f"{folder / 'a.wav'}: cannot write the drive"
+
+
+def test_what_an_earlier_run_left_goes_when_it_is_overwritten_and_nothing_else(tmp_path: Path) -> None:
+    """An earlier run's other files go last; the film, what is spared, and what is no file stay."""
+    for name in ("x.otio", "edited.otio", "film.otio", "notes.txt", "reel-1.haptic"):
+        (tmp_path / name).write_text("earlier")
+    (tmp_path / "folder.otio").mkdir()
+    kept = {"film.otio": "earlier", "edited.otio": "earlier", "notes.txt": "earlier"}
+    before = state(tmp_path)
+    for overwrite, there in ((False, before), (True, kept)):
+        with staged(
+            tmp_path,
+            names=[f"{overwrite}.json"],
+            stale=["*.otio", "reel-*.haptic", "none.csv"],
+            films=[tmp_path / "film.otio"],
+            spared=[tmp_path / "edited.otio"],
+            overwrite=overwrite,
+        ) as hidden:
+            (hidden / f"{overwrite}.json").write_text("new")
+        (tmp_path / f"{overwrite}.json").unlink()
+        assert state(tmp_path) == there
+    assert (tmp_path / "folder.otio").is_dir()

@@ -1,36 +1,72 @@
 """Results appear whole or not at all.
 
 A run writes into a hidden folder beside its results and moves each file into place when every one is finished. An
-error or an interruption removes the hidden folder and leaves earlier results as they were.
+error or an interruption removes the hidden folder and leaves earlier results as they were. Of several runs into one
+folder only one at a time moves its files.
 """
 
+import errno
+import os
 import shutil
+import stat
 import tempfile
+import time
 from collections.abc import Collection, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 from .errors import BlastlineError, OutputError
 
+_LOCK = ".blastline-moving"
+_LONGEST_WAIT_S = 20.0
+_FULL = {errno.ENOSPC, errno.EFBIG, errno.EDQUOT}
+
+
+@dataclass(frozen=True)
+class _Results:
+    """What a run writes into a folder, and what it may replace or take away there; as for `staged`."""
+
+    folder: Path
+    names: Collection[str]
+    sets: Collection[str]
+    stale: Collection[str]
+    films: Collection[Path]
+    spared: Collection[Path]
+    overwrite: bool
+
 
 @contextmanager
-def staged(folder: Path, *, names: Collection[str], overwrite: bool, sets: Collection[str] = ()) -> Iterator[Path]:
+def staged(
+    folder: Path,
+    *,
+    names: Collection[str],
+    overwrite: bool,
+    sets: Collection[str] = (),
+    stale: Collection[str] = (),
+    films: Collection[Path] = (),
+    spared: Collection[Path] = (),
+) -> Iterator[Path]:
     """Yield a hidden folder to write into; on success move all its files into `folder`.
 
     `names` are the files that the run is going to write; `sets` are patterns such as `reel-*.haptic`, for files whose
-    number is not known yet: those that an earlier run left and this one does not write again are removed. Raises
-    OutputError where one of them exists and `overwrite` is not set, or where `folder` cannot be made or written.
+    number is not known yet: those that an earlier run left and this one does not write again are removed. So is, with
+    `overwrite`, what `stale` names: whatever else an earlier run may have written. `films` are never replaced, and
+    neither they nor what is `spared` is removed. Raises OutputError where one of the files exists and `overwrite` is
+    not set, now or when it is to be moved into place, where it is no regular file, or where `folder` cannot be written.
     """
-    _refuse_existing(folder, names, sets, overwrite)
+    wanted = _Results(folder, names, sets, stale, films, spared, overwrite)
+    _refuse_existing(wanted, names)
     made = _missing_parents(folder)
     try:
         hidden = _hidden_folder(folder)
         try:
             yield hidden
-            _move_all(hidden, folder, sets)
+            with _alone_in(folder):
+                _move_all(hidden, wanted)
             made = []
         except OSError as error:
-            told = _output_error(error, hidden, folder)
+            told = _output_error(error, hidden, wanted)
             if told is None:
                 raise
             raise told from error
@@ -38,7 +74,7 @@ def staged(folder: Path, *, names: Collection[str], overwrite: bool, sets: Colle
             shutil.rmtree(hidden, ignore_errors=True)
     finally:
         for parent in made:
-            if parent.is_dir() and not any(parent.iterdir()):
+            with suppress(OSError):  # another run may be writing there by now
                 parent.rmdir()
 
 
@@ -50,28 +86,79 @@ def _hidden_folder(folder: Path) -> Path:
         raise OutputError(f"{folder}: cannot write here: {error.strerror}") from error
 
 
-def _output_error(error: OSError, hidden: Path, folder: Path) -> OutputError | None:
+@contextmanager
+def _alone_in(folder: Path) -> Iterator[None]:
+    """Let no other run move its files into the folder meanwhile; OutputError where one does not come to its end.
+
+    A folder that is made for it is a lock on every system; moving takes milliseconds, so that waiting is short.
+    """
+    lock, until_s = folder / _LOCK, time.monotonic() + _LONGEST_WAIT_S
+    while True:
+        try:
+            lock.mkdir()
+            break
+        except FileExistsError:
+            if time.monotonic() > until_s:
+                raise OutputError(f"{lock}: another run is writing here; remove it where that is not so") from None
+            time.sleep(0.01)
+    try:
+        yield
+    finally:
+        lock.rmdir()
+
+
+def _output_error(error: OSError, hidden: Path, wanted: _Results) -> OutputError | None:
     """Return a failure to write in the user's words, with the file's final name; None for any other error."""
-    place = Path(str(error.filename)) if error.filename else hidden
-    if isinstance(error, BlastlineError) or error.errno is None or not place.is_relative_to(hidden):
+    folder = wanted.folder
+    if isinstance(error, OutputError):
+        told = str(error).replace(f"{hidden}{os.sep}", str(folder / "_")[:-1]).replace(str(hidden), str(folder))
+        return OutputError(told) if told != str(error) else None
+    if isinstance(error, BlastlineError) or error.errno is None:
+        return None
+    if error.filename is None:
+        # an open file that cannot grow does not tell its name; a failure to read has other numbers
+        full = error.errno in _FULL
+        return OutputError(f"{_unfinished(hidden, wanted)}: cannot write: {error.strerror}") if full else None
+    place = Path(str(error.filename))
+    if not place.is_relative_to(hidden):
         return None
     return OutputError(f"{folder / place.relative_to(hidden)}: cannot write: {error.strerror}")
 
 
-def _refuse_existing(folder: Path, names: Collection[str], sets: Collection[str], overwrite: bool) -> None:
+def _unfinished(hidden: Path, wanted: _Results) -> Path:
+    """Return the final name of the file that was written last; that of the folder where none was."""
+    if len(wanted.names) == 1 and not wanted.sets:
+        return wanted.folder / next(iter(wanted.names))
+    files = [path for path in hidden.iterdir() if path.is_file()]
+    newest = max(files, key=lambda path: path.stat().st_mtime_ns, default=None)
+    return wanted.folder if newest is None else wanted.folder / newest.name
+
+
+def _refuse_existing(wanted: _Results, names: Collection[str]) -> None:
+    folder = wanted.folder
     if folder.exists() and not folder.is_dir():
         raise OutputError(f"{folder}: is a file; expected a folder for the results")
-    there = [folder / name for name in names if (folder / name).exists()]
-    there += [file for pattern in sets for file in sorted(folder.glob(pattern))]
+    there = [folder / name for name in names if os.path.lexists(folder / name)]
+    there += [file for pattern in wanted.sets for file in sorted(folder.glob(pattern))]
     for file in there:
-        _refuse_folder(file)
-    if there and not overwrite:
+        _refuse_irregular(file)
+        if _is_one_of(file, wanted.films):
+            raise OutputError(f"{file}: is the film itself; choose another folder or name for the results")
+    if there and not wanted.overwrite:
         raise OutputError(f"{there[0]}: exists already; give --overwrite to replace it, or another folder")
 
 
-def _refuse_folder(target: Path) -> None:
+def _refuse_irregular(target: Path) -> None:
+    """Raise OutputError for what moving a file into its place would destroy: a folder, a pipe, a device, a link."""
     if target.is_dir():
         raise OutputError(f"{target}: is a folder; expected the name of a file to write")
+    if os.path.lexists(target) and not stat.S_ISREG(target.lstat().st_mode):
+        what = "a link" if target.is_symlink() else "a pipe, a device or the like"
+        raise OutputError(f"{target}: is {what}; expected the name of a regular file to write")
+
+
+def _is_one_of(file: Path, others: Collection[Path]) -> bool:
+    return any(other.exists() and file.samefile(other) for other in others)
 
 
 def _missing_parents(folder: Path) -> list[Path]:
@@ -79,30 +166,42 @@ def _missing_parents(folder: Path) -> list[Path]:
     return [path for path in (folder, *folder.parents) if not path.exists()]
 
 
-def _move_all(hidden: Path, folder: Path, sets: Collection[str]) -> None:
-    """Move every file into place, and away what else was of a set; where that fails half-way, put all of it back."""
+def _move_all(hidden: Path, wanted: _Results) -> None:
+    """Move every file into place, then away what earlier runs left; where that fails half-way, put all of it back."""
+    folder = wanted.folder
     files = sorted(path.relative_to(hidden) for path in hidden.rglob("*") if path.is_file())
+    _refuse_existing(wanted, [*wanted.names, *map(str, files)])
     earlier = Path(tempfile.mkdtemp(prefix="earlier-", dir=hidden))
-    stale = {path.relative_to(folder) for pattern in sets for path in folder.glob(pattern)} - set(files)
+    left = sorted(_left_by_earlier_runs(wanted) - set(files))
     done: list[Path] = []
     try:
         for file in files:
             target = folder / file
             target.parent.mkdir(parents=True, exist_ok=True)
             done.append(file)
-            _refuse_folder(target)
             if target.exists():
                 (earlier / file).parent.mkdir(parents=True, exist_ok=True)
                 target.replace(earlier / file)
             (hidden / file).replace(target)
-        for file in sorted(stale):
+        for file in left:
             (folder / file).replace(earlier / file)
     except BaseException:
-        for file in stale:
+        for file in left:
             _put_back(earlier / file, folder / file, moved=False)
         for file in done:
             _put_back(earlier / file, folder / file, moved=not (hidden / file).exists())
         raise
+
+
+def _left_by_earlier_runs(wanted: _Results) -> set[Path]:
+    """Return the files of sets, and the stale ones where they may be removed, that are in the folder."""
+    folder = wanted.folder
+    found = {path for pattern in wanted.sets for path in folder.glob(pattern)}
+    if wanted.overwrite:
+        stale = {path for pattern in wanted.stale for path in folder.glob(pattern)}
+        kept = (*wanted.films, *wanted.spared)
+        found |= {path for path in stale if path.is_file() and not path.is_symlink() and not _is_one_of(path, kept)}
+    return {path.relative_to(folder) for path in found}
 
 
 def _put_back(before: Path, target: Path, *, moved: bool) -> None:

@@ -19,6 +19,7 @@ import typer
 from .. import __version__
 from ..errors import BlastlineError
 from . import actuators, conform, film, rulefiles, study, synthesis
+from .complaints import complaint
 
 USAGE, BUG, INTERRUPTED, CLOSED_PIPE = 2, 70, 130, 141
 
@@ -68,7 +69,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except typer.TyperException as error:
         context = getattr(error, "ctx", None)
         command = context.command_path if context else "blastline"
-        return _say(f"{error.format_message().rstrip('.')} (see `{command} --help`)", USAGE)
+        return _say(f"{complaint(error)} (see `{command} --help`)", USAGE)
     except BlastlineError as error:
         return _say(str(error), USAGE)
     except (BrokenPipeError, SystemExit):  # typer turns the first into the second

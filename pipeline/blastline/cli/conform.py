@@ -7,6 +7,7 @@ import typer
 
 from .options import NewMix, NewStream, Overwrite, Quiet, ResultFolder, RulesOption
 from .progress import shown_progress
+from .summary import say_warnings
 
 if TYPE_CHECKING:
     from ..run import Conformed
@@ -51,8 +52,7 @@ def conform(
             overwrite=overwrite,
             progress=progress,
         )
-    for warning in done.timeline.source.warnings:
-        typer.echo(f"warning: {warning}", err=True)
+    say_warnings(done.timeline)
     _say_lost(done)
     if not quiet:
         _say_stretches(done)

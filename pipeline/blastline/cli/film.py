@@ -35,7 +35,7 @@ from .options import (
     listed,
 )
 from .progress import shown_progress
-from .summary import say_checks, say_summary
+from .summary import say_checks, say_summary, say_warnings
 
 if TYPE_CHECKING:
     from ..run import Allowance, RenderOptions
@@ -95,6 +95,7 @@ def render(
     notes: list[str] = []
     with shown_progress(quiet=quiet) as progress:
         made = run.render(film, folder, options, progress, notes.append)
+    say_warnings(made)
     if not quiet:
         for note in notes:
             typer.echo(note, err=True)
@@ -140,10 +141,10 @@ def detect(
         quality=quality or "standard", rules=rules, mix=mix, stream=stream, timebase=timebase, report=False
     )
 
-    def found() -> bytes:
+    def found() -> Timeline:
         asked = options if allowed is None else _within(film, allowed, options, drives=False, quiet=quiet)
         with shown_progress(quiet=quiet) as progress:
-            timeline = run.detect(
+            return run.detect(
                 film,
                 quality=asked.quality,
                 rules=rules,
@@ -153,13 +154,15 @@ def detect(
                 budget=asked.budget,
                 progress=progress,
             )
-        return encode(timeline)
 
     if output is None:
-        typer.echo(found(), nl=False)
-        return
-    with staged(output.parent, names=[output.name], overwrite=overwrite) as hidden:
-        (hidden / output.name).write_bytes(found())
+        timeline = found()
+        typer.echo(encode(timeline), nl=False)
+    else:
+        with staged(output.parent, names=[output.name], films=[film], overwrite=overwrite) as hidden:
+            timeline = found()
+            (hidden / output.name).write_bytes(encode(timeline))
+    say_warnings(timeline)
 
 
 def check(

@@ -6,7 +6,8 @@ from typing import Annotated
 import typer
 
 from . import study_detection, study_pareto
-from .options import ActuatorOption, QualityOption, RulesOption
+from .figures import as_json, figures_file
+from .options import ActuatorOption, Overwrite, QualityOption, RulesOption
 from .studied import rendering_table, segmentation_table
 
 group = typer.Typer(help="Measure accuracy on scenes and recordings with a known truth.")
@@ -33,6 +34,7 @@ def segmentation(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every figure as JSON.")
     ] = None,
+    overwrite: Overwrite = False,
 ) -> int:
     """Part the shots of synthetic films into blast and reflections, and compare with what is heard in them.
 
@@ -40,17 +42,15 @@ def segmentation(
     """
     from itertools import chain
 
-    import msgspec
-
     from ..errors import RuleError
     from ..study.segmentation import random_films, scene_films, score
 
     if fixtures is None and random == 0:
         raise RuleError("study segmentation: give --fixtures, --random or both")
     made = chain(scene_films(fixtures) if fixtures else (), random_films(range(seed, seed + random)))
-    result = score(made, quality, rules)
-    if output:
-        output.write_bytes(msgspec.json.format(msgspec.json.encode(result), indent=1) + b"\n")
+    with figures_file(output, overwrite=overwrite) as write:
+        result = score(made, quality, rules)
+        write(as_json(result))
     typer.echo(segmentation_table(result))
     return 0 if all(bar.met for bar in result.bars) else 1
 
@@ -66,18 +66,17 @@ def rendering(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every figure, shot by shot, as JSON.")
     ] = None,
+    overwrite: Overwrite = False,
 ) -> int:
     """Render the shots of scenes in every way there is, say what is felt of them, and whether the bars are met.
 
     Exit code 1 where one is not. Example: `blastline study rendering --fixtures fixtures`
     """
-    import msgspec
-
     from ..study.rendering import score
 
-    result = score(fixtures, quality=quality, actuator=actuator, rules=rules)
-    if output:
-        output.write_bytes(msgspec.json.format(msgspec.json.encode(result), indent=1) + b"\n")
+    with figures_file(output, overwrite=overwrite) as write:
+        result = score(fixtures, quality=quality, actuator=actuator, rules=rules)
+        write(as_json(result))
     typer.echo(rendering_table(result))
     return 0 if all(bar.met for bar in result.bars) else 1
 
@@ -87,6 +86,7 @@ def stability(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every row as JSON as well.")
     ] = None,
+    overwrite: Overwrite = False,
 ) -> int:
     """Measure the numbers at their extremes against independent references; exit code 1 where one misses its bar.
 
@@ -95,11 +95,11 @@ def stability(
     from ..study.stability import measure_stability, stability_json
 
     bars = []
-    for family, bar in measure_stability():
-        bars.append((family, bar))
-        typer.echo(f"{family:<12} {bar}")
-    if output:
-        output.write_bytes(stability_json(bars))
+    with figures_file(output, overwrite=overwrite) as write:
+        for family, bar in measure_stability():
+            bars.append((family, bar))
+            typer.echo(f"{family:<12} {bar}")
+        write(stability_json(bars))
     missed = sum(not bar.met for _, bar in bars)
     typer.echo(f"\n{len(bars)} rows, {missed} miss their bar")
     return 1 if missed else 0
@@ -112,22 +112,21 @@ def conform(
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every figure as JSON.")
     ] = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """Cut a synthetic film anew in many ways, and say how many shots were found in each new cut, and how exactly.
 
     Example: `blastline study conform --minutes 5`
     """
-    import msgspec
-
     from ..study.conforming import score_all
 
-    typer.echo(f"{'new cut':<64} {'shots':>6} {'1 ms':>6} {'lost':>6} {'gone':>6} {'false':>6} {'worst, ms':>10}")
     scores = []
-    for each in score_all(seed, minutes):
-        scores.append(each)
-        typer.echo(
-            f"{each.name:<64} {each.surviving:6d} {each.within:6d} {each.lost:6d} {each.removed:6d} {each.false:6d} "
-            f"{each.worst_ms:10.4f}"
-        )
-    if output:
-        output.write_bytes(msgspec.json.format(msgspec.json.encode(scores), indent=1) + b"\n")
+    with figures_file(output, overwrite=overwrite) as write:
+        typer.echo(f"{'new cut':<64} {'shots':>6} {'1 ms':>6} {'lost':>6} {'gone':>6} {'false':>6} {'worst, ms':>10}")
+        for each in score_all(seed, minutes):
+            scores.append(each)
+            typer.echo(
+                f"{each.name:<64} {each.surviving:6d} {each.within:6d} {each.lost:6d} {each.removed:6d} "
+                f"{each.false:6d} {each.worst_ms:10.4f}"
+            )
+        write(as_json(scores))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import RuleError
+from .figures import as_json, figures_file
 from .options import MESSAGES, Overwrite, QualityOption, RulesOption
 from .progress import shown_progress
 from .studied import detection_table
@@ -131,14 +132,16 @@ def detection(
 
     Your own: `blastline study detection --corpus my-recordings --mix 6,30 --excerpts wrong`
     """
-    import msgspec
-
     from ..staging import staged
     from ..study.detection import study_detection
     from ..study.events import EVENTS, EXCERPTS, write_events
 
     source = source_of(fixtures, corpus, mix, clips=clips, fold=fold, random=random, films=films, seed=seed)
-    with tempfile.TemporaryDirectory(prefix="blastline-") as made, shown_progress(quiet=quiet) as progress:
+    with (
+        figures_file(output, overwrite=overwrite) as write,
+        tempfile.TemporaryDirectory(prefix="blastline-") as made,
+        shown_progress(quiet=quiet) as progress,
+    ):
         listen = partial(
             study_detection, source, Path(made), quality, rules, with_peers=peers, jobs=jobs, progress=progress
         )
@@ -148,8 +151,7 @@ def detection(
             with staged(excerpts, names=[EVENTS], sets=EXCERPTS, overwrite=overwrite) as hidden:
                 study, paths = listen()
                 write_events(hidden, [(path, case.events) for path, case in zip(paths, study.cases, strict=True)])
-    if output:
-        output.write_bytes(msgspec.json.format(msgspec.json.encode(study), indent=1) + b"\n")
+        write(as_json(study))
     typer.echo(detection_table(study))
 
 

@@ -8,7 +8,7 @@ from ..model import Check, Edits, Timeline
 
 
 def say_summary(timeline: Timeline, results: Path) -> None:
-    """Say on stderr how many shots there are, how they are driven, what was mended, and where the results are."""
+    """Say on stderr how many shots there are, how they are driven, and where the results are."""
     events = timeline.events
     bursts = {event.burst for event in events if event.burst is not None}
     models = [event.drive.model for event in events if event.drive is not None]
@@ -18,9 +18,13 @@ def say_summary(timeline: Timeline, results: Path) -> None:
     if models:
         driven = ", ".join(f"{models.count(model)} {model}" for model in sorted(set(models)))
         typer.echo(f"drive: {driven}", err=True)
+    typer.echo(f"results: {results}", err=True)
+
+
+def say_warnings(timeline: Timeline) -> None:
+    """Say on stderr what of the film was damaged and how it was mended; it is no progress, so quiet hides nothing."""
     for warning in timeline.source.warnings:
         typer.echo(f"warning: {warning}", err=True)
-    typer.echo(f"results: {results}", err=True)
 
 
 def _say_edits(edits: Edits) -> None:

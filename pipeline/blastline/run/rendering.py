@@ -4,12 +4,12 @@ listen -> choose a model for each window -> render -> write -> check what was wr
 """
 
 from collections.abc import Iterable
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import msgspec
 
-from ..errors import OutputError
-from ..export import export_timeline, known_formats, needs_drive, require_frame_rate, rounding
+from ..export import FORMATS, HAPTIC_FORMATS, export_timeline, known_formats, needs_drive, require_frame_rate, rounding
 from ..model import Edits, Timeline
 from ..report import OverviewMeter, write_report
 from ..soundtrack import Soundtrack, open_soundtrack
@@ -35,16 +35,13 @@ def render(
     Raises BlastlineError for input, rules or an output folder that cannot be used; nothing is written then.
     """
     setup = set_up(options, progress)
-    formats = known_formats(options.formats)
-    files = [names.DRIVE, *(file for each in formats for file in each.files), *([names.REPORT] * options.report)]
-    _refuse_to_replace(film, folder, files)
+    place = _place(film, folder, options)
     timebase, editing = options.timebase, None
     if options.timeline is not None:
         editing = read_editing(options.timeline, original=options.original)
         timebase = timebase_of(film, editing, said=timebase, stream=options.stream, mix=options.mix)
-    sets = [pattern for each in formats for pattern in each.sets]
     with (
-        staged(folder, names=files, sets=sets, overwrite=options.overwrite) as hidden,
+        place as hidden,
         open_soundtrack(film, stream=options.stream, mix=options.mix, spool_folder=hidden, timebase=timebase) as track,
     ):
         require_frame_rate(options.formats, track.described())
@@ -59,6 +56,20 @@ def render(
     for line in rounding(timeline, options.formats):
         note(line)
     return timeline
+
+
+def _place(film: Path, folder: Path, options: RenderOptions) -> AbstractContextManager[Path]:
+    """Return the place for the results, from which no file of an earlier film stays where it may be overwritten."""
+    formats, every = known_formats(options.formats), known_formats((*FORMATS, *HAPTIC_FORMATS))
+    return staged(
+        folder,
+        names=[names.DRIVE, *(file for each in formats for file in each.files), *([names.REPORT] * options.report)],
+        sets=[pattern for each in formats for pattern in each.sets],
+        stale=[names.DRIVE, names.REPORT, *(name for each in every for name in (*each.files, *each.sets))],
+        films=[film],
+        spared=[path for path in (options.timeline, options.original) if path is not None],
+        overwrite=options.overwrite,
+    )
 
 
 def _driven(
@@ -123,9 +134,3 @@ def write_report_of(
             "level": f"{timeline.level_db:+g} dB",
         },
     )
-
-
-def _refuse_to_replace(film: Path, folder: Path, files: Iterable[str]) -> None:
-    for name in files:
-        if (folder / name).exists() and film.exists() and (folder / name).samefile(film):
-            raise OutputError(f"{folder / name}: is the film itself; choose another folder for the results")

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from ..errors import OutputError
 from ..model import Span
 from ..staging import staged
 from .master import quantised
@@ -36,7 +37,10 @@ def synthesise(scene_path: Path, folder: Path, *, overwrite: bool = False) -> Tr
 
 
 def write_scene(scene: Scene, folder: Path) -> Truth:
-    """Write the sound and the truth of a scene into a folder that exists, in one pass, and return the truth."""
+    """Write the sound and the truth of a scene into a folder that exists, in one pass, and return the truth.
+
+    Raises OutputError where the disk refuses.
+    """
     import soundfile
 
     audio = render_scene(scene)
@@ -46,14 +50,17 @@ def write_scene(scene: Scene, folder: Path) -> Truth:
     wav = folder / f"{scene.name}.wav"
     bytes_long = audio.frames * audio.channels * scene.master.bits // 8
     container = "RF64" if bytes_long >= 2**32 - 2**16 else "WAV"
-    with soundfile.SoundFile(
-        wav, "w", samplerate=audio.rate_hz, channels=audio.channels, subtype=subtype, format=container
-    ) as file:
-        for start, block in audio.blocks(BLOCK_S * audio.rate_hz):
-            file.write(quantised(block, start, master=scene.master, seed=scene.seed))
-            span = Span(start, start + len(block))
-            shots += audio.shot_truths(span)
-            negatives += audio.negative_truths(span)
+    try:
+        with soundfile.SoundFile(
+            wav, "w", samplerate=audio.rate_hz, channels=audio.channels, subtype=subtype, format=container
+        ) as file:
+            for start, block in audio.blocks(BLOCK_S * audio.rate_hz):
+                file.write(quantised(block, start, master=scene.master, seed=scene.seed))
+                span = Span(start, start + len(block))
+                shots += audio.shot_truths(span)
+                negatives += audio.negative_truths(span)
+    except soundfile.SoundFileError as error:
+        raise OutputError(f"{wav}: cannot write the sound: {error}") from error
     truth = _truth(audio, shots, negatives)
     (folder / f"{scene.name}.truth.json").write_bytes(encode_truth(truth))
     return truth

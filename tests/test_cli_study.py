@@ -1,0 +1,52 @@
+"""What the studies write their figures into: refused before the work begins, whole, replaced only when asked for."""
+
+from pathlib import Path
+
+import pytest
+
+from commands import blastline
+
+STUDIES = [
+    ("detection --fixtures scenes", "blastline.study.detection.study_detection"),
+    ("rendering --fixtures scenes", "blastline.study.rendering.score"),
+    ("segmentation --random 1", "blastline.study.segmentation.score"),
+    ("stability", "blastline.study.stability.measure_stability"),
+    ("conform", "blastline.study.conforming.score_all"),
+]
+
+
+@pytest.mark.parametrize(("words", "work"), STUDIES)
+def test_a_file_for_figures_is_refused_before_the_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: str, work: str
+) -> None:
+    begun: list[str] = []
+
+    def measure(*_: object, **__: object) -> None:
+        begun.append(work)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(work, measure)
+    mine = tmp_path / "figures.json"
+    mine.write_text("mine")
+    told = blastline("study", *words.split(), "--output", mine).complaint
+    assert told == f"{mine}: exists already; give --overwrite to replace it, or another folder"
+    told = blastline("study", *words.split(), "--output", mine / "below.json", "--overwrite").complaint
+    assert told.startswith(f"{mine}: is a file; expected a folder")
+    assert begun == []
+    assert blastline("study", *words.split(), "--output", mine, "--overwrite").code == 130
+    assert begun == [work]
+    assert [*tmp_path.iterdir()] == [mine]
+    assert mine.read_text() == "mine"
+
+
+def test_figures_replace_earlier_ones_only_when_that_is_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("blastline.study.conforming.score_all", lambda *_: [])
+    file = tmp_path / "figures.json"
+    assert blastline("study", "conform", "-o", file).code == 0
+    first = file.read_text()
+    assert blastline("study", "conform", "-o", file).code == 2
+    file.write_text("mine")
+    assert blastline("study", "conform", "-o", file, "--overwrite").code == 0
+    assert file.read_text() == first == "[]\n"
