@@ -54,6 +54,18 @@ def test_a_mix_gets_timecode_and_frame_formats_when_the_rate_is_said(mix: Path, 
     assert blastline("check", tmp_path / "out", "--audio", mix, "--quiet").code == 0
 
 
+def test_an_edited_timeline_keeps_a_start_that_was_said_as_a_clock(mix: Path, rules: Path, tmp_path: Path) -> None:
+    first, second = tmp_path / "first", tmp_path / "second"
+    said = ("--frame-rate", "29.97df", "--start-timecode", "01:00:00.250")
+    common = ("--quality", "draft", "--rules", rules, "--no-report")
+    assert blastline("render", mix, "-o", first, *said, *common).code == 0
+    assert blastline("render", mix, "-o", second, "--timeline", first / "timeline.json", *common).code == 0
+    earlier, later = (read_timeline(folder / "timeline.json") for folder in (first, second))
+    assert later.source == earlier.source
+    assert [event.timecode for event in later.events] == [event.timecode for event in earlier.events]
+    assert earlier.events[0].timecode.startswith("01:00:01;")
+
+
 def test_a_mix_without_a_frame_rate_is_refused_before_it_is_heard(mix: Path, tmp_path: Path) -> None:
     ended = blastline("render", mix, "-o", tmp_path / "out", "--format", "json,resolve", "--quiet")
     assert ended.complaint == "--format resolve: mix.wav has no frame rate; give the film's, such as --frame-rate 24"

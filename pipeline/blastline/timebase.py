@@ -116,9 +116,14 @@ def _said_before(earlier: Source, filmed: Source) -> Timebase:
         return Timebase(start, rate)
     for spoken in _clocks(earlier, filmed):
         said = Timebase(spoken, rate, drop_frame=True)
-        if with_timebase(filmed, said) == earlier:
+        if _told(with_timebase(filmed, said)) == _told(earlier):
             return said
     return Timebase(start, rate)
+
+
+def _told(source: Source) -> tuple[str | None, str | None, float]:
+    """Return what a source tells of its timecode; the rest of it is not known before its sound is read."""
+    return source.start_timecode, source.frame_rate, source.start_offset_s
 
 
 def _clocks(earlier: Source, filmed: Source) -> Iterator[str | None]:
