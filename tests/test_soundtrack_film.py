@@ -210,6 +210,25 @@ def test_a_film_without_sound_is_refused(tmp_path: Path) -> None:
         open_soundtrack(path)
 
 
+@pytest.mark.parametrize(("codec", "kind"), [("ac3", 0xBD), ("aac", 0xC0)])
+@pytest.mark.parametrize("stamp", [2**33 - 480, 5 * 90_000])
+def test_a_wild_first_time_stamp_moves_nothing(tmp_path: Path, codec: str, kind: int, stamp: int) -> None:
+    path = tmp_path / "film.ts"
+    write_media(path, [impulses(LONG, LONG_SHOTS)], codec=codec, picture_rate=FILM_RATE, audio_delay_s=0.5)
+    data = bytearray(path.read_bytes())
+    place = data.index(bytes([0, 0, 1, kind])) + 9
+    parts = stamp >> 30 << 33 | (stamp >> 15 & 0x7FFF) << 17 | (stamp & 0x7FFF) << 1
+    data[place : place + 5] = (0x21_0001_0001 | parts).to_bytes(5, "big")  # with the marks between the parts
+    path.write_bytes(data)
+    with open_soundtrack(path) as track:
+        assert len(track.near(5.0, 1.0)) >= RATE_HZ
+    samples, source = read(path)
+    expected = [shot + 0.5 * RATE_HZ for shot in LONG_SHOTS]
+    np.testing.assert_allclose(shots_in_film(samples, source), expected, atol=48)
+    (warning,) = source.warnings
+    assert warning.endswith(" s off those that follow; these were believed")
+
+
 @pytest.mark.parametrize(("codec", "extension"), [("flac", "flac"), ("flac", "mkv"), ("flac", "mp4"), ("alac", "m4a")])
 def test_damage_does_not_shift_what_follows(tmp_path: Path, codec: str, extension: str) -> None:
     written = impulses(LONG, LONG_SHOTS, channels=2)

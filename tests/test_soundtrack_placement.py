@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from blastline.soundtrack.placement import Gap, Placement
+from blastline.soundtrack.placement import Gap, Placement, origin_by_others
 
 RATE_HZ = 48_000
 FRAME = 1024
@@ -138,3 +138,17 @@ def test_little_is_held_back() -> None:
     for given_back, item in enumerate(placement.place(frames())):
         assert taken - given_back < 3 * RATE_HZ / FRAME
         assert not isinstance(item, Gap) or item.samples == 10**6
+
+
+@pytest.mark.parametrize("time_base", [SAMPLE, MS, Fraction(1, 90_000)])
+@pytest.mark.parametrize("wild", [1, 5])
+@pytest.mark.parametrize("off_s", [-3600, -1, 1, 95_443])
+def test_the_first_stamps_are_overruled_by_most(time_base: Fraction, wild: int, off_s: int) -> None:
+    frames = stamped(range(24), time_base=time_base, start=RATE_HZ)
+    assert origin_by_others(frames, RATE_HZ) is None
+    first = [Frame(f.number, (f.pts or 0) + round(off_s / time_base), time_base=time_base) for f in frames[:wild]]
+    found = origin_by_others([*first, *frames[wild:]], RATE_HZ)
+    assert found is not None
+    assert abs(found - 1) <= time_base
+    assert origin_by_others([*first, *frames[wild : 2 * wild]], RATE_HZ) is None  # one against one
+    assert origin_by_others(unstamped([*first, *frames[wild:]], [20]), RATE_HZ) is None

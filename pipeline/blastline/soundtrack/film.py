@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from fractions import Fraction
-from itertools import chain
+from itertools import chain, islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,8 +11,8 @@ from .chunks import ChunkTable, overflow_warning
 from .decode import Tally, check_sums, decoded, packed
 from .ending import stops_early
 from .facts import film_facts, header_frames, origin_of
-from .placement import Placement
-from .track import Samples
+from .placement import Placement, origin_by_others
+from .track import Samples, TrackFacts
 
 if TYPE_CHECKING:
     from av import AudioFrame
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 _MAX_UNDECLARED_S = 24 * 3600
 _SLACK_S = 10
+_COMPARED_FRAMES = 24
+"""How many frames the first time stamp is compared with; in a transport stream it may be that of eight frames."""
 
 
 class FilmTrack:
@@ -41,19 +43,21 @@ class FilmTrack:
         if first is None:
             self._tally.require_readable()
             raise SoundtrackError("no sound could be decoded")
-        self._first = first
         self._origin = origin_of(first, stream, self._tally)
+        self._first = [first, *islice(self._frames, _COMPARED_FRAMES)]
+        self._first_stamp_off_s = 0.0
         self.facts = film_facts(container, stream, first, self._origin, is_cut=is_cut)
-        rate_hz, declared = self.facts.rate_hz, self.facts.declared_frames
-        longest = _MAX_UNDECLARED_S * rate_hz if declared is None else declared + _SLACK_S * rate_hz
-        self._placement: Placement[AudioFrame] = Placement(rate_hz, longest, self._origin)
+        self._overrule_first_stamp(is_cut=is_cut)
+        self._placement: Placement[AudioFrame] = Placement(self.facts.rate_hz, _longest(self.facts), self._origin)
         self._table = table
         # where a length is declared, that tells whether any sound is missing
         self._end_is_missing = is_cut and header_frames(container, stream, self.facts.rate_hz) is None
 
     def pieces(self) -> Iterator[Samples]:
         """Yield all samples in order, shape (frames, channels). Raises SoundtrackError where too much is damaged."""
-        placed = self._placement.place(chain([self._first], self._frames))
+        first, self._first = self._first, []  # not held any longer than needed: some codecs have a second in a frame
+        placed = self._placement.place(chain(first, self._frames))
+        del first
         yield from packed(placed, rate_hz=self.facts.rate_hz, channels=self.facts.channels)
         self._tally.require_readable()
 
@@ -65,7 +69,8 @@ class FilmTrack:
         from av.error import FFmpegError
 
         stream, base = self._stream, Fraction(self._stream.time_base or Fraction(1, 1_000_000))
-        start = (stream.start_time or 0) + round(Fraction(start_s) / base)
+        begin = self._origin / base if self._origin and self._first_stamp_off_s else stream.start_time or 0
+        start = round(begin + Fraction(start_s) / base)
         try:
             self._container.seek(start, stream=stream)
         except FFmpegError as error:
@@ -88,6 +93,10 @@ class FilmTrack:
             total_s, first_s = sum(gap for _, gap in gaps) / rate_hz, gaps[0][0] / rate_hz
             count = "1 gap was" if len(gaps) == 1 else f"{len(gaps)} gaps were"
             lines.append(f"{count} filled with silence, {total_s:.3f} s in all, first at {first_s:.3f} s")
+        if self._first_stamp_off_s:
+            lines.append(
+                f"the first time stamp is {self._first_stamp_off_s:+.3f} s off those that follow; these were believed"
+            )
         for position, jump in self._placement.jumps:
             lines.append(
                 f"the time stamps jump by {jump / rate_hz:+.3f} s at {position / rate_hz:.3f} s; "
@@ -106,6 +115,17 @@ class FilmTrack:
             lines.append(f"reading stopped early: {tally.stopped}")
         return lines
 
+    def _overrule_first_stamp(self, *, is_cut: bool) -> None:
+        """Begin the track where most stamps say but the first one, unless the first frame may be followed by a gap."""
+        origin = origin_by_others(self._first, self.facts.rate_hz)
+        if origin is None or self._origin is None:
+            return
+        facts = film_facts(self._container, self._stream, self._first[0], origin, is_cut=is_cut)
+        if 0 <= origin - self._origin <= Fraction(_longest(facts), facts.rate_hz):
+            return
+        self._first_stamp_off_s = float(self._origin - origin)
+        self._origin, self.facts = origin, facts
+
     def _place(self, time: Fraction | None) -> str:
         """Return where in the sound a time stamp is, to be added to a line; nothing where there is no stamp."""
         origin = self._placement.origin
@@ -115,6 +135,13 @@ class FilmTrack:
         """Close the file."""
         self._frames.close()
         self._container.close()
+
+
+def _longest(facts: TrackFacts) -> int:
+    """Return how many frames a track has at most, gaps included."""
+    if facts.declared_frames is None:
+        return _MAX_UNDECLARED_S * facts.rate_hz
+    return facts.declared_frames + _SLACK_S * facts.rate_hz
 
 
 def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None) -> FilmTrack:
