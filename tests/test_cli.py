@@ -101,12 +101,21 @@ def test_the_version() -> None:
         ("detect film.wav --max-cost abc", "--max-cost 'abc': expected a number (see `blastline detect --help`)"),
         ("study conform --minutes 99", "--minutes '99': expected a number from 1 to 60"),
         ("detect film.wav --stream", "Option '--stream' requires an argument"),
+        ("rules show --rules=", "--rules '': expected the name of a folder with rule files"),
+        ("actuator list --rules=", "--rules '': expected the name of a folder with rule files"),
         ("detect film.wav other.wav", "other.wav"),
         ("export timeline.json -o out", "Missing option '--format'"),
     ],
 )
 def test_wrong_arguments_are_one_line(arguments: str, complaint: str) -> None:
     assert complaint in blastline(*arguments.split()).complaint
+
+
+def test_a_folder_of_rules_needs_a_name_and_a_rule_file(tmp_path: Path) -> None:
+    assert "DIR '': expected the name of a folder with rule files" in blastline("rules", "check", "").complaint
+    complaint = f"{tmp_path}: has no rule file that blastline reads; expected some of: align.toml, "
+    assert complaint in blastline("rules", "check", tmp_path).complaint
+    assert complaint in blastline("rules", "show", "--rules", tmp_path).complaint
 
 
 def test_an_error_of_the_users_is_one_line_however_many_it_had(monkeypatch: pytest.MonkeyPatch) -> None:

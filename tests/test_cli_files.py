@@ -1,6 +1,7 @@
 """The command line on real files: what it writes, what it refuses, and what is left when it is broken off."""
 
 import json
+import os
 import signal
 import sys
 from functools import partial
@@ -232,6 +233,15 @@ def test_a_place_that_cannot_be_written_is_refused(tmp_path: Path, film: Path) -
     assert "file: is a file; expected a folder" in blastline("render", film, "-o", tmp_path / "file").complaint
     deeper = tmp_path / "file" / "deeper"
     assert "cannot write here: Not a directory" in blastline("render", film, "-o", deeper, "--quiet").complaint
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such names")
+def test_a_folder_whose_name_is_no_utf_8_is_refused_at_once(tmp_path: Path, film: Path) -> None:
+    out = tmp_path / os.fsdecode(b"b\xe4d")
+    scene = Path(__file__).parents[1] / "fixtures" / "demo.toml"
+    for words in (("render", film, "-o", out), ("synth", scene, "-o", out, "-q")):
+        assert "d: the name is not valid UTF-8; choose another folder" in blastline_alone(*words).complaint
+    assert [*tmp_path.iterdir()] == []
 
 
 def test_a_timeline_of_a_newer_version_is_refused(tmp_path: Path, result: Path) -> None:

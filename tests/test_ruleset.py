@@ -85,7 +85,6 @@ def test_one_key_of_the_user_changes_that_key_alone_and_the_digest(
 
 def test_the_digest_depends_on_what_is_read_and_on_nothing_else(tmp_path: Path) -> None:
     before = load_rules("standard").digest
-    assert load_rules("standard", tmp_path).digest == before
     shutil.copytree(BUILTIN, tmp_path, dirs_exist_ok=True)
     assert load_rules("standard", tmp_path).digest == before
     written(tmp_path, "quality/draft.toml", "[windows]\nguard_ms = 0.8765\n")
@@ -166,6 +165,17 @@ def test_a_folder_and_a_verifier_that_do_not_exist_are_named(tmp_path: Path) -> 
     written(tmp_path, "quality/standard.toml", "[verify]\nmodel = 'own.json'\n")
     with pytest.raises(RuleError, match=r"no such file; \[verify\] model = 'own.json' expects it under verifier/"):
         load_rules("standard", tmp_path)
+
+
+@pytest.mark.parametrize("name", ["best.toml", "quality/best.toml", "notes.txt", None])
+def test_a_folder_without_any_rule_file_is_named(tmp_path: Path, name: str | None) -> None:
+    if name is not None:
+        written(tmp_path, name, "")
+    none = f" ({name} is none)" if name and name.endswith(".toml") else ""
+    complaint = f"{tmp_path}: has no rule file that blastline reads{none}; expected some of: align.toml, "
+    for read in (lambda: load_rules("standard", tmp_path), lambda: [*check_rules(tmp_path)]):
+        with pytest.raises(RuleError, match=re.escape(complaint)):
+            read()
 
 
 def test_a_file_that_nothing_reads_is_named(tmp_path: Path) -> None:

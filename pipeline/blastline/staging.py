@@ -78,6 +78,14 @@ def staged(
                 parent.rmdir()
 
 
+def require_utf_8(folder: Path) -> None:
+    """Raise OutputError for a folder in which the libraries that write and read sound cannot name a file."""
+    try:
+        str(folder).encode("utf-8")
+    except UnicodeEncodeError:
+        raise OutputError(f"{folder}: the name is not valid UTF-8; choose another folder for the results") from None
+
+
 def _hidden_folder(folder: Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)

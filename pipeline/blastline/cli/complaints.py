@@ -4,8 +4,6 @@ from typing import Any, get_args
 
 import typer
 
-from ..errors import BlastlineError
-
 
 def complaint(error: typer.TyperException) -> str:
     """Return an error of the arguments for people; where a value does not fit, with the value and what would."""
@@ -13,11 +11,11 @@ def complaint(error: typer.TyperException) -> str:
     problems: list[dict[str, Any]] = getattr(cause, "errors", list)()
     if param is None or not problems:
         return error.format_message().rstrip(".")
-    raised = problems[0].get("ctx", {}).get("error")
-    if isinstance(raised, BlastlineError):
-        return str(raised)
-    name = max(param.opts, key=len)
-    return f"{name} {problems[0]['input']!r}: expected {_expected(param) or problems[0]['msg']}"
+    raised, expected = problems[0].get("ctx", {}).get("error"), _expected(param)
+    longest = max(param.opts, key=len)
+    name = longest if longest.startswith("-") else param.metavar
+    wanted = f"expected {expected}" if expected else str(raised or problems[0]["msg"])
+    return f"{name} {problems[0]['input']!r}: {wanted}"
 
 
 def _expected(param: Any) -> str | None:

@@ -5,10 +5,19 @@ from typing import Annotated
 
 import typer
 
+from ..errors import RuleError
 from ..model import Background, DriveChoice, Phase, Quality
 
 FINDING, DRIVING, TIMECODE = "Finding shots", "Making the drive", "The film's timecode"
 WRITING, MESSAGES = "Results", "Messages"
+
+
+def rules_folder(text: str) -> Path:
+    """Return the folder that is named; RuleError where none is: an empty name would be the current folder."""
+    if not text:
+        raise RuleError("expected the name of a folder with rule files")
+    return Path(text)
+
 
 Film = Annotated[Path, typer.Argument(metavar="INPUT", help="A film or a sound file.", show_default=False)]
 QualityOption = Annotated[
@@ -46,6 +55,7 @@ RulesOption = Annotated[
     typer.Option(
         "--rules",
         metavar="DIR",
+        parser=rules_folder,
         help="A folder with rule files of your own; what they do not name stays as built in.",
         show_default="built-in rules",
         rich_help_panel=FINDING,

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from ..ruleset import check_rules, load_conform, load_haptics, load_measuring, load_rules, toml_lines
-from .options import QualityOption, RulesOption
+from .options import QualityOption, RulesOption, rules_folder
 
 group = typer.Typer(help="The numbers that blastline works with, and yours in their place.")
 
@@ -35,7 +35,10 @@ def show(quality: QualityOption = "standard", rules: RulesOption = None) -> None
 
 @group.command()
 def check(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder for --rules.", show_default=False)],
+    folder: Annotated[
+        Path,
+        typer.Argument(metavar="DIR", parser=rules_folder, help="A folder for --rules.", show_default=False),
+    ],
 ) -> None:
     """Read every rule file of a folder and print the name of each that is sound; stops at the first that is not.
 

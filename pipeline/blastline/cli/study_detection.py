@@ -132,11 +132,13 @@ def detection(
 
     Your own: `blastline study detection --corpus my-recordings --mix 6,30 --excerpts wrong`
     """
-    from ..staging import staged
+    from ..staging import require_utf_8, staged
     from ..study.detection import study_detection
     from ..study.events import EVENTS, EXCERPTS, write_events
 
     source = source_of(fixtures, corpus, mix, clips=clips, fold=fold, random=random, films=films, seed=seed)
+    if excerpts is not None:
+        require_utf_8(excerpts)
     with (
         figures_file(output, overwrite=overwrite) as write,
         tempfile.TemporaryDirectory(prefix="blastline-") as made,

@@ -20,6 +20,7 @@ from ..errors import RuleError, misfit
 from ..model import Quality
 from .aligning import AlignRules
 from .conforming import ConformRules
+from .folder import RULE_FILES, require_folder
 from .haptics import HapticRules
 from .measuring import MeasuringRules, PerceptionCurve
 from .profiles import ActuatorProfile
@@ -153,14 +154,6 @@ def check_rules(overlay: Path) -> Iterator[str]:
 
     Raises RuleError at the first that is not, or where a file is none that blastline reads.
     """
-    known = {
-        "scenes.toml",
-        "align.toml",
-        "conform.toml",
-        "haptics.toml",
-        "measuring.toml",
-        *(f"quality/{q}.toml" for q in ("draft", "standard", "reference")),
-    }
     load_rules("standard", overlay)
     load_conform(overlay)
     load_haptics(overlay)
@@ -171,12 +164,12 @@ def check_rules(overlay: Path) -> Iterator[str]:
             load_actuator(str(file))
         elif relative.startswith("perception/"):
             convert(read_toml(file), PerceptionCurve, file)
-        elif relative.startswith("quality/") and relative in known:
+        elif relative.startswith("quality/") and relative in RULE_FILES:
             merged(relative, QualityRules, overlay)
-        elif relative not in known:
+        elif relative not in RULE_FILES:
             raise RuleError(
                 f"{file}: not a rule file that blastline reads; "
-                f"expected actuators/*.toml, perception/*.toml or {sorted(known)}"
+                f"expected actuators/*.toml, perception/*.toml or {sorted(RULE_FILES)}"
             )
         yield relative
 
@@ -215,12 +208,6 @@ def _numbers(plain: Any, key: str = "") -> Iterator[tuple[str, float]]:
             yield from _numbers(value, f"{key}[{index}]")
     elif isinstance(plain, float):
         yield key, plain
-
-
-def require_folder(overlay: Path | None) -> None:
-    """Raise RuleError where the user's folder of rules is none."""
-    if overlay is not None and not overlay.is_dir():
-        raise RuleError(f"{overlay}: not a folder; --rules expects a folder laid out like the built-in rules")
 
 
 def merged(relative: str, table: type[_T], overlay: Path | None) -> _T:

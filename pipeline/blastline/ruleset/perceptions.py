@@ -4,7 +4,8 @@ from pathlib import Path
 
 from ..errors import RuleError
 from .columns import FREQUENCY, read_columns
-from .files import builtin, convert, read_toml, require_folder, rules_path
+from .files import builtin, convert, read_toml, rules_path
+from .folder import require_folder
 from .measuring import PerceptionCurve
 
 

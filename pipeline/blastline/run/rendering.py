@@ -13,7 +13,7 @@ from ..export import FORMATS, HAPTIC_FORMATS, export_timeline, known_formats, ne
 from ..model import Edits, Timeline
 from ..report import OverviewMeter, write_report
 from ..soundtrack import Soundtrack, open_soundtrack
-from ..staging import staged
+from ..staging import require_utf_8, staged
 from . import names
 from .checking import checked
 from .driving import open_drive, write_drive_of
@@ -60,6 +60,7 @@ def render(
 
 def _place(film: Path, folder: Path, options: RenderOptions) -> AbstractContextManager[Path]:
     """Return the place for the results, from which no file of an earlier film stays where it may be overwritten."""
+    require_utf_8(folder)
     formats, every = known_formats(options.formats), known_formats((*FORMATS, *HAPTIC_FORMATS))
     return staged(
         folder,

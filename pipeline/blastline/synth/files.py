@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ..errors import OutputError
 from ..model import Span
-from ..staging import staged
+from ..staging import require_utf_8, staged
 from .master import quantised
 from .mix import SceneAudio
 from .scene import Scene, load_scene
@@ -30,6 +30,7 @@ def synthesise(scene_path: Path, folder: Path, *, overwrite: bool = False) -> Tr
 
     Raises RuleError for a scene that does not fit, OutputError where a file exists or cannot be written.
     """
+    require_utf_8(folder)
     scene = load_scene(scene_path)
     names = [f"{scene.name}.wav", f"{scene.name}.truth.json"]
     with staged(folder, names=names, overwrite=overwrite) as hidden:
