@@ -225,3 +225,21 @@ def test_an_actuator_is_listed_and_shown(tmp_path: Path) -> None:
 
 def test_python_m_is_the_same_command() -> None:
     assert blastline_alone("--version") == Ended(0, f"blastline {__version__}\n", "")
+
+
+@pytest.mark.parametrize("module", ["typer", "blastline.run"])
+@pytest.mark.parametrize("how", ["raise KeyboardInterrupt", "exec('raise KeyboardInterrupt')"])
+def test_an_interruption_while_modules_are_loaded_is_told_as_any_other(module: str, how: str) -> None:
+    """Python ends by the signal where the interruption came inside an exec, as it may while dataclasses are made."""
+    code = (
+        "import importlib.abc, runpy, sys\n"
+        "class Interrupted(importlib.abc.MetaPathFinder):\n"
+        "    def find_spec(self, name, path, target=None):\n"
+        f"        if name == {module!r}: {how}\n"
+        "sys.meta_path.insert(0, Interrupted())\n"
+        "sys.argv[1:] = ['detect', 'film.wav']\n"
+        "runpy.run_module('blastline', run_name='__main__')"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (130, "")
+    assert done.stderr == "blastline: interrupted; nothing was written\n"

@@ -109,6 +109,8 @@ def _alone_in(folder: Path) -> Iterator[None]:
             if time.monotonic() > until_s:
                 raise OutputError(f"{lock}: another run is writing here; remove it where that is not so") from None
             time.sleep(0.01)
+        except OSError as error:
+            raise OutputError(f"{folder}: cannot write here: {error.strerror}") from error
     try:
         yield
     finally:

@@ -20,8 +20,9 @@ from .. import __version__
 from ..errors import BlastlineError
 from . import actuators, conform, film, rulefiles, study, synthesis
 from .complaints import complaint
+from .interruption import INTERRUPTED, told_interrupted
 
-USAGE, BUG, INTERRUPTED, CLOSED_PIPE = 2, 70, 130, 141
+USAGE, BUG, CLOSED_PIPE = 2, 70, 141
 
 app = typer.Typer(
     name="blastline",
@@ -83,7 +84,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except Exception:
         traceback.print_exc()
         return _say("this is a bug of blastline; please report it with the lines above", BUG)
-    return _say("interrupted; nothing was written", code) if code == INTERRUPTED else code or 0
+    return told_interrupted() if code == INTERRUPTED else code or 0
 
 
 def _say(message: str, code: int) -> int:

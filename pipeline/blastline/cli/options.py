@@ -201,7 +201,10 @@ OriginalTimeline = Annotated[
     ),
 ]
 Quiet = Annotated[
-    bool, typer.Option("--quiet", "-q", help="No progress and no summary; errors still show.", rich_help_panel=MESSAGES)
+    bool,
+    typer.Option(
+        "--quiet", "-q", help="No progress and no summary; errors and warnings still show.", rich_help_panel=MESSAGES
+    ),
 ]
 
 
