@@ -13,6 +13,7 @@ Positive = Annotated[float, Meta(gt=0.0)]
 NonNegative = Annotated[float, Meta(ge=0.0)]
 Ratio = Annotated[float, Meta(ge=0.0, le=1.0)]
 Level = Annotated[float, Meta(ge=-200.0, le=200.0)]
+Difference = Annotated[float, Meta(ge=0.1, le=60.0)]
 Count = Annotated[int, Meta(ge=1)]
 Source = Annotated[str, Meta(min_length=3)]
 
@@ -85,7 +86,7 @@ class VerifyRules(Table, frozen=True):
     look_from: Ratio
     threshold: Ratio
     company_threshold: Ratio
-    company_s: NonNegative
+    company_s: Annotated[float, Meta(ge=0.0, le=86_400.0)]
     burst_threshold: Ratio
     even_threshold: Ratio
     even_networks_threshold: Ratio
@@ -107,7 +108,7 @@ class ChannelRules(Table, frozen=True):
     """
 
     azimuth_ms: Annotated[float, Meta(ge=1.0, le=100.0)]
-    azimuth_rise_db: NonNegative
+    azimuth_rise_db: Annotated[float, Meta(ge=0.0, le=60.0)]
     sides: bool
     sides_threshold: Ratio
     sides_company_threshold: Ratio
@@ -149,14 +150,14 @@ class BurstRules(Table, frozen=True):
     half have to be sure by themselves.
     """
 
-    shortest_gap_ms: Positive
-    longest_gap_ms: Positive
-    echo_drop_db: Positive
-    fewest_shots: Annotated[int, Meta(ge=2)]
-    fewest_even: Annotated[int, Meta(ge=3)]
-    fewest_as_one: Annotated[int, Meta(ge=3)]
+    shortest_gap_ms: Annotated[float, Meta(ge=2.0, le=1000.0)]
+    longest_gap_ms: Annotated[float, Meta(ge=5.0, le=2000.0)]
+    echo_drop_db: Difference
+    fewest_shots: Annotated[int, Meta(ge=2, le=10_000)]
+    fewest_even: Annotated[int, Meta(ge=3, le=10_000)]
+    fewest_as_one: Annotated[int, Meta(ge=3, le=10_000)]
     unevenness: Ratio
-    most_unsure: Count
+    most_unsure: Annotated[Count, Meta(le=100_000)]
 
     def __post_init__(self) -> None:
         """Refuse gaps between shots that no burst can have."""
@@ -172,26 +173,30 @@ class RowRules(Table, frozen=True):
     `loop_level_db`.
     """
 
-    fewest: Annotated[int, Meta(ge=3)]
-    shortest_gap_ms: Positive
-    longest_gap_ms: Positive
+    fewest: Annotated[int, Meta(ge=3, le=10_000)]
+    shortest_gap_ms: Annotated[float, Meta(ge=2.0, le=10_000.0)]
+    longest_gap_ms: Annotated[float, Meta(ge=5.0, le=30_000.0)]
     unevenness: Ratio
-    fewest_turns: Annotated[int, Meta(ge=3)]
+    fewest_turns: Annotated[int, Meta(ge=3, le=50)]
     longest_loop_s: Annotated[float, Meta(gt=0.0, le=60.0)]
     backdrop_bits: Annotated[int, Meta(ge=0, le=20)]
-    loop_level_db: Positive
+    loop_level_db: Difference
 
     def __post_init__(self) -> None:
-        """Refuse gaps that no row can have."""
+        """Refuse gaps that no row can have, and loops that are none: what turns faster than a row's pace is a row."""
         _ascending(self, "shortest_gap_ms", "longest_gap_ms")
+        if self.longest_loop_s < self.longest_gap_ms / 1000.0:
+            raise ValueError(
+                f"longest_loop_s = {self.longest_loop_s}: expected at least longest_gap_ms = {self.longest_gap_ms}"
+            )
 
 
 class WindowRules(Table, frozen=True):
     """How a shot's window lies around it; the fade-in is over `guard_ms` before the onset."""
 
-    fade_in_ms: NonNegative
-    guard_ms: NonNegative
-    fade_out_ms: NonNegative
+    fade_in_ms: Annotated[float, Meta(ge=0.0, le=10_000.0)]
+    guard_ms: Annotated[float, Meta(ge=0.0, le=10_000.0)]
+    fade_out_ms: Annotated[float, Meta(ge=0.0, le=10_000.0)]
 
 
 class RenderRules(Table, frozen=True):
@@ -203,13 +208,13 @@ class RenderRules(Table, frozen=True):
     explained energy can be gained, then at the full rate with at most `polish_iterations`.
     """
 
-    preroll_ms: NonNegative
-    lead_ms: NonNegative
+    preroll_ms: Annotated[float, Meta(ge=0.0, le=60_000.0)]
+    lead_ms: Annotated[float, Meta(ge=0.0, le=1000.0)]
     level_db: Annotated[float, Meta(ge=-LARGEST_LEVEL_DB, le=LARGEST_LEVEL_DB)]
-    solver_rate_hz: Annotated[int, Meta(ge=4000)]
-    iterations: Count
-    polish_iterations: Annotated[int, Meta(ge=0)]
-    tolerance: Annotated[float, Meta(ge=0.0, lt=1.0)]
+    solver_rate_hz: Annotated[int, Meta(ge=4000, le=1_000_000)]
+    iterations: Annotated[Count, Meta(le=10_000)]
+    polish_iterations: Annotated[int, Meta(ge=0, le=10_000)]
+    tolerance: Annotated[float, Meta(ge=1e-12, lt=1.0)]
 
 
 class QualityRules(Table, frozen=True):
@@ -235,7 +240,7 @@ class SceneRules(Table, frozen=True):
     """
 
     schema: Literal[1]
-    direct_level_db: NonNegative
+    direct_level_db: Annotated[float, Meta(ge=0.0, le=200.0)]
     direct_fidelity: Ratio
 
 
