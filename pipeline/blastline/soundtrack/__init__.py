@@ -7,7 +7,8 @@
 from ..timecode import timecode_at
 from .bwf import Cue
 from .mix import as_front
-from .reader import Soundtrack, open_soundtrack
+from .opening import open_soundtrack
+from .reader import Soundtrack
 from .writer import write_drive, write_excerpt
 
 __all__ = ["Cue", "Soundtrack", "as_front", "open_soundtrack", "timecode_at", "write_drive", "write_excerpt"]

@@ -17,17 +17,14 @@ from ..errors import SoundtrackError
 from ..model import Channels, Clip, Source, Span
 from ..timebase import AS_FILMED, Timebase, with_timebase
 from ..timecode import time_of_start
-from .chunks import chunk_table
-from .files import naming, require_file
+from .files import naming
 from .loudspeakers import azimuths
-from .mix import Matrix, centre_of, mix_matrix, mixed, summing_order
-from .pcm import PcmTrack, open_pcm
+from .mix import Matrix, centre_of, mixed, summing_order
+from .pcm import PcmTrack
 from .recent import Recent
 from .repair import mended, repair_warning
 from .spool import Spool
 from .track import PIECE, Samples, Track
-
-MIN_RATE_HZ, MAX_RATE_HZ = 8_000, 384_000
 
 _MIN_MISSING_S = 0.1
 """What a lossy codec may round its length by, and more: less than this is not called missing."""
@@ -238,53 +235,6 @@ class Soundtrack:
             warnings=warnings,
         )
         return with_timebase(source, self._timebase)
-
-
-def open_soundtrack(
-    path: Path,
-    *,
-    stream: int | None = None,
-    mix: str = "mains",
-    spool_folder: Path | None = None,
-    timebase: Timebase = AS_FILMED,
-) -> Soundtrack:
-    """Open one sound track of an audio file or a film.
-
-    `stream` counts the sound tracks from 0; without it the one that the file marks as default is taken, else the
-    first. `mix` is explained in `mix.py`. Compressed sound is spooled to a temporary file in `spool_folder`.
-    `timebase` is what the user knows better about its timecode. Raises SoundtrackError where the file cannot be read
-    or has no such track or channel, RuleError where the time base does not go with the film.
-    """
-    with naming(path):
-        require_file(path)
-        track = _open_track(path, stream)
-        try:
-            facts = track.facts
-            if not MIN_RATE_HZ <= facts.rate_hz <= MAX_RATE_HZ:
-                limits = f"{MIN_RATE_HZ} to {MAX_RATE_HZ} Hz"
-                raise SoundtrackError(f"the sample rate is {facts.rate_hz} Hz; expected {limits}")
-            matrix = mix_matrix(facts.layout, facts.channels, mix)
-            spool = None if isinstance(track, PcmTrack) else Spool(spool_folder, columns=matrix.shape[1])
-            opened = Soundtrack(path, track, matrix=matrix, mix=mix, spool=spool, timebase=timebase)
-            opened.described()
-        except BaseException:
-            track.close()
-            raise
-    return opened
-
-
-def _open_track(path: Path, stream: int | None) -> Track:
-    table = chunk_table(path)
-    pcm = open_pcm(path, table)
-    if pcm is None:
-        from .film import open_film
-
-        return open_film(path, stream=stream, table=table)
-    if stream not in (None, 0):
-        pcm.close()
-        kind = f"{pcm.facts.channels} channel{'s' if pcm.facts.channels > 1 else ''}"
-        raise SoundtrackError(f"has no sound stream {stream}; it has 0 ({kind})")
-    return pcm
 
 
 def _rechunked(pieces: Iterable[Samples], frames: int) -> Iterator[Samples]:

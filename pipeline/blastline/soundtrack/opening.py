@@ -1,0 +1,62 @@
+"""From a file to a sound track that is open for reading: uncompressed sound by itself, all else through PyAV."""
+
+from pathlib import Path
+
+from ..errors import SoundtrackError
+from ..timebase import AS_FILMED, Timebase
+from .chunks import chunk_table
+from .files import naming, require_file
+from .mix import mix_matrix
+from .pcm import PcmTrack, open_pcm
+from .reader import Soundtrack
+from .spool import Spool
+from .track import Track
+
+MIN_RATE_HZ, MAX_RATE_HZ = 8_000, 384_000
+
+
+def open_soundtrack(
+    path: Path,
+    *,
+    stream: int | None = None,
+    mix: str = "mains",
+    spool_folder: Path | None = None,
+    timebase: Timebase = AS_FILMED,
+) -> Soundtrack:
+    """Open one sound track of an audio file or a film.
+
+    `stream` counts the sound tracks from 0; without it the one that the file marks as default is taken, else the
+    first. `mix` is explained in `mix.py`. Compressed sound is spooled to a temporary file in `spool_folder`.
+    `timebase` is what the user knows better about its timecode. Raises SoundtrackError where the file cannot be read
+    or has no such track or channel, RuleError where the time base does not go with the film.
+    """
+    with naming(path):
+        require_file(path)
+        track = _open_track(path, stream)
+        try:
+            facts = track.facts
+            if not MIN_RATE_HZ <= facts.rate_hz <= MAX_RATE_HZ:
+                limits = f"{MIN_RATE_HZ} to {MAX_RATE_HZ} Hz"
+                raise SoundtrackError(f"the sample rate is {facts.rate_hz} Hz; expected {limits}")
+            matrix = mix_matrix(facts.layout, facts.channels, mix)
+            spool = None if isinstance(track, PcmTrack) else Spool(spool_folder, columns=matrix.shape[1])
+            opened = Soundtrack(path, track, matrix=matrix, mix=mix, spool=spool, timebase=timebase)
+            opened.described()
+        except BaseException:
+            track.close()
+            raise
+    return opened
+
+
+def _open_track(path: Path, stream: int | None) -> Track:
+    table = chunk_table(path)
+    pcm = open_pcm(path, table)
+    if pcm is None:
+        from .film import open_film
+
+        return open_film(path, stream=stream, table=table)
+    if stream not in (None, 0):
+        pcm.close()
+        kind = f"{pcm.facts.channels} channel{'s' if pcm.facts.channels > 1 else ''}"
+        raise SoundtrackError(f"has no sound stream {stream}; it has 0 ({kind})")
+    return pcm
