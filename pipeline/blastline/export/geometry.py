@@ -9,6 +9,9 @@ from fractions import Fraction
 from ..model import Event, Reflection, Source
 from ..timecode import CLOCK, SHAPE
 
+FROM_GAIN_DB, TO_GAIN_DB = -60, 24
+"""How much softer or stronger than usual somebody may want an event."""
+
 _FARTHEST_S = 1e9
 _HALF_A_SAMPLE = Fraction(1, 2)
 _FLOAT_ROUNDING = Fraction(1, 10**12)  # of the time itself: several steps of a 64-bit float
@@ -35,6 +38,8 @@ def event_complaints(event: Event, place: str, source: Source) -> Iterator[str]:
         expected = f"{event.onset_sample / source.sample_rate_hz!r}, where onset_sample = {event.onset_sample} plays"
         yield f"{place}.onset_s = {event.onset_s}: expected {expected}"
     yield from _window_complaints(event, f"{place}.window", source)
+    if not FROM_GAIN_DB <= event.gain_db <= TO_GAIN_DB:
+        yield f"{place}.gain_db = {event.gain_db}: expected {FROM_GAIN_DB} to {TO_GAIN_DB} dB"
     yield from reflection_complaints(event.reflections, place)
 
 
