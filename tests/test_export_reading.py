@@ -118,7 +118,12 @@ def refusal(file: Path) -> str:
         ),
         (
             lambda t: t["rejections"][0].update(at_sample=2**63),
-            "rejections[0].at_sample = 9223372036854775808: expected a number below 2^63",
+            "rejections[0].at_sample = 9223372036854775808: expected a whole number up to 2^53",
+        ),
+        (lambda t: t["events"][0].update(gain_db=1e300), "events[0].gain_db = 1e+300: expected -60 to 24 dB"),
+        (
+            lambda t: t["source"].update(start_offset_s=-1e300),
+            "source.start_offset_s = -1e+300: expected -1e+09 to 1e+09 s",
         ),
         (lambda t: t["events"][0]["blast"].update(stop_sample=2**70), "events[0].blast.stop_sample = 1180591620717"),
     ],

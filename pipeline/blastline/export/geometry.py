@@ -9,17 +9,23 @@ from fractions import Fraction
 from ..model import Event, Reflection, Source
 from ..timecode import CLOCK, SHAPE
 
+FROM_GAIN_DB, TO_GAIN_DB = -60, 24
+"""How much softer or stronger than usual somebody may want an event."""
+
+_FARTHEST_S = 1e9
 _HALF_A_SAMPLE = Fraction(1, 2)
 _FLOAT_ROUNDING = Fraction(1, 10**12)  # of the time itself: several steps of a 64-bit float
 
 
 def source_complaints(source: Source) -> Iterator[str]:
-    """Yield what makes no sense of a film's timecode."""
+    """Yield what makes no sense of a film's timecode, or of where its sound begins."""
     start, rate = source.start_timecode, source.frame_rate
     if start is not None and not (SHAPE.fullmatch(start) or CLOCK.fullmatch(start)):
         yield f"source.start_timecode = {start!r}: expected HH:MM:SS:FF, HH:MM:SS;FF, HH:MM:SS.mmm or null"
     if rate is not None and not _is_rate(rate):
         yield f"source.frame_rate = {rate!r}: expected frames a second, such as 25 or 24000/1001, or null"
+    if abs(source.start_offset_s) > _FARTHEST_S:
+        yield f"source.start_offset_s = {source.start_offset_s}: expected {-_FARTHEST_S:g} to {_FARTHEST_S:g} s"
 
 
 def event_complaints(event: Event, place: str, source: Source) -> Iterator[str]:
@@ -32,6 +38,8 @@ def event_complaints(event: Event, place: str, source: Source) -> Iterator[str]:
         expected = f"{event.onset_sample / source.sample_rate_hz!r}, where onset_sample = {event.onset_sample} plays"
         yield f"{place}.onset_s = {event.onset_s}: expected {expected}"
     yield from _window_complaints(event, f"{place}.window", source)
+    if not FROM_GAIN_DB <= event.gain_db <= TO_GAIN_DB:
+        yield f"{place}.gain_db = {event.gain_db}: expected {FROM_GAIN_DB} to {TO_GAIN_DB} dB"
     yield from reflection_complaints(event.reflections, place)
 
 

@@ -10,7 +10,7 @@ from ..errors import TimelineError, misfit
 from ..model import SCHEMA, Timeline
 from .geometry import event_complaints, source_complaints
 
-LARGEST_INTEGER = 2**63 - 1
+_LARGEST_INTEGER = 2**53  # beyond it a number that has been a float is another
 
 
 def read_timeline(path: Path) -> Timeline:
@@ -41,8 +41,8 @@ def read_plain(path: Path, content: bytes) -> Any:
         raise TimelineError(f"{path}: not JSON: {error}; expected a timeline.json") from error
     _refuse_schema(plain, path)
     for key, value in _integers(plain):
-        if abs(value) > LARGEST_INTEGER:
-            raise TimelineError(f"{path}: {key} = {value}: expected a number below 2^63")
+        if abs(value) > _LARGEST_INTEGER:
+            raise TimelineError(f"{path}: {key} = {value}: expected a whole number up to 2^53")
     return plain
 
 

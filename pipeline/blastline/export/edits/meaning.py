@@ -5,12 +5,11 @@ from decimal import Decimal
 
 from ...errors import TimelineError
 from ...model import Event
+from ..geometry import FROM_GAIN_DB, TO_GAIN_DB
 from .row import Edit, EditedFile, Point, nearest_sample
 
 WITH_CONFIDENCE = re.compile(r"(\S+) ([01]\.\d\d)")
 """A label as it is exported: an id and a confidence."""
-
-_FROM_GAIN_DB, _TO_GAIN_DB = -60, 24
 
 
 def settled(edited: EditedFile, edit: Edit, name: str, point: Point, before: int | None, rate_hz: int) -> int:
@@ -76,8 +75,8 @@ def gain_db(edited: EditedFile, edit: Edit, was: Event | None) -> float:
     """Return the gain that the file has; without one, the original's or none."""
     if edit.gain_db is None:
         return was.gain_db if was else 0.0
-    if not _FROM_GAIN_DB <= edit.gain_db <= _TO_GAIN_DB:
-        expected = f"{_FROM_GAIN_DB} to {_TO_GAIN_DB} dB"
+    if not FROM_GAIN_DB <= edit.gain_db <= TO_GAIN_DB:
+        expected = f"{FROM_GAIN_DB} to {TO_GAIN_DB} dB"
         raise TimelineError(f"{edited.path}: {edit.place}: gain_db = {edit.gain_db}: expected {expected}")
     return was.gain_db if was and _rounds_to(was.gain_db, edit.gain_db) else float(edit.gain_db)
 
