@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from blastline.align.timing import _is_line, _line
+from blastline.align.timing import _exact_line, _line
 
 SPAN = 6_000_000
 BURST = [SPAN - 20_000 + 4_000 * n for n in range(6)]
@@ -29,14 +29,24 @@ def test_a_burst_of_bent_lags_does_not_turn_the_line() -> None:
     assert abs(line.lag(SPAN)) < 1.0
 
 
-def test_lags_that_scatter_or_lie_in_one_place_tell_of_no_whole_film() -> None:
+def test_lags_that_are_few_or_scatter_tell_of_no_whole_film() -> None:
     straight = [(sample, 1e-6 * sample + 0.02 * (-1) ** n) for n, sample in enumerate(range(0, SPAN, SPAN // 10))]
     scattered = [(sample, lag + 0.5 * (-1) ** n) for n, (sample, lag) in enumerate(straight)]
-    burst = [(sample, 0.0) for sample in BURST]
-    assert _is_line(straight, of=straight)
-    assert _is_line(straight[::3], of=straight)
-    assert _is_line(burst[:1], of=burst[:1])
-    assert not _is_line(straight[:2], of=straight)
-    assert not _is_line(scattered, of=scattered)
-    assert not _is_line(burst, of=[(0, 0.0), *burst])
-    assert not _is_line([], of=burst)
+    burst = [(float(sample), 0.0) for sample in BURST]
+    for exact in (straight, straight[::3]):
+        line = _exact_line(exact, straight, bend=4.8)
+        assert line is not None
+        assert line.lag(SPAN) == pytest.approx(6.0, abs=0.05)
+    assert _exact_line(straight[:2], straight, bend=4.8) is None
+    assert _exact_line(scattered, scattered, bend=4.8) is None
+    assert _exact_line([], burst, bend=4.8) is None
+
+
+def test_exact_lags_from_one_place_tell_no_slope_and_count_where_the_others_agree() -> None:
+    near, far = ([(sample, 7.0) for sample in BURST], [(0, 7.5), (SPAN / 4, 4.0), (SPAN / 2, 9.0)])
+    line = _exact_line(near, [*far, *near], bend=4.8)
+    assert line is not None
+    assert (line.lag(0), line.stretch) == (7.0, 1.0)
+    drifting = [(sample, 1e-3 * (sample - SPAN)) for sample in range(0, SPAN, SPAN // 10)]
+    assert _exact_line(near[:4], [*drifting, *near[:4]], bend=4.8) is None
+    assert _exact_line(list(zip(BURST, BENT, strict=True)), [*far, *near], bend=4.8) is None

@@ -117,7 +117,7 @@ def test_the_budget_that_would_do_does(needed_s: float, film_s: float, by_time: 
         ("--max-cost 0", "--max-cost 0: expected CPU seconds per second of film"),
         ("--max-cost nan", "--max-cost nan: expected CPU seconds"),
         ("--max-cost inf", "--max-cost inf: expected CPU seconds"),
-        ("--max-cost much", "Invalid value for '--max-cost'"),
+        ("--max-cost much", "--max-cost 'much': expected a number"),
         ("--max-cost 1 --budget 2min", "--budget and --max-cost: expected one of them"),
         ("--quality draft --budget 2min", "--quality draft and --budget: expected one of them"),
         ("--quality draft --max-cost 1", "--quality draft and --max-cost: expected one of them"),

@@ -10,7 +10,7 @@ from ..model import Event
 from .comparison import Comparison, Samples
 from .film import moving_spans
 from .hearing import Part
-from .shots import ShotFigures, likeness_limit, locate, measure, parts_of
+from .shots import REFINE_MS, ShotFigures, likeness_limit, locate, measure, parts_of
 from .sounds import Place
 
 _PROBES = 24
@@ -25,6 +25,10 @@ is not what was rendered, and no lag of it is exact: one that was made louder an
 
 _STILL_MS = 10.0
 """A drive at rest for this long has left its window."""
+
+
+Lag = tuple[float, float]
+"""A shot's onset, and by how much later than there the drive holds it; in samples."""
 
 
 @dataclass(frozen=True)
@@ -74,8 +78,8 @@ def _measure_all(
     """Return the timing with the drive read from one place; the line goes through exact lags where there are enough."""
     figures = tuple(measure(shared, event, part, place=read) for event, part in zip(events, parts, strict=True))
     lags: list[float | None] = []
-    found: list[tuple[float, float]] = []
-    exact: list[tuple[float, float]] = []
+    found: list[Lag] = []
+    exact: list[Lag] = []
     for event, figure, tells in zip(events, figures, telling, strict=True):
         if figure is None or abs(figure.match.correlation) < likeness_limit(shared, event):
             lags.append(None)
@@ -86,12 +90,12 @@ def _measure_all(
             found.append((event.onset_sample, lag))
         if tells and figure.exact:
             exact.append(found[-1])
-    enough = _is_line(exact, of=found)
-    line = _line(exact if enough else found) if found else None
-    return Timing(line, enough, read, figures, tuple(lags), len(found))
+    line = _exact_line(exact, found, bend=shared.rate_hz * REFINE_MS / 1000.0)
+    place = line or (_line(found) if found else None)
+    return Timing(place, line is not None, read, figures, tuple(lags), len(found))
 
 
-def _line(found: Sequence[tuple[float, float]]) -> Place:
+def _line(found: Sequence[Lag]) -> Place:
     """Return the line through the lags by Theil and Sen: the median slope of all pairs, which strays ignore.
 
     Each pair weighs as much as its shots are apart (Jaeckel 1972): those of a burst tell little of a film's slope.
@@ -106,12 +110,23 @@ def _line(found: Sequence[tuple[float, float]]) -> Place:
     return Place(1.0 + slope, float(np.median(lags - slope * samples)))
 
 
-def _is_line(exact: Sequence[tuple[float, float]], *, of: Sequence[tuple[float, float]]) -> bool:
-    """Return whether exact lags tell of a whole film: enough of all, over half of its length, close to one line."""
-    if not exact or len(exact) < len(of) / 4 or exact[-1][0] - exact[0][0] < (of[-1][0] - of[0][0]) / 2:
-        return False
-    line = _line(exact)
-    return float(np.median([abs(lag - line.lag(sample)) for sample, lag in exact])) <= _STEADY
+def _exact_line(exact: Sequence[Lag], found: Sequence[Lag], *, bend: float) -> Place | None:
+    """Return the line through exact lags; None where they are too few of all those found, or do not lie on one.
+
+    Those from less than half of the film tell its place, but no slope: the others have to bear it out, but for what
+    the limit may bend them by.
+    """
+    if len(exact) < max(1, len(found) / 4):
+        return None
+    wide = 2 * (exact[-1][0] - exact[0][0]) >= found[-1][0] - found[0][0]
+    line = _line(exact) if wide else Place(1.0, float(np.median([lag for _, lag in exact])))
+    steady = _scatter(exact, line) <= _STEADY and (wide or _scatter(found, line) <= bend)
+    return line if steady else None
+
+
+def _scatter(found: Sequence[Lag], line: Place) -> float:
+    """Return how far lags lie from a line, in the median."""
+    return float(np.median([abs(lag - line.lag(sample)) for sample, lag in found]))
 
 
 def _weighted_median(values: Samples, weights: Samples) -> float:
@@ -149,7 +164,7 @@ def _by_windows(shared: Comparison, events: Sequence[Event]) -> Place | None:
 def _by_probes(shared: Comparison, events: Sequence[Event], parts: Sequence[Part]) -> Place | None:
     """Return the line through shots found one after the other, each expected where the earlier ones point."""
     chosen = np.unique(np.linspace(0, len(events) - 1, min(_PROBES, len(events))).round().astype(int))
-    found: list[tuple[float, float]] = []
+    found: list[Lag] = []
     for index in chosen:
         onset = events[index].onset_sample
         expected = round(_line(found).lag(onset)) if found else 0
