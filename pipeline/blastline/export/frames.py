@@ -65,7 +65,10 @@ class FrameMarkers:
 
 
 def frame_markers(timeline: Timeline, *, format_name: str) -> FrameMarkers:
-    """Return a timeline's events on the film's frames. Raises RuleError where the film has no frame rate."""
+    """Return a timeline's events on the film's frames.
+
+    Raises RuleError where the film has no frame rate, or the format cannot hold an event so early.
+    """
     source = timeline.source
     require_frame_rate([format_name], source)
     scale = frame_scale(source)
@@ -76,6 +79,10 @@ def frame_markers(timeline: Timeline, *, format_name: str) -> FrameMarkers:
         frames = frame_time(source, stop, scale).frame - place.frame
         markers.append(Marker(event, place.frame, place.offset_s, max(1, frames)))
     start = min([scale.first_frame, *(marker.frame for marker in markers)])
+    if format_name == "fcp7" and start < 0:
+        early = min(markers, key=lambda marker: marker.frame).event
+        where = f"{early.id} is {-start} frames before 00:00:00:00"
+        raise RuleError(f"--format {format_name}: {source.name}: {where}; this format begins there")
     end = frame_time(source, source.frames, scale).frame
     stop = max([start + 1, end, *(marker.frame + marker.frames for marker in markers)])
     return FrameMarkers(scale, start, stop, tuple(markers))
