@@ -1,9 +1,12 @@
 """Film after film, in this process or in several at once: what is measured in one film depends on no other."""
 
+import os
 import signal
+import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
+from pathlib import Path
 from typing import Any, TypeVar
 
 _Item = TypeVar("_Item")
@@ -25,12 +28,18 @@ def each_of(
         return
     every = list(items)
     # not forked: a library's threads would be gone in the children, and what they hold be held for ever
-    with ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_take, initargs=(work,)) as pool:
+    spawned = get_context("spawn")
+    with (
+        tempfile.TemporaryDirectory(prefix="blastline-") as compiled,
+        ProcessPoolExecutor(jobs, spawned, initializer=_take, initargs=(work, compiled)) as pool,
+    ):
         yield from zip(every, pool.map(_done, every), strict=True)
 
 
-def _take(work: Callable[[Any], Any]) -> None:
+def _take(work: Callable[[Any], Any], compiled: str) -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # who interrupts the run hears from it, not from each worker
+    # what numba, which librosa needs, compiles in two processes at once it mixes up in its cache: both then crash
+    os.environ["NUMBA_CACHE_DIR"] = str(Path(compiled, str(os.getpid())))
     _given[:] = [work]
 
 
