@@ -83,7 +83,7 @@ def fista(case: Case, iterations: int) -> Samples:
 
 
 def fista_restart(case: Case, iterations: int) -> Samples:
-    return minimise(case.problem, case.start, iterations=iterations, tolerance=0.0)
+    return minimise(case.problem, case.problem.at(case.start), iterations=iterations, tolerance=0.0).drive
 
 
 def anderson(case: Case, iterations: int, memory: int = 6) -> Samples:
@@ -170,9 +170,9 @@ def coarse_fista(case: Case, rate_hz: int, iterations: int, polish: int) -> Samp
     circle[padded - len(lags) + 1 :] += lags[:0:-1]
     coarse = BoxProblem(np.maximum(rfft(circle).real, 0.0), padded, inner)
     start = case.start[stride - 1 :: stride][: len(inner)]
-    corners = minimise(coarse, start, iterations=iterations, tolerance=0.0)
+    corners = minimise(coarse, coarse.at(start), iterations=iterations, tolerance=0.0).drive
     drive = min(between_corners(corners, stride, len(case.start)), case.start, key=case.problem.objective)
-    return minimise(case.problem, drive, iterations=polish, tolerance=0.0)
+    return minimise(case.problem, case.problem.at(drive), iterations=polish, tolerance=0.0).drive
 
 
 def interior(case: Case, rate_hz: int, tolerance: float, polish: int) -> Samples:
@@ -182,7 +182,7 @@ def interior(case: Case, rate_hz: int, tolerance: float, polish: int) -> Samples
     start = case.start[stride - 1 :: stride][: len(inner)]
     found = solve_inside(case.filters.recursion, inner, start, stride=stride, iterations=80, tolerance=tolerance)
     drive = min(between_corners(found.drive, stride, len(case.start)), case.start, key=case.problem.objective)
-    return minimise(case.problem, drive, iterations=polish, tolerance=0.0)
+    return minimise(case.problem, case.problem.at(drive), iterations=polish, tolerance=0.0).drive
 
 
 def solving(method: Callable[..., NDArray[np.float64]], *settings: float, **named: float) -> Solve:
@@ -231,8 +231,8 @@ def main() -> None:
     costs: dict[str, float] = defaultdict(float)
     seconds = 0.0
     for case in cases(options.scenes, options.shots):
-        best = minimise(case.problem, interior(case, case.filters.rate_hz, 1e-9, 300), iterations=300, tolerance=0.0)
-        lowest = case.problem.objective(best)
+        start = case.problem.at(interior(case, case.filters.rate_hz, 1e-9, 300))
+        lowest = minimise(case.problem, start, iterations=300, tolerance=0.0).objective
         seconds += len(case.start) / case.filters.rate_hz
         for name, solve in METHODS.items():
             began = time.process_time()

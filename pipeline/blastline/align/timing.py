@@ -91,8 +91,9 @@ def _measure_all(
         if tells and figure.exact:
             exact.append(found[-1])
     line = _exact_line(exact, found, bend=shared.rate_hz * REFINE_MS / 1000.0)
-    place = line or (_line(found) if found else None)
-    return Timing(place, line is not None, read, figures, tuple(lags), len(found))
+    if line is not None:
+        return Timing(line, True, read, figures, tuple(lags), len(found))
+    return Timing(_line(found) if found else None, False, read, figures, tuple(lags), len(found))
 
 
 def _line(found: Sequence[Lag]) -> Place:

@@ -137,7 +137,7 @@ def _piece(
         # where the limit is hardly met, the compensator's drive is better than straight lines
         straight = problem.at(between_corners(found.drive, stride, len(start)))
         best = min(straight, best, key=lambda each: each.objective)
-    solution = minimised(problem, best, iterations=polish, tolerance=rules.tolerance)
+    solution = minimise(problem, best, iterations=polish, tolerance=rules.tolerance)
     return solution.drive, Effort(steps, max(0.0, -solution.objective / energy) if energy > 0.0 else 1.0)
 
 
@@ -168,12 +168,7 @@ def between_corners(corners: Samples, stride: int, frames: int) -> Samples:
     return np.asarray(np.clip(drive, -1.0, 1.0), dtype=np.float64)
 
 
-def minimise(problem: BoxProblem, start: Samples, *, iterations: int, tolerance: float) -> Samples:
-    """Return the drive that `minimised` comes to."""
-    return minimised(problem, problem.at(start), iterations=iterations, tolerance=tolerance).drive
-
-
-def minimised(problem: BoxProblem, start: Candidate, *, iterations: int, tolerance: float) -> Candidate:
+def minimise(problem: BoxProblem, start: Candidate, *, iterations: int, tolerance: float) -> Candidate:
     """Return the minimum, no worse than `start`, after at most so many iterations of the fast gradient method.
 
     This is FISTA (Beck and Teboulle 2009) with restart (O'Donoghue and Candes 2015), each iteration one FFT there and

@@ -7,7 +7,10 @@ RIFF size  fmt  data n    [  n bytes   ][ LIST ][ id3 ][ zeros     ]    all as i
 import struct
 from io import RawIOBase
 from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
+
+if TYPE_CHECKING:
+    from _typeshed import WriteableBuffer
 
 _LEAST_BYTES = 4_096
 """Less than this is nothing that could be heard; programs leave all kinds of crumbs."""
@@ -67,9 +70,9 @@ class Tail(RawIOBase):
         """Return the place, counted from the start of the tail."""
         return self._file.tell() - self._start
 
-    def readinto(self, buffer: object) -> int:
+    def readinto(self, buffer: "WriteableBuffer", /) -> int | None:
         """Fill a buffer, as far as there is something."""
-        return self._file.readinto(buffer)  # type: ignore[arg-type]
+        return self._file.readinto(buffer)
 
     def close(self) -> None:
         """Close the file."""
