@@ -74,7 +74,7 @@ def test_normal_operator_and_right_side_are_those_of_the_matrix(frames: int) -> 
 
 
 @given(st.integers(1, 400), st.integers(0, 1000))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_adjoint(frames: int, seed: int) -> None:
     random = np.random.default_rng(seed)
     u, v = random.standard_normal(frames), random.standard_normal(frames)
@@ -120,7 +120,7 @@ def test_minimum_is_that_of_scipy(peak: float) -> None:
 
 
 @given(st.integers(0, 10_000), st.integers(0, 40), st.floats(0.01, 100.0))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_solver_is_never_worse_than_its_start_and_stays_in_the_box(seed: int, iterations: int, scale: float) -> None:
     random = np.random.default_rng(seed)
     problem = full_problem(scale * random.standard_normal(200), IMPULSE, frames=200)

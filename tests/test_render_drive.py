@@ -381,7 +381,7 @@ def test_filters_of_another_rate_are_refused() -> None:
     st.sampled_from(BACKGROUNDS),
     st.integers(0, 99),
 )
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_any_shots_anywhere(onsets: list[int], model: DriveModel, background: Background, seed: int) -> None:
     film = 0.5 * np.random.default_rng(seed).standard_normal(20_000)
     shots = [msgspec.structs.replace(shot_at(onset), span=Span(onset, onset + 900)) for onset in onsets]

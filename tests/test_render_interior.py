@@ -114,7 +114,7 @@ def test_stride_is_kept_where_rounding_allows_it() -> None:
 
 
 @given(st.floats(-30.0, 30.0), st.integers(0, 1000), st.integers(1, 4))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_scale_of_the_actuator_changes_nothing_but_numbers(level: float, seed: int, stride: int) -> None:
     """With H and t a thousand times as large the best drive is the same, and the objective scales by the square."""
     random = np.random.default_rng(seed)

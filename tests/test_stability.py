@@ -38,7 +38,7 @@ from render_signals import CAUSAL, PROFILE
 
 Fit = tuple[NDArray[np.complex128], int, float]
 RATES_HZ = st.sampled_from(stability_filters.RATES_HZ)
-SLOW = settings(max_examples=12, deadline=None, derandomize=True)
+SLOW = settings(max_examples=12, derandomize=True)
 
 
 @st.composite
@@ -99,7 +99,7 @@ def near(profile: ActuatorProfile, rate_hz: int, *, lean: bool) -> bool:
     return True
 
 
-@settings(max_examples=10, deadline=None, derandomize=True)
+@settings(max_examples=10, derandomize=True)
 @given(profiles(), st.sampled_from((8_000, 11_025, 44_100)), st.booleans())
 def test_any_compensator_is_as_near_to_its_prototype_as_it_must(
     profile: ActuatorProfile, rate_hz: int, lean: bool
@@ -146,7 +146,7 @@ def test_slow_poles_keep_their_gain_at_dc_after_rounding(rate_hz: int, times: in
     assert abs(at_dc - 1) < 1e-6
 
 
-@settings(max_examples=6, deadline=None, derandomize=True)
+@settings(max_examples=6, derandomize=True)
 @given(st.floats(0.1, 40.0), st.integers(1, 4), RATES_HZ)
 def test_every_high_pass_that_a_profile_may_have_is_stable_and_stops_dc(
     corner_hz: float, order: int, rate_hz: int
@@ -158,7 +158,7 @@ def test_every_high_pass_that_a_profile_may_have_is_stable_and_stops_dc(
     assert response_error_db(band, sections, rate_hz, points=10) <= bar_db(rate_hz) - 20.0
 
 
-@settings(max_examples=8, deadline=None, derandomize=True)
+@settings(max_examples=8, derandomize=True)
 @given(RATES_HZ, st.integers(0, 99), st.floats(-30.0, 30.0))
 def test_filtered_samples_are_those_of_exact_arithmetic(rate_hz: int, seed: int, exponent: float) -> None:
     sections = dsp.digital(dsp.compensator(PROFILE), rate_hz)
@@ -192,7 +192,7 @@ def test_where_a_run_is_cut_changes_no_bit(start: int) -> None:
 
 
 @pytest.mark.parametrize("model", MODELS)
-@settings(max_examples=6, deadline=None, derandomize=True)
+@settings(max_examples=6, derandomize=True)
 @given(exponent=st.floats(-320.0, 150.0))
 def test_a_drive_stays_within_the_limit_whatever_the_sound_is(model: DriveModel, exponent: float) -> None:
     drive = drive_of(shot_film(scale=10.0**exponent), 14_400, model, CAUSAL)
