@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from blastline import scene
 from blastline.detect import Verifier, find_shots, fire, load_verifier
+from blastline.detect.contrast import contrasts
 from blastline.detect.find import Test, described, guesses, judged, let_all_pass
 from blastline.detect.forest import score
 from blastline.detect.network import log_odds
@@ -97,8 +98,8 @@ def looked(track: Soundtrack, truth: Truth, rules: Rules, verifier: Verifier, *,
     for stretch in stretches(pieces(track.blocks(BLOCK), track.rate_hz)):
         found = described(stretch, grid, tier, gate=gate, screen=screen)
         began = process_time()
-        shown = pictures(stretch.samples, found.onsets, track.rate_hz)
-        networks.append(np.stack([log_odds(network, found.rows, shown) for network in verifier.networks]))
+        seen = contrasts(pictures(stretch.samples, found.onsets, track.rate_hz))
+        networks.append(np.stack([log_odds(network, found.rows, seen) for network in verifier.networks]))
         look_s += process_time() - began
         odds.append(score(found.rows, verifier.screen.forest))
         part = partial(segment, stretch.samples, film_start=stretch.start, film_stop=stretch.stop, confidence=0.0)

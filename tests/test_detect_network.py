@@ -9,9 +9,9 @@ import pytest
 from numpy.typing import NDArray
 from scipy.signal import resample_poly
 
+from blastline.detect.contrast import CONTRASTS, Contrasts, contrasts
 from blastline.detect.network import (
     FEATURE_LIMIT,
-    PICTURE_SCALE_DB,
     Layer,
     LayerFile,
     Network,
@@ -116,7 +116,7 @@ def test_silence_and_the_ends_of_a_film_are_numbers() -> None:
 
 def random_network(rng: np.random.Generator, features: int) -> Network:
     def convolutions(strides: tuple[int, ...]) -> tuple[Layer, ...]:
-        channels = (1, 3, 4)
+        channels = (CONTRASTS, 3, 4)
         return tuple(
             Layer(
                 stride,
@@ -139,14 +139,14 @@ def random_file(features: int) -> NetworkFile:
     def layer(stride: int, inputs: int, outputs: int) -> LayerFile:
         return LayerFile(stride, [[0.1] * outputs for _ in range(inputs)], [0.0] * outputs)
 
-    convolutions = [layer(2, 9, 3), layer(2, 27, 4)]
+    convolutions = [layer(2, 9 * CONTRASTS, 3), layer(2, 27, 4)]
     values = 4 * (6 * 5 + 12 * 8) + features
     return NetworkFile(
         [0.0] * features, [1.0] * features, convolutions, convolutions, [layer(0, values, 7), layer(0, 7, 1)]
     )
 
 
-def by_scipy(network: Network, rows: NDArray[np.float64], shown: Pictures) -> list[float]:
+def by_scipy(network: Network, rows: NDArray[np.float64], shown: Contrasts) -> list[float]:
     """Return the odds, worked out one candidate and one channel at a time."""
     from scipy.signal import correlate2d
 
@@ -154,7 +154,7 @@ def by_scipy(network: Network, rows: NDArray[np.float64], shown: Pictures) -> li
     for index in range(rows.shape[0]):
         parts = []
         for picture, layers in ((shown.near, network.near), (shown.wide, network.wide)):
-            maps = [picture[index].astype(np.float64) / PICTURE_SCALE_DB + 1.0]
+            maps = list(np.moveaxis(picture[index].astype(np.float64), -1, 0))
             for layer in layers:
                 kernels = layer.weights.astype(np.float64).reshape(3, 3, len(maps), -1)
                 maps = [
@@ -176,14 +176,14 @@ def by_scipy(network: Network, rows: NDArray[np.float64], shown: Pictures) -> li
     return odds
 
 
-def some_pictures(rng: np.random.Generator, count: int) -> Pictures:
-    near = rng.uniform(LOWEST_DB, HIGHEST_DB, (count, NEAR.frames, NEAR.bands)).astype(np.float32)
-    return Pictures(near, rng.uniform(LOWEST_DB, HIGHEST_DB, (count, WIDE.frames, WIDE.bands)).astype(np.float32))
+def some_contrasts(rng: np.random.Generator, count: int) -> Contrasts:
+    near, wide = (rng.uniform(LOWEST_DB, HIGHEST_DB, (count, r.frames, r.bands)) for r in (NEAR, WIDE))
+    return contrasts(Pictures(near.astype(np.float32), wide.astype(np.float32)))
 
 
 def test_a_network_is_its_correlations_and_products() -> None:
     rng = np.random.default_rng(8)
-    network, rows, shown = random_network(rng, 5), rng.standard_normal((4, 5)), some_pictures(rng, 4)
+    network, rows, shown = random_network(rng, 5), rng.standard_normal((4, 5)), some_contrasts(rng, 4)
     np.testing.assert_allclose(log_odds(network, rows, shown), by_scipy(network, rows, shown), rtol=2e-4, atol=2e-4)
 
 
@@ -205,13 +205,13 @@ def test_a_network_for_other_pictures_or_features_does_not_fit() -> None:
 
 def test_candidates_are_judged_one_by_one() -> None:
     rng = np.random.default_rng(9)
-    network, rows, shown = random_network(rng, 5), rng.standard_normal((6, 5)), some_pictures(rng, 6)
+    network, rows, shown = random_network(rng, 5), rng.standard_normal((6, 5)), some_contrasts(rng, 6)
     together = log_odds(network, rows, shown)
     alone = [
-        log_odds(network, rows[n : n + 1], Pictures(shown.near[n : n + 1], shown.wide[n : n + 1]))[0] for n in range(6)
+        log_odds(network, rows[n : n + 1], Contrasts(shown.near[n : n + 1], shown.wide[n : n + 1]))[0] for n in range(6)
     ]
     np.testing.assert_allclose(together, alone, rtol=1e-4, atol=1e-4)
-    assert log_odds(network, rows[:0], Pictures(shown.near[:0], shown.wide[:0])).shape == (0,)
+    assert log_odds(network, rows[:0], Contrasts(shown.near[:0], shown.wide[:0])).shape == (0,)
 
 
 def test_the_runtime_judges_as_pytorch_does() -> None:
@@ -221,8 +221,8 @@ def test_the_runtime_judges_as_pytorch_does() -> None:
     torch.manual_seed(1)
     judge = new_judge(5, 0.3)
     rng = np.random.default_rng(4)
-    shown, rows = some_pictures(rng, 32), rng.standard_normal((32, 5))
-    seen = [torch.from_numpy(each / PICTURE_SCALE_DB + 1.0) for each in (shown.near, shown.wide)]
+    shown, rows = some_contrasts(rng, 32), rng.standard_normal((32, 5))
+    seen = [torch.from_numpy(each).permute(0, 3, 1, 2) for each in (shown.near, shown.wide)]
     known = torch.from_numpy(rows.astype(np.float32))
     judge.parts().train()
     for _ in range(3):  # so that the running means are not what they start from

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from blastline.detect.contrast import contrasts
 from blastline.detect.network import NetworkFile, log_odds, wired
 from blastline.detect.picture import NEAR, WIDE, Pictures
 from blastline.study.teaching import FURTHER, SETTINGS, Examples, fit_network, teach_further
@@ -35,7 +36,7 @@ def test_a_network_tells_what_it_was_taught_from_what_it_was_not_shown(averaged:
 
 def said(network: NetworkFile, of: Examples) -> NDArray[np.float64]:
     pictures = Pictures(of.near.astype(np.float32), of.wide.astype(np.float32))
-    return log_odds(wired(network), of.rows.astype(np.float64), pictures)
+    return log_odds(wired(network), of.rows.astype(np.float64), contrasts(pictures))
 
 
 @pytest.mark.parametrize("averaged", [False, True])

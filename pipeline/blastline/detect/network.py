@@ -1,4 +1,4 @@
-"""A small convolutional network over a candidate's pictures and features, evaluated in numpy.
+"""A small convolutional network over a candidate's contrasts and features, evaluated in numpy.
 
     near picture --conv--conv--conv--conv--+
     wide picture --conv--conv--conv--conv--+--dense--dense--dense--> log-odds of a shot
@@ -14,14 +14,12 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from .picture import NEAR, WIDE, Pictures
+from .contrast import CONTRASTS, Contrasts
+from .picture import NEAR, WIDE
 
 Values = NDArray[np.float32]
 
 KERNEL = 3
-PICTURE_SCALE_DB = 15.0
-"""A picture's levels enter as level / 15 dB + 1: within about one around zero."""
-
 FEATURE_LIMIT = 4.0
 """Features enter as deviations in spreads, no further out than this."""
 
@@ -80,7 +78,7 @@ def fits(file: NetworkFile, features: int) -> bool:
         return False
     inputs = features
     for raster, layers in ((NEAR, file.near), (WIDE, file.wide)):
-        frames, bands, channels = raster.frames, raster.bands, 1
+        frames, bands, channels = raster.frames, raster.bands, CONTRASTS
         for layer in layers:
             if layer.stride < 1 or not _takes(layer, KERNEL * KERNEL * channels):
                 return False
@@ -93,14 +91,11 @@ def fits(file: NetworkFile, features: int) -> bool:
     return inputs == 1
 
 
-def log_odds(network: Network, rows: NDArray[np.float64], shown: Pictures) -> NDArray[np.float64]:
+def log_odds(network: Network, rows: NDArray[np.float64], shown: Contrasts) -> NDArray[np.float64]:
     """Return the logarithm of the odds that each candidate is a shot, shape (n,)."""
     if not rows.shape[0]:
         return np.zeros(0)
-    parts = [
-        _convolved(picture / np.float32(PICTURE_SCALE_DB) + np.float32(1.0), layers)
-        for picture, layers in ((shown.near, network.near), (shown.wide, network.wide))
-    ]
+    parts = [_convolved(seen, layers) for seen, layers in ((shown.near, network.near), (shown.wide, network.wide))]
     known = np.clip((rows - network.means) / network.spreads, -FEATURE_LIMIT, FEATURE_LIMIT).astype(np.float32)
     values = np.concatenate([*parts, known], axis=1)
     for layer in network.head[:-1]:
@@ -124,9 +119,8 @@ def _takes(layer: LayerFile, inputs: int) -> bool:
     return len(layer.weights) == inputs and all(len(row) == len(layer.biases) for row in layer.weights)
 
 
-def _convolved(pictures: Values, layers: Sequence[Layer]) -> Values:
-    """Return pictures (n, frames, bands) after the layers, laid flat: (n, frames * bands * channels)."""
-    values = pictures[..., None]
+def _convolved(values: Values, layers: Sequence[Layer]) -> Values:
+    """Return what comes out of the layers for (n, frames, bands, channels), laid flat: (n, values)."""
     for layer in layers:
         values = _convolve(values, layer)
     return values.reshape(values.shape[0], -1)

@@ -29,11 +29,13 @@ _DB_PER_LOG = np.float32(10.0 / np.log(10.0))
 class Raster:
     """How a picture is taken: frames and bands, the first frame's start against the onset, all in ms and Hz.
 
-    `transform_ms` is how long the transforms are, the window padded: a power of two at 48 kHz, a percent or so
-    more where that is faster. It sets which frequencies they hear, and so must not depend on the rate.
+    The first `before` frames are over before the onset. `transform_ms` is how long the transforms are, the window
+    padded: a power of two at 48 kHz, a percent or so more where that is faster. It sets which frequencies they hear,
+    and so must not depend on the rate.
     """
 
     frames: int
+    before: int
     bands: int
     start_ms: float
     hop_ms: float
@@ -44,10 +46,19 @@ class Raster:
 
 
 NEAR = Raster(
-    frames=24, bands=20, start_ms=-7.0, hop_ms=1.0, window_ms=4.0, transform_ms=256 / 48, low_hz=150.0, high_hz=18_000.0
+    frames=24,
+    before=4,
+    bands=20,
+    start_ms=-7.0,
+    hop_ms=1.0,
+    window_ms=4.0,
+    transform_ms=256 / 48,
+    low_hz=150.0,
+    high_hz=18_000.0,
 )
 WIDE = Raster(
     frames=48,
+    before=11,
     bands=32,
     start_ms=-130.0,
     hop_ms=10.0,

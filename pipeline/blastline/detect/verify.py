@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 
 from ..errors import RuleError
 from .bandshape import bandshape_names
+from .contrast import contrasts
 from .features import feature_names
 from .forest import Forest, ForestFile, grown, probabilities, score
 from .network import Network, NetworkFile, fits, log_odds, wired
 from .picture import Pictures
 
-SCHEMA = 3
+SCHEMA = 4
 BEYOND_DOUBT = 3.0
 """Log-odds of 95 to 5: hardly a second opinion turns them over."""
 
@@ -97,11 +98,11 @@ class Verifier:
         Trees and networks err in different places. A further network is asked only where those before it leave room
         for doubt. To four digits: beyond them the sums depend on how many candidates are judged together.
         """
-        by_screen = score(rows, self.screen.forest)
+        by_screen, seen = score(rows, self.screen.forest), contrasts(shown)
         said, odds, networks = np.zeros(rows.shape[0]), np.zeros(rows.shape[0]), np.zeros(rows.shape[0], np.intp)
         open_to_doubt = np.arange(rows.shape[0])
         for asked, network in enumerate(self.networks, start=1):
-            said[open_to_doubt] += log_odds(network, rows[open_to_doubt], shown.taken(open_to_doubt))
+            said[open_to_doubt] += log_odds(network, rows[open_to_doubt], seen.taken(open_to_doubt))
             mean = said[open_to_doubt] / asked
             odds[open_to_doubt] = (1.0 - SCREEN_SHARE) * mean + SCREEN_SHARE * by_screen[open_to_doubt]
             networks[open_to_doubt] = asked

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..detect.contrast import CONTRASTS
 from ..detect.network import KERNEL, LayerFile, NetworkFile
 from ..detect.picture import NEAR, WIDE, Raster
 
@@ -32,10 +33,10 @@ class Judge:
     head: nn.Sequential
 
     def odds(self, near: Tensor, wide: Tensor, rows: Tensor) -> Tensor:
-        """Return the log-odds of a shot, shape (n,), of scaled pictures and of features in their spreads."""
+        """Return the log-odds of a shot, shape (n,), of contrasts (n, CONTRASTS, frames, bands) and scaled features."""
         import torch
 
-        seen = [part(picture[:, None]) for part, picture in ((self.near, near), (self.wide, wide))]
+        seen = [part(contrasts) for part, contrasts in ((self.near, near), (self.wide, wide))]
         flat = [values.permute(0, 2, 3, 1).flatten(1) for values in seen]
         return self.head(torch.cat([*flat, rows], dim=1))[:, 0]
 
@@ -86,7 +87,7 @@ def exported(judge: Judge, means: NDArray[np.float64], spreads: NDArray[np.float
 def restored(file: NetworkFile, near: Tensor, wide: Tensor, rows: Tensor, dropout: float) -> Judge:
     """Return the network that was exported, ready to be taught further: it says what the file's network says.
 
-    What its normalisations take off and give back is what its layers answer to these scaled pictures and features.
+    What its normalisations take off and give back is what its layers answer to these contrasts and features.
     """
     import torch
     from torch import nn
@@ -96,7 +97,7 @@ def restored(file: NetworkFile, near: Tensor, wide: Tensor, rows: Tensor, dropou
     with torch.no_grad():
         seen = []
         for part, layers, shown in ((judge.near, file.near, near), (judge.wide, file.wide, wide)):
-            answers = shown[:, None]
+            answers = shown
             for conv, norm, layer in zip(part[::3], part[1::3], layers, strict=True):
                 assert isinstance(conv, nn.Conv2d)
                 assert isinstance(norm, nn.BatchNorm2d)
@@ -135,11 +136,11 @@ def _centred(norm: nn.BatchNorm1d | nn.BatchNorm2d, answers: Tensor, biases: Ten
 
 
 def _convolutions(raster: Raster, layers: tuple[tuple[int, int], ...]) -> tuple[nn.Sequential, int]:
-    """Return the convolutions over a picture, and how many values come out of them."""
+    """Return the convolutions over a picture's contrasts, and how many values come out of them."""
     from torch import nn
 
     parts: list[nn.Module] = []
-    channels, height, width = 1, raster.frames, raster.bands
+    channels, height, width = CONTRASTS, raster.frames, raster.bands
     for outputs, stride in layers:
         parts += [
             nn.Conv2d(channels, outputs, KERNEL, stride=stride, padding=1, bias=False),

@@ -16,14 +16,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..detect.network import FEATURE_LIMIT, PICTURE_SCALE_DB, NetworkFile
+from ..detect.contrast import contrasts
+from ..detect.network import FEATURE_LIMIT, NetworkFile
+from ..detect.picture import Pictures
 from .networks import Judge, exported, new_judge, restored
 
 if TYPE_CHECKING:
     from torch import Tensor
 
 SETTINGS: dict[str, Any] = {
-    "epochs": 6,
+    "epochs": 4,
     "batch": 256,
     "learning_rate": 2e-3,
     "warm_up": 0.05,
@@ -38,6 +40,8 @@ FURTHER: dict[str, Any] = SETTINGS | {"epochs": 3, "learning_rate": 1e-3}
 """For networks that know most of it already."""
 
 NORMALISING_BATCHES = 200
+TILTED = (1.0, 0.0, 1.0, 0.0)
+"""Which contrasts another microphone tilts: the levels."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,10 +56,10 @@ class Examples:
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """The examples as tensors, features in their spreads."""
+    """The examples as a network takes them: pictures still as levels, features in their spreads."""
 
-    near: Tensor
-    wide: Tensor
+    near: NDArray[np.float16]
+    wide: NDArray[np.float16]
     rows: Tensor
     shots: Tensor
 
@@ -64,11 +68,20 @@ class Material:
         """Return how many there are."""
         return len(self.shots)
 
+    def seen(self, which: Tensor) -> tuple[Tensor, Tensor]:
+        """Return the contrasts of some of them, as a judge takes them."""
+        import torch
+
+        near, wide = (pictures[which.numpy()].astype(np.float32) for pictures in (self.near, self.wide))
+        seen = contrasts(Pictures(near, wide))
+        near, wide = (torch.from_numpy(each).permute(0, 3, 1, 2) for each in (seen.near, seen.wide))
+        return near, wide
+
     def drawn(self, which: Tensor, settings: dict[str, Any]) -> tuple[Tensor, Tensor, Tensor, Tensor]:
         """Return some of them as a judge takes them, coloured, and their truth."""
         import torch
 
-        near, wide = (_coloured(pictures[which], settings) for pictures in (self.near, self.wide))
+        near, wide = (_coloured(seen, settings) for seen in self.seen(which))
         rows = self.rows[which] + settings["feature_noise"] * torch.randn(len(which), self.rows.shape[1])
         return near, wide, rows, self.shots[which]
 
@@ -95,8 +108,7 @@ def teach_further(
     means, spreads = np.array(network.means), np.array(network.spreads)
     material = _material(examples, means, spreads)
     some = torch.randperm(material.count)[: NORMALISING_BATCHES * settings["batch"] // 4]
-    near, wide = (_scaled(pictures[some]) for pictures in (material.near, material.wide))
-    judge = restored(network, near, wide, material.rows[some], settings["dropout"])
+    judge = restored(network, *material.seen(some), material.rows[some], settings["dropout"])
     return exported(_taught(judge, material, settings, averaged=averaged), means, spreads)
 
 
@@ -105,8 +117,8 @@ def _material(examples: Examples, means: NDArray[np.float64], spreads: NDArray[n
 
     limited = np.clip((examples.rows - means) / spreads, -FEATURE_LIMIT, FEATURE_LIMIT).astype(np.float32)
     return Material(
-        near=torch.from_numpy(examples.near),
-        wide=torch.from_numpy(examples.wide),
+        near=examples.near,
+        wide=examples.wide,
         rows=torch.from_numpy(limited),
         shots=torch.from_numpy(examples.shots.astype(np.float32)),
     )
@@ -164,17 +176,14 @@ def _normalised(judge: Judge, material: Material, settings: dict[str, Any]) -> J
     return judge
 
 
-def _coloured(picture: Tensor, settings: dict[str, Any]) -> Tensor:
-    """Return pictures as the network takes them, half of them tilted as another microphone would, with some noise."""
+def _coloured(seen: Tensor, settings: dict[str, Any]) -> Tensor:
+    """Return contrasts with some noise, half of them as another microphone would hear them: their levels tilted.
+
+    What a band rises or decays by, no microphone changes.
+    """
     import torch
 
-    levels = _scaled(picture)
-    count, _, bands = levels.shape
-    tilt = torch.linspace(-0.5, 0.5, bands) * torch.randn(count, 1, 1) * settings["tilt"]
-    tilted = tilt * (torch.rand(count, 1, 1) < 0.5)
-    return levels + tilted + settings["picture_noise"] * torch.randn_like(levels)
-
-
-def _scaled(picture: Tensor) -> Tensor:
-    """Return pictures as a network takes them."""
-    return picture.float() / PICTURE_SCALE_DB + 1.0
+    count, _, _, bands = seen.shape
+    tilt = torch.linspace(-0.5, 0.5, bands) * torch.randn(count, 1, 1, 1) * settings["tilt"]
+    tilted = tilt * (torch.rand(count, 1, 1, 1) < 0.5) * torch.tensor(TILTED)[:, None, None]
+    return seen + tilted + settings["picture_noise"] * torch.randn_like(seen)

@@ -3,8 +3,9 @@
     lessons (films, mixes, mixes of recordings) --> candidates --> gate --> screen --> pictures of the rest --> networks
 
 Candidates on a shot's onset are positives, all others negatives. Some films, and with `--hold-out` a part of the
-sources of recordings, are never learnt from; what the file scores on them is written into it. With `--further` the
-networks of a file go on learning from the new lessons; gate and screen, which need fewer, are fitted anew.
+sources of recordings, are never learnt from; what the file scores on them is written into it. With `--more` the
+networks also learn from lessons of other seeds; gate and screen need fewer. With `--further` the networks of a file go
+on learning from the new lessons; gate and screen are fitted anew.
 """
 
 import argparse
@@ -13,7 +14,6 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
@@ -30,48 +30,15 @@ from ..detect.picture import Pictures, pictures
 from ..detect.verify import SCHEMA, ModelFile, Sieve, SieveFile, Verifier, read_model
 from ..ruleset import QualityRules, load_rules
 from .candidates import Candidates, best_f1, candidates, joined
-from .courses import FOLDS, Course, courses
-from .lessons import Lesson
-from .mixes import MIX_S, RATE_HZ, Mix
+from .courses import FOLDS, courses
+from .lots import Kept, Lot, keep_lessons, load_lesson
+from .mixes import MIX_S, RATE_HZ
 from .sieves import GATE_SETTINGS, SCREEN_SETTINGS, fit_sieve
 from .teaching import FURTHER, SETTINGS, Examples, fit_network, teach_further
 
 _Thing = TypeVar("_Thing")
 
 GATE_LOSS, SCREEN_LOSS = 0.01, 0.025
-
-
-@dataclass(frozen=True)
-class Kept:
-    """A lesson in the work folder."""
-
-    path: Path
-    course: str
-    tested: bool
-
-
-def keep_lessons(work: Path, course: Course, pool: ProcessPoolExecutor) -> list[Kept]:
-    """Make the lessons of a course as files, unless the work folder has them already."""
-    work.mkdir(parents=True, exist_ok=True)
-    paths = list(pool.map(partial(_keep, work, course.name, course.lesson), range(course.count), chunksize=2))
-    return [Kept(path, course.name, course.tested(number)) for number, path in enumerate(paths)]
-
-
-def _keep(work: Path, name: str, lesson: Lesson, number: int) -> Path:
-    path = work / f"{name}-{number:05d}.npz"
-    if not path.exists():
-        film = lesson(number)
-        samples = np.round(film.samples * 32768.0).astype(np.int16)
-        unfinished = path.with_suffix(".part.npz")
-        np.savez(unfinished, samples=samples, onsets=film.onsets, level_db=film.level_db, unsure=film.unsure)
-        unfinished.rename(path)
-    return path
-
-
-def _load(path: Path) -> Mix:
-    with np.load(path) as kept:
-        samples = kept["samples"].astype(np.float32) / np.float32(32768.0)
-        return Mix(samples, kept["onsets"], kept["level_db"], kept["unsure"])
 
 
 def as_taught(tier: QualityRules) -> QualityRules:
@@ -85,12 +52,12 @@ def as_taught(tier: QualityRules) -> QualityRules:
 
 def _listen(tier: QualityRules, item: tuple[int, Kept]) -> Candidates:
     """Return the candidates of a lesson, numbered."""
-    return candidates(_load(item[1].path), tier, item[0])
+    return candidates(load_lesson(item[1].path), tier, item[0])
 
 
 def _look(item: tuple[Path, NDArray[np.intp]]) -> tuple[NDArray[np.float16], NDArray[np.float16]]:
     """Return the pictures of candidates of a lesson, near and wide, in half precision."""
-    shown = pictures(_load(item[0]).samples, item[1], RATE_HZ)
+    shown = pictures(load_lesson(item[0]).samples, item[1], RATE_HZ)
     return shown.near.astype(np.float16), shown.wide.astype(np.float16)
 
 
@@ -151,23 +118,27 @@ def score(model: ModelFile, tested: Candidates, kept: Sequence[Kept], pool: Proc
     }
 
 
-def train(
-    every: Sequence[Course], work: Path, *, networks: int, seed: int, jobs: int, before: ModelFile | None = None
-) -> ModelFile:
-    """Return a verifier trained on the courses, or one from before taught further."""
+def train(lots: Sequence[Lot], work: Path, *, networks: int, jobs: int, before: ModelFile | None = None) -> ModelFile:
+    """Return a verifier trained on the lots, or one from before taught further; the first lot's seed is the model's."""
     listen = partial(_listen, as_taught(load_rules("reference").tier))
+    seed = lots[0].seed
     with ProcessPoolExecutor(jobs) as pool:
-        kept = [each for course in every for each in _said(keep_lessons(work, course, pool), course.name)]
+        kept = [
+            each
+            for lot in lots
+            for course in lot.courses
+            for each in _said(keep_lessons(work, course, lot.seed, pool), f"{course.name} of {lot.seed}")
+        ]
         numbered = list(enumerate(kept))
         learnt = joined(list(pool.map(listen, [item for item in numbered if not item[1].tested], chunksize=4)))
         _say(f"{learnt.shots.size} candidates to learn from, {int(learnt.shots.sum())} of them shots")
-        gate, screen = fit_sieves(learnt, seed)
+        gate, screen = fit_sieves(learnt.taken(np.array([kept[n].seed == seed for n in learnt.lesson.tolist()])), seed)
         left = sieved(learnt, gate, screen)
         _say(f"{left.shots.size} of them pass gate and screen, {int(left.shots.sum())} of them shots")
         examples = look(left, kept, pool)
         known = before.networks if before else []
         judges = [_said(_network(examples, seed, number, known), f"network {number + 1}") for number in range(networks)]
-        training = _record(every, learnt, left, seed, before)
+        training = _record(lots, learnt, left, before)
         model = ModelFile(SCHEMA, gate, screen, judges, training)
         scores = {}
         for name in {each.course: None for each in kept if each.tested}:
@@ -177,15 +148,16 @@ def train(
     return msgspec.structs.replace(model, training=training | {"held_out": scores})
 
 
-def _record(
-    every: Sequence[Course], learnt: Candidates, left: Candidates, seed: int, before: ModelFile | None
-) -> dict[str, Any]:
+def _record(lots: Sequence[Lot], learnt: Candidates, left: Candidates, before: ModelFile | None) -> dict[str, Any]:
     """Return how a model was trained: on which lessons, of which so much passed the sieves, and after which model."""
+    first, *more = (
+        {"seed": lot.seed, "lessons": {course.name: course.count for course in lot.courses}} for lot in lots
+    )
     record: dict[str, Any] = {
         "command": "python -m blastline.study.train",
-        "seed": seed,
+        **first,
+        "more": more,
         "minutes_each": MIX_S / 60.0,
-        "lessons": {course.name: course.count for course in every},
         "candidates": int(learnt.shots.size),
         "shots": int(learnt.shots.sum()),
         "shots_without_candidate": learnt.missed,
@@ -205,6 +177,14 @@ def main() -> None:
     parser.add_argument("--synthetic", type=int, default=600, help="synthetic films of a minute (default: %(default)s)")
     parser.add_argument("--recorded", type=int, default=240, help="mixes of recordings (default: %(default)s)")
     parser.add_argument("--networks", type=int, default=3, help="how many networks (default: %(default)s)")
+    parser.add_argument(
+        "--more",
+        type=_lot,
+        action="append",
+        default=[],
+        metavar="SEED,SYNTHETIC,RECORDED",
+        help="lessons of another seed, for the networks alone",
+    )
     parser.add_argument("--further", type=Path, metavar="MODEL", help="teach the networks of this file further")
     parser.add_argument("--hold-out", type=int, choices=range(FOLDS), help="test on this fold of the sources")
     parser.add_argument("--work", type=Path, help="keep the lessons in this folder, and use what it has")
@@ -212,18 +192,21 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("-o", "--output", type=Path, required=True)
     options = parser.parse_args()
-    every = courses(
-        options.corpus,
-        synthetic=options.synthetic,
-        recorded=options.recorded if options.corpus else 0,
-        seed=options.seed,
-        hold_out=options.hold_out,
-    )
+    lots = [
+        Lot(seed, courses(options.corpus, synthetic=made, recorded=mixed, seed=seed, hold_out=options.hold_out))
+        for seed, made, mixed in [(options.seed, options.synthetic, options.recorded), *options.more]
+    ]
     before = read_model(options.further) if options.further else None
     with tempfile.TemporaryDirectory(prefix="blastline-") as made:
         work = options.work or Path(made)
-        model = train(every, work, networks=options.networks, seed=options.seed, jobs=options.jobs, before=before)
+        model = train(lots, work, networks=options.networks, jobs=options.jobs, before=before)
     options.output.write_bytes(msgspec.json.encode(model) + b"\n")
+
+
+def _lot(text: str) -> tuple[int, int, int]:
+    """Return the three numbers of a lot; ValueError, of which argparse tells, where there are others."""
+    seed, synthetic, recorded = (int(part) for part in text.split(","))
+    return seed, synthetic, recorded
 
 
 def _said(thing: _Thing, what: str) -> _Thing:
