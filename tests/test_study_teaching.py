@@ -45,7 +45,7 @@ def test_who_is_taught_nothing_further_says_what_was_said_before(averaged: bool)
     known, fresh = examples(600, 1), examples(300, 2)
     network = fit_network(known, 3, averaged=averaged, settings=QUICK)
     still = {"epochs": 1, "learning_rate": 0.0, "batch": 600}
-    same = teach_further(network, known, 4, averaged=averaged, settings=FURTHER | still)
+    same = teach_further(network, known, 4, settings=FURTHER | still)
     odds = said(network, fresh)
     assert np.corrcoef(said(same, fresh), odds)[0, 1] > 0.98
     assert np.mean((said(same, fresh) > 0) == (odds > 0)) > 0.97
@@ -59,7 +59,7 @@ def test_who_is_taught_further_knows_the_old_and_the_new(averaged: bool) -> None
     assert np.mean((said(first, new) > 0) == new.shots) < 0.8
     more = [examples(600, 5), examples(600, 6, late_in="wide")]
     both = Examples(*(np.concatenate([getattr(m, f) for m in more]) for f in ("near", "wide", "rows", "shots")))
-    further = teach_further(first, both, 3, averaged=averaged, settings=QUICK)
+    further = teach_further(first, both, 3, settings=QUICK)
     for each in (old, new):
         assert np.mean((said(further, each) > 0) == each.shots) > 0.93
 

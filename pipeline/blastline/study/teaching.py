@@ -5,7 +5,7 @@
 - averaged: at a constant pace, and the average of the weights over most of the training counts (Izmailov et al. 2018;
   Cha et al. 2021): better on sources never heard.
 
-A network can be taught further, by new lessons at a slower pace, in the way it was taught before.
+An annealed network can be taught further, by new lessons at a slower pace.
 """
 
 from __future__ import annotations
@@ -99,9 +99,9 @@ def fit_network(examples: Examples, seed: int, *, averaged: bool, settings: dict
 
 
 def teach_further(
-    network: NetworkFile, examples: Examples, seed: int, *, averaged: bool, settings: dict[str, Any] = FURTHER
+    network: NetworkFile, examples: Examples, seed: int, *, settings: dict[str, Any] = FURTHER
 ) -> NetworkFile:
-    """Return a network that goes on learning from the examples, where it was left."""
+    """Return a network that goes on learning from the examples, where it was left, annealed once more."""
     import torch
 
     torch.manual_seed(seed)
@@ -109,7 +109,7 @@ def teach_further(
     material = _material(examples, means, spreads)
     some = torch.randperm(material.count)[: NORMALISING_BATCHES * settings["batch"] // 4]
     judge = restored(network, *material.seen(some), material.rows[some], settings["dropout"])
-    return exported(_taught(judge, material, settings, averaged=averaged), means, spreads)
+    return exported(_taught(judge, material, settings, averaged=False), means, spreads)
 
 
 def _material(examples: Examples, means: NDArray[np.float64], spreads: NDArray[np.float64]) -> Material:

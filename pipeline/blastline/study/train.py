@@ -4,8 +4,8 @@
 
 Candidates on a shot's onset are positives, all others negatives. Some films, and with `--hold-out` a part of the
 sources of recordings, are never learnt from; what the file scores on them is written into it. With `--more` the
-networks also learn from lessons of other seeds; gate and screen need fewer. With `--further` the networks of a file go
-on learning from the new lessons; gate and screen are fitted anew.
+networks also learn from lessons of other seeds; gate and screen need fewer. With `--further` every other
+network of a file goes on learning from the new lessons; gate and screen and the others begin anew.
 """
 
 import argparse
@@ -93,10 +93,14 @@ def fit_sieves(learnt: Candidates, seed: int) -> tuple[SieveFile, SieveFile]:
 
 
 def _network(examples: Examples, seed: int, number: int, known: Sequence[NetworkFile]) -> NetworkFile:
-    """Return the network of a number, a known one taught further: one annealed, one averaged, and so on in turns."""
+    """Return the network of a number: one annealed, one averaged, and so on in turns.
+
+    Of known ones the annealed, the surer of what is like the lessons, go on learning. The averaged are there for what
+    was never heard, of which a network knows less the longer it learns: they begin anew.
+    """
     averaged = number % 2 == 1
-    if number < len(known):
-        return teach_further(known[number], examples, seed + number, averaged=averaged)
+    if number < len(known) and not averaged:
+        return teach_further(known[number], examples, seed + number)
     return fit_network(examples, seed + number, averaged=averaged)
 
 
@@ -165,9 +169,9 @@ def _record(lots: Sequence[Lot], learnt: Candidates, left: Candidates, before: M
         "shots_passed": int(left.shots.sum()),
         "gate": GATE_SETTINGS | {"loss": GATE_LOSS},
         "screen": SCREEN_SETTINGS | {"loss": SCREEN_LOSS},
-        "networks": FURTHER if before else SETTINGS,
+        "networks": SETTINGS,
     }
-    return record | {"before": before.training} if before else record
+    return record | {"further": FURTHER, "before": before.training} if before else record
 
 
 def main() -> None:
@@ -185,7 +189,7 @@ def main() -> None:
         metavar="SEED,SYNTHETIC,RECORDED",
         help="lessons of another seed, for the networks alone",
     )
-    parser.add_argument("--further", type=Path, metavar="MODEL", help="teach the networks of this file further")
+    parser.add_argument("--further", type=Path, metavar="MODEL", help="teach every other network of this file further")
     parser.add_argument("--hold-out", type=int, choices=range(FOLDS), help="test on this fold of the sources")
     parser.add_argument("--work", type=Path, help="keep the lessons in this folder, and use what it has")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (default: %(default)s)")
