@@ -16,7 +16,7 @@ from blastline.export.edits import Wanted, match, read_edits
 from blastline.model import Event, Span, Timeline, Window, encode
 from timelines import RATE_HZ, SHOT, timeline
 
-SHARED_FOLDER = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+SHARED_FOLDER = settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 RATES_HZ = (44_100, 48_000, 96_000, 192_000)
 FILM_S = 3 * 3600
 

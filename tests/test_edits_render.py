@@ -107,6 +107,27 @@ def test_moved_deleted_and_added_is_what_the_drive_does(tmp_path: Path, film: Pa
     assert [r.at_sample for r in deleted] == [before["shot-0002"].onset_sample]
 
 
+@pytest.mark.parametrize("stop_ms", [8, 16, 30, 41, 70])
+def test_a_window_cut_shorter_than_a_fade_keeps_the_attack(
+    tmp_path: Path, film: Path, result: Path, stop_ms: int
+) -> None:
+    """The fade-out takes half of what follows the onset, so the drive passes its checks, of which exit code 0 tells."""
+
+    def edit(rows: list[Row]) -> None:
+        for row in rows:
+            stop = int(row["onset_sample"]) + stop_ms * RATE_HZ // 1000
+            row["window_stop_sample"], row["window_stop_s"] = str(stop), ""
+
+    ended, after, _ = rendered(film, edited(result, tmp_path, edit))
+    assert re.search(r"checks: (\d+) of \1 passed", ended.err), ended
+    for event in after.events:
+        room = stop_ms * RATE_HZ // 1000
+        assert event.window.stop - event.onset_sample == room
+        assert event.window.fade_out_samples <= room // 2
+        assert event.drive is not None
+        assert event.drive.fidelity > 0.9
+
+
 def test_a_found_shot_that_is_moved_says_so(tmp_path: Path, film: Path, result: Path) -> None:
     plain = json.loads((result / "timeline.json").read_text())
     for event in plain["events"]:

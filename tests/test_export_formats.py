@@ -13,7 +13,9 @@ from blastline.export.table import COLUMNS
 from blastline.model import Timeline
 from timelines import BURST_SHOT, RATE_HZ, SHOT, any_timeline, timeline
 
-SHARED_FOLDER = settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
+SHARED_FOLDER = settings(
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow], max_examples=40
+)
 
 
 @SHARED_FOLDER

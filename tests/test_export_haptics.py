@@ -324,7 +324,7 @@ def test_an_onset_behind_the_end_of_the_film_is_refused() -> None:
         track_of(film([event(2 * RATE_HZ)], RATE_HZ), np.zeros(RATE_HZ))
 
 
-@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(st.data())
 def test_whatever_the_events_the_files_keep_to_the_rules(tmp_path: Path, data: st.DataObject) -> None:
     """Windows of one sample, overlaps, onsets outside their window or too near, the first and the last frame."""

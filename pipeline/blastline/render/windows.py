@@ -78,8 +78,8 @@ def window_between(
 ) -> Window:
     """Return a shot's window with ends that somebody has set; one that is None is where it would be planned.
 
-    The fades are inside and shrink to the room there is before the onset and after it. Raises ValueError where the
-    onset is not inside.
+    The fades are inside and shrink to the room there is before the onset, and to half of it after: the attack is the
+    shot, and a window shorter than a fade keeps it. Raises ValueError where the onset is not inside.
     """
     sounding = Span(shot.onset, min(max(shot.span.stop, shot.onset + 1), frames))
     own = _around(sounding, frames=frames, rate_hz=rate_hz, rules=rules)
@@ -92,21 +92,25 @@ def window_between(
         fade_in = max(0, min(samples_from_ms(rules.fade_in_ms, rate_hz), whole - begin))
     fade_out = own.fade_out_samples
     if stop is not None:
-        fade_out = min(samples_from_ms(rules.fade_out_ms, rate_hz), end - shot.onset - 1)
+        fade_out = min(samples_from_ms(rules.fade_out_ms, rate_hz), (end - shot.onset) // 2)
     return Window(begin, end, fade_in, fade_out)
 
 
 def _joined(planned: PlannedWindow, window: Window, index: int, shots: Sequence[Shot]) -> PlannedWindow:
-    """Return a planned window together with one that starts no earlier and meets it; no fade reaches into an onset."""
+    """Return a planned window together with one that starts no earlier and meets it; no fade reaches into an onset.
+
+    A fade-out that somebody has set may reach a later shot's: half of the room after that is left to it.
+    """
     before = planned.window
     members = tuple(sorted((*planned.shots, index), key=lambda i: (shots[i].onset, i)))
     last = max(before, window, key=lambda w: (w.stop, -w.fade_out_samples))
+    room = last.stop - shots[members[-1]].onset
     return PlannedWindow(
         Window(
             before.start,
             last.stop,
             min(before.fade_in_samples, shots[members[0]].onset - before.start),
-            min(last.fade_out_samples, last.stop - shots[members[-1]].onset - 1),
+            last.fade_out_samples if last.fade_out_samples < room else room // 2,
         ),
         members,
     )
