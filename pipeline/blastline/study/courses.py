@@ -15,7 +15,7 @@ FILMS_PER_MIX = 6
 SPARSE_SHARE = 0.6  # so many films in which sounds stand alone come to each crowded one
 GUN_FREE_SHARE = 0.4  # so many films without a gun come to each film with some
 PLAIN_SHARE = 0.4  # so many mixes of textbook sounds come to each film
-DESIGNED_SHARE = 0.8  # and so many of sounds as designers build them
+DESIGNED_SHARE = 1.5  # and so many of sounds as designers build them
 TESTED_EVERY = 12  # of the films one in so many is held out
 
 

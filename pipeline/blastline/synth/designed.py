@@ -1,6 +1,6 @@
 """Gunshots as sound designers and game makers build them: layers of noise and tones, cut, driven and copied.
 
-    crack + body + thump + tail + mechanics      each begins within some milliseconds of the first
+    crack + body + thump + tail + mechanics      each begins within some milliseconds of the first (`layers`)
       perhaps in stages up to a quarter of a second apart, of other layers each: one shot all the same
       through overdrive, a sampler's rate and bits, a microphone, a place; cut short; repeated as it is or anew
 
@@ -16,35 +16,39 @@ import numpy as np
 from .chance import between, chance, fork, log_between, pick
 from .colour import draw_colour, record
 from .echoes import in_place, overlaid
-from .impacts import draw_body, series, struck
+from .impacts import series
+from .layers import draw_layers, draw_mechanics
+from .noises import coloured
 from .rooms import ENVIRONMENTS, draw_place
-from .tone import Samples, lowpass, saturate, trimmed
-from .waves import band_burst, boom, normalised
+from .tone import Samples, bandpass, lowpass, saturate, trimmed
+from .waves import band_burst, normalised
 
 _LONGEST_S = 2.5
 _SAMPLER_RATES_HZ = (8_000.0, 11_025.0, 16_000.0, 22_050.0)
 _ROUNDS_PER_MINUTE = (400.0, 1_300.0)
+_DRY, _DRY_IN_BURSTS = 0.08, 0.2  # a bare crack is a clap, several at a gun's pace are not
 
 
 def designed_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, tuple[int, ...]]:
     """Return one shot or a burst of up to 16 rounds, with a peak of 1, and where the rounds begin."""
     design = fork(rng)
     rounds = 1 if chance(rng, 0.65) else int(rng.integers(2, 17))
+    dry = _DRY if rounds == 1 else _DRY_IN_BURSTS
     if rounds == 1 and chance(rng, 0.4):
         sounds = [_finished(rng, _staged(fork(design), rate_hz), rate_hz)]
     elif chance(rng, 0.6):
-        one = _finished(rng, _round(fork(design), rate_hz), rate_hz)
+        one = _finished(rng, _round(fork(design), rate_hz, dry=dry), rate_hz)
         sounds = [one] * rounds
     else:
         seed = int(design.integers(2**62))
-        layers = [_round(np.random.default_rng(seed), rate_hz, noise=fork(rng)) for _ in range(rounds)]
+        layers = [_round(np.random.default_rng(seed), rate_hz, dry=dry, noise=fork(rng)) for _ in range(rounds)]
         chain = int(rng.integers(2**62))
         sounds = [_finished(np.random.default_rng(chain), sound, rate_hz) for sound in layers]
     return _fired(rng, sounds, rate_hz)
 
 
 def designed_negative(rng: np.random.Generator, rate_hz: int) -> Samples:
-    """Return what is made of the same stuff and is no shot: a swell, a shot played backwards, a bleep, a rattle."""
+    """Return what is made of the same stuff and is no shot: a swell, a shot backwards, a bleep, a rattle, a hiss."""
     kind = pick(rng, _NEGATIVES)
     sound = _finished(rng, kind(fork(rng), rate_hz), rate_hz)
     if chance(rng, 0.75):
@@ -105,7 +109,24 @@ def _rattle(rng: np.random.Generator, rate_hz: int) -> Samples:
     return series(rng, clicks, gaps_s=gaps_s, levels_db=between(rng, (0.5, 6.0)), rate_hz=rate_hz)
 
 
-_NEGATIVES: tuple[Callable[[np.random.Generator, int], Samples], ...] = (_swell, _backwards, _bleep, _rattle)
+def _hiss(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return steam, an air brake or static that bursts out, holds and dies away, without a blow."""
+    attack_ms, hold_s = log_between(rng, (1.0, 60.0)), log_between(rng, (0.03, 1.0))
+    noise = coloured(fork(rng), round((hold_s + 0.5) * rate_hz), slope=between(rng, (0.0, 1.0)), rate_hz=rate_hz)
+    times_s = np.arange(len(noise)) / rate_hz
+    after_s = np.maximum(times_s - hold_s, 0.0)
+    envelope = np.minimum(times_s * 1e3 / attack_ms, 1.0) * np.exp(-after_s / log_between(rng, (0.003, 0.2)))
+    low_hz = log_between(rng, (300.0, 4_000.0))
+    return normalised(bandpass(noise * envelope, low_hz, low_hz * log_between(rng, (2.0, 20.0)), rate_hz=rate_hz))
+
+
+_NEGATIVES: tuple[Callable[[np.random.Generator, int], Samples], ...] = (
+    _swell,
+    _backwards,
+    _bleep,
+    _rattle,
+    _hiss,
+)
 
 
 def _fired(rng: np.random.Generator, sounds: list[Samples], rate_hz: int) -> tuple[Samples, tuple[int, ...]]:
@@ -122,79 +143,32 @@ def _fired(rng: np.random.Generator, sounds: list[Samples], rate_hz: int) -> tup
     return normalised(overlaid(parts)), tuple(places)
 
 
-def _round(rng: np.random.Generator, rate_hz: int, *, noise: np.random.Generator | None = None) -> Samples:
+def _round(
+    rng: np.random.Generator, rate_hz: int, *, dry: float = _DRY, noise: np.random.Generator | None = None
+) -> Samples:
     """Return the layers of one round; they are drawn from `rng`, their noise from `noise` if that is another one."""
     noise = noise or fork(rng)
-    layers = _layers(rng, noise, rate_hz)
+    layers = draw_layers(rng, noise, rate_hz, dry=dry)
     late_ms = pick(rng, (0.0, 0.0, 1.0)) * between(rng, (0.3, 4.0))  # all but one layer come so much after it
     first = int(rng.integers(len(layers)))
     parts = []
     for number, (level_db, layer) in enumerate(layers):
         delay_ms = 0.0 if number == first else late_ms + pick(rng, (0.0, 1.0)) * between(rng, (0.0, 3.0))
         parts.append((round(delay_ms * 1e-3 * rate_hz), layer * 10.0 ** (level_db / 20.0)))
-    return normalised(overlaid(parts + _mechanics(rng, fork(noise), rate_hz))[: round(_LONGEST_S * rate_hz)])
+    return normalised(overlaid(parts + draw_mechanics(rng, fork(noise), rate_hz))[: round(_LONGEST_S * rate_hz)])
 
 
 def _staged(rng: np.random.Generator, rate_hz: int) -> Samples:
     """Return a round with one to three more stages of other layers, often louder than its beginning."""
     parts = [(0, _round(fork(rng), rate_hz))]
     for _ in range(pick(rng, (1, 1, 2, 3))):
-        layers = _layers(fork(rng), fork(rng), rate_hz)
+        layers = draw_layers(fork(rng), fork(rng), rate_hz, dry=0.0)
         first = int(rng.integers(len(layers)))
         late_s = log_between(rng, (0.014, 0.26))
         level_db = between(rng, (-9.0, 6.0))
         stage = overlaid([(0, layer * 10.0 ** (level / 20.0)) for level, layer in layers[first:]])
         parts.append((round(late_s * rate_hz), normalised(stage) * 10.0 ** (level_db / 20.0)))
     return normalised(overlaid(parts)[: round(_LONGEST_S * rate_hz)])
-
-
-def _layers(rng: np.random.Generator, noise: np.random.Generator, rate_hz: int) -> list[tuple[float, Samples]]:
-    """Return crack and body, in most designs also thump or tail, in some the crack alone, each with its level in dB."""
-
-    def burst(low_hz: float, high_hz: float, attack_ms: float, decay_ms: float) -> Samples:
-        return band_burst(fork(noise), rate_hz, band_hz=(low_hz, high_hz), attack_ms=attack_ms, decay_ms=decay_ms)
-
-    crack = burst(
-        log_between(rng, (60.0, 2_500.0)),
-        log_between(rng, (2_500.0, 18_000.0)),
-        pick(rng, (0.0, log_between(rng, (0.1, 6.0)))),
-        log_between(rng, (0.4, 16.0)),
-    )
-    if chance(rng, 0.15):  # dry: as near as can be, or all but the crack gated away
-        return [(0.0, crack)]
-    body = burst(
-        log_between(rng, (30.0, 500.0)),
-        log_between(rng, (500.0, 6_000.0)),
-        log_between(rng, (0.05, 8.0)),
-        log_between(rng, (4.0, 90.0)),
-    )
-    layers = [(0.0, crack), (between(rng, (-10.0, 8.0)), body)]
-    if chance(rng, 0.6):
-        start_hz = log_between(rng, (80.0, 500.0))
-        stop_hz = start_hz * log_between(rng, (0.15, 0.8))
-        attack_ms, decay_ms = log_between(rng, (0.2, 6.0)), log_between(rng, (12.0, 150.0))
-        thump = boom(rate_hz, start_hz=start_hz, stop_hz=stop_hz, attack_ms=attack_ms, decay_ms=decay_ms)
-        layers.append((between(rng, (-14.0, 6.0)), thump))
-    if chance(rng, 0.7):
-        high_hz = log_between(rng, (600.0, 9_000.0))
-        low_hz = high_hz * log_between(rng, (0.02, 0.4))
-        tail = burst(low_hz, high_hz, log_between(rng, (0.5, 40.0)), log_between(rng, (40.0, 400.0)))
-        layers.append((between(rng, (-40.0, -8.0)), tail))
-    return layers
-
-
-def _mechanics(rng: np.random.Generator, noise: np.random.Generator, rate_hz: int) -> list[tuple[int, Samples]]:
-    """Return a bolt or a case that rings after the shot, in a third of the designs."""
-    if not chance(rng, 0.35):
-        return []
-    at = round(log_between(rng, (0.02, 0.3)) * rate_hz)
-    level = 10.0 ** (between(rng, (-36.0, -8.0)) / 20.0)
-    if chance(rng, 0.5):
-        return [(at, struck(noise, rate_hz, draw_body(rng, pick(rng, ("metal", "plastic", "sheet")))) * level)]
-    low_hz = log_between(rng, (500.0, 4_000.0))
-    decay_ms = between(rng, (1.0, 12.0))
-    click = band_burst(noise, rate_hz, band_hz=(low_hz, 3.0 * low_hz), attack_ms=0.2, decay_ms=decay_ms)
-    return [(at, click * level)]
 
 
 def _finished(rng: np.random.Generator, sound: Samples, rate_hz: int) -> Samples:
