@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from torch import Tensor
 
 SETTINGS: dict[str, Any] = {
-    "epochs": 4,
+    "epochs": 8,
     "batch": 256,
     "learning_rate": 2e-3,
     "warm_up": 0.05,
