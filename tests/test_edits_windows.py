@@ -141,13 +141,20 @@ def test_a_gain_is_reached_over_the_lead_and_without_a_step(gains_db: tuple[floa
     assert np.max(np.abs(np.diff(gains))) <= abs(after - before) / lead * (1.0 + 1e-9)
 
 
-def test_a_fade_out_that_reaches_a_later_shot_leaves_it_half_of_the_room() -> None:
-    """The window that was set for the first shot fades out from 960 on; the second begins within that."""
-    shots = [shot(500, 700), shot(980, 985)]
-    settled = {0: Window(494, 1000, 5, 40), 1: Window(974, 990, 5, 5)}
-    [joined] = plan_windows(shots, frames=FRAMES, rate_hz=1000, rules=RULES, given=settled)
-    assert joined.window == Window(494, 1000, 5, 10)
-    assert joined.core.stop == 990
+@pytest.mark.parametrize(
+    ("later", "fade_out"),
+    [
+        (shot(980, 985), 15),  # it has died away before half of the room is over
+        (shot(980, 1100), 10),
+        (shot(959, 1100), 20),  # one sample before the fade-out would begin, which would leave it that sample
+        (shot(940, 950), 40),
+    ],
+)
+def test_a_fade_out_leaves_a_later_shot_its_sound_or_half_of_the_room(later: Shot, fade_out: int) -> None:
+    """The window that was set for the first shot fades out from 960 to 1000; the later one's ends before it."""
+    settled = {0: Window(494, 1000, 5, 40), 1: Window(934, 995, 5, 5)}
+    [joined] = plan_windows([shot(500, 700), later], frames=FRAMES, rate_hz=1000, rules=RULES, given=settled)
+    assert joined.window == Window(494, 1000, 5, fade_out)
 
 
 def test_windows_without_a_gain_stay_as_they_are() -> None:

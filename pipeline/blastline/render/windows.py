@@ -99,18 +99,18 @@ def window_between(
 def _joined(planned: PlannedWindow, window: Window, index: int, shots: Sequence[Shot]) -> PlannedWindow:
     """Return a planned window together with one that starts no earlier and meets it; no fade reaches into an onset.
 
-    A fade-out that somebody has set may reach a later shot's: half of the room after that is left to it.
+    A fade-out that somebody has set may begin while a later shot sounds: it takes at most half of the room after that.
     """
     before = planned.window
     members = tuple(sorted((*planned.shots, index), key=lambda i: (shots[i].onset, i)))
     last = max(before, window, key=lambda w: (w.stop, -w.fade_out_samples))
-    room = last.stop - shots[members[-1]].onset
+    room, silent = last.stop - shots[members[-1]].onset, last.stop - max(shots[i].span.stop for i in members)
     return PlannedWindow(
         Window(
             before.start,
             last.stop,
             min(before.fade_in_samples, shots[members[0]].onset - before.start),
-            last.fade_out_samples if last.fade_out_samples < room else room // 2,
+            min(last.fade_out_samples, max(silent, room // 2)),
         ),
         members,
     )
