@@ -9,7 +9,7 @@ import pytest
 import soundfile
 
 from blastline.errors import RuleError
-from blastline.study.cases import GUN_FREE_EVERY, Case, random_films
+from blastline.study.cases import GUN_FREE_EVERY, Case, random_films, scenes
 from blastline.study.corpus import read_corpus
 from blastline.study.courses import FOLD_SEED, FOLDS, by_fold
 from blastline.study.filmlike import CLIP_S, film_mixes, one_shot_clips, stock
@@ -79,6 +79,21 @@ def test_random_films_are_always_the_same_and_one_in_four_has_no_gun(
         assert np.array_equal(one.true_ms, other.true_ms)
     assert [case.true_ms.size > 0 for case in first] == [True, True, True, False]
     assert len({case.path.read_bytes() for case in first}) == 4
+
+
+def test_scenes_made_at_once_are_those_made_in_turn(tmp_path: Path) -> None:
+    folder = tmp_path / "scenes"
+    folder.mkdir()
+    for number in range(3):
+        scene = f"schema = 1\nrate_hz = 48000\nduration_s = 1.0\nseed = {number}\n"
+        bed = '[[beds]]\nkind = "ambience"\nlevel_dbfs = -40.0\n'
+        (folder / f"scene-{number}.toml").write_text(scene + bed)
+    alone, together = (list(scenes(folder, tmp_path / f"by-{jobs}", jobs=jobs)) for jobs in (1, 2))
+    assert [case.name for case in together] == ["scene-0", "scene-1", "scene-2"]
+    assert [case.path.read_bytes() for case in together] == [case.path.read_bytes() for case in alone]
+    (folder / "scene-1.toml").write_text("schema = 2\n")
+    with pytest.raises(RuleError, match=r"scene-1\.toml"):
+        list(scenes(folder, tmp_path / "wrong", jobs=2))
 
 
 def test_a_mixed_shot_begins_where_it_says(corpus: Path, tmp_path: Path) -> None:

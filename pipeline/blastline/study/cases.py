@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from ..errors import RuleError
 from ..synth import Truth, film_scene, synthesise, write_scene
 from .corpus import Recording
 from .matching import Times
+from .workers import each_of
 
 LONGEST_GAP_MS, FEWEST_SHOTS = 160.0, 3
 """Annotated onsets no farther apart are a burst, where there are so many: 133 ms are 450 rounds a minute."""
@@ -42,30 +44,22 @@ class Case:
     forgiven_ms: tuple[float, ...] = ()
 
 
-def scenes(folder: Path, into: Path) -> Iterator[Case]:
-    """Synthesise each scene of a folder into another one and yield it; RuleError where there is none."""
+def scenes(folder: Path, into: Path, *, jobs: int = 1) -> Iterator[Case]:
+    """Synthesise each scene of a folder into another one, so many at once, and yield it; RuleError for none."""
     files = sorted(folder.glob("*.toml"))
     if not files:
         raise RuleError(f"{folder}: no scene (*.toml) in it")
-    for file in files:
-        made = into / file.stem
-        truth = synthesise(file, made)
-        yield _scene(file.stem, made / f"{truth.scene}.wav", truth)
+    for _, case in each_of(partial(_synthesised, into), files, jobs=jobs):
+        yield case
 
 
-def random_films(into: Path, *, films: int, seed: int) -> Iterator[Case]:
-    """Synthesise minutes of random film-like sound and yield them; one in four has no shot.
+def random_films(into: Path, *, films: int, seed: int, jobs: int = 1) -> Iterator[Case]:
+    """Synthesise minutes of random film-like sound, so many at once, and yield them; one in four has no shot.
 
     No training comes to the seeds that they are made from.
     """
-    for number in range(films):
-        rng = np.random.default_rng([seed, number, 2])
-        gun_free = number % GUN_FREE_EVERY == GUN_FREE_EVERY - 1
-        shots, others = int(rng.integers(*SHOTS)), int(rng.integers(*OTHERS))
-        scene = film_scene(UNSEEN + seed * 10_000 + number, FILM_S, shots, others, gun_free=gun_free)
-        made = into / scene.name
-        made.mkdir(parents=True)
-        yield _scene(scene.name, made / f"{scene.name}.wav", write_scene(scene, made))
+    for _, case in each_of(partial(_random_film, into, seed), range(films), jobs=jobs):
+        yield case
 
 
 def recordings(found: Iterable[Recording]) -> Iterator[Case]:
@@ -91,6 +85,22 @@ def near_each_other(true_ms: Times) -> Bursts:
     breaks = np.flatnonzero(np.diff(true_ms) > LONGEST_GAP_MS) + 1
     runs = np.split(np.arange(true_ms.size), breaks)
     return tuple(tuple(run.tolist()) for run in runs if run.size >= FEWEST_SHOTS)
+
+
+def _synthesised(into: Path, file: Path) -> Case:
+    made = into / file.stem
+    truth = synthesise(file, made)
+    return _scene(file.stem, made / f"{truth.scene}.wav", truth)
+
+
+def _random_film(into: Path, seed: int, number: int) -> Case:
+    rng = np.random.default_rng([seed, number, 2])
+    gun_free = number % GUN_FREE_EVERY == GUN_FREE_EVERY - 1
+    shots, others = int(rng.integers(*SHOTS)), int(rng.integers(*OTHERS))
+    scene = film_scene(UNSEEN + seed * 10_000 + number, FILM_S, shots, others, gun_free=gun_free)
+    made = into / scene.name
+    made.mkdir(parents=True)
+    return _scene(scene.name, made / f"{scene.name}.wav", write_scene(scene, made))
 
 
 def _scene(name: str, path: Path, truth: Truth) -> Case:

@@ -111,7 +111,7 @@ def study_detection(
         scored.append(CaseScore(case.name, minutes, len(case.true_ms) - missed, false, missed, events))
         paths.append(case.path)
 
-    done = sweep(source.cases(into), (tier,), peers, jobs=jobs, watch=note, progress=progress)
+    done = sweep(source.cases(into, jobs=jobs), (tier,), peers, jobs=jobs, watch=note, progress=progress)
     study = DetectionStudy(
         quality=quality,
         protocol=source.protocol,

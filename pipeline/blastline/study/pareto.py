@@ -68,7 +68,7 @@ def study_pareto(
     drives = settings(rules, changes=wanted, felt=True)
     peers, absent = installed() if with_peers else ((), ())
     with tempfile.TemporaryDirectory(prefix="blastline-") as made:
-        cases = tuple(_made(source, Path(made), progress))
+        cases = tuple(_made(source, Path(made), jobs, progress))
         done = sweep(cases, listeners, peers, repeats=repeats, jobs=jobs, progress=progress)
         memory_mb = {each.name: peak_memory_mb(done.longest, each.tier, each.model) for each in listeners[: len(TIERS)]}
         rendering = (
@@ -97,9 +97,9 @@ def study_pareto(
     )
 
 
-def _made(source: Source, into: Path, progress: Progress) -> Iterator[Case]:
+def _made(source: Source, into: Path, jobs: int, progress: Progress) -> Iterator[Case]:
     """Yield the films as they are made."""
-    for number, case in enumerate(source.cases(into)):
+    for number, case in enumerate(source.cases(into, jobs=jobs)):
         progress("making films", number + 1, None)
         yield case
 

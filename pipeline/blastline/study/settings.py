@@ -46,7 +46,6 @@ CHANGES: Mapping[Quality, tuple[str, ...]] = {
         f"segment.reflection_level_db={OFF}",
         "render.solver_rate_hz=8000",
         "render.solver_rate_hz=16000",
-        "render.solver_rate_hz=24000",
         "render.tolerance=1e-3",
         "render.iterations=5",
         "render.polish_iterations=0",
@@ -56,7 +55,6 @@ CHANGES: Mapping[Quality, tuple[str, ...]] = {
         "verify.networks=1",
         f"scan.band_jump_db={OFF}",
         "verify.look_from=0.02",
-        "render.solver_rate_hz=48000",
         "render.tolerance=1e-4",
     ),
 }

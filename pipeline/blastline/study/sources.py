@@ -29,8 +29,8 @@ class Source:
     films: int = 20
     seed: int = 1
 
-    def cases(self, into: Path) -> Iterator[Case]:
-        """Yield the films; what has to be made is made in a folder, and stays there.
+    def cases(self, into: Path, *, jobs: int = 1) -> Iterator[Case]:
+        """Yield the films; what has to be made is made in a folder, so many scenes at once, and stays there.
 
         Raises RuleError where there are neither scenes nor recordings, or both.
         """
@@ -40,8 +40,8 @@ class Source:
         if synthetic:
             if self.mix_db is not None or self.clips or self.fold is not None:
                 raise RuleError("study: --mix, --clips and --fold are about recordings; give --corpus alone")
-            made = scenes(self.fixtures, into) if self.fixtures is not None else ()
-            return chain(made, random_films(into, films=self.random, seed=self.seed))
+            made = scenes(self.fixtures, into, jobs=jobs) if self.fixtures is not None else ()
+            return chain(made, random_films(into, films=self.random, seed=self.seed, jobs=jobs))
         found = self._recordings()
         if self.clips:
             return one_shot_clips(stock(found), into, clips=self.films, seed=self.seed)
