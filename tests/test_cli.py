@@ -197,6 +197,25 @@ def test_rules_show_is_what_a_folder_of_ones_own_may_hold(tmp_path: Path) -> Non
     ]
 
 
+def test_rules_show_says_what_every_key_does() -> None:
+    shown = blastline("rules", "show").out
+    for table in re.split(r"^(?:\[\w+\]|# \S+\.toml)$", shown, flags=re.MULTILINE)[1:]:
+        keys = re.findall(r"^(\w+) = ", table, flags=re.MULTILINE)
+        comments = " ".join(re.findall(r"^#.*$", table, flags=re.MULTILINE))
+        assert keys
+        assert [key for key in keys if key not in {"schema", "source"} and f"`{key}`" not in comments] == []
+
+
+def test_the_rules_of_the_documentation_are_sound(tmp_path: Path) -> None:
+    text = Path(__file__).parents[1].joinpath("docs/rules.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"^```\n(.*?)^```$", text, flags=re.MULTILINE | re.DOTALL)
+    (tmp_path / "quality").mkdir()
+    (tmp_path / "quality" / "standard.toml").write_text(example, encoding="utf-8")
+    assert blastline("rules", "check", tmp_path).out == "quality/standard.toml\n"
+    shown = blastline("rules", "show", "--rules", tmp_path).out.splitlines()
+    assert set(example.splitlines()) <= set(shown)
+
+
 def test_rules_show_has_the_users_value_and_says_where_numbers_come_from(tmp_path: Path) -> None:
     (tmp_path / "align.toml").write_text("correlation = 0.8125\n")
     shown = blastline("rules", "show", "--rules", tmp_path).out

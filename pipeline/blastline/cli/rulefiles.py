@@ -13,7 +13,7 @@ group = typer.Typer(help="The numbers that blastline works with, and yours in th
 
 @group.command()
 def show(quality: QualityOption = "standard", rules: RulesOption = None) -> None:
-    """Print the rules of a quality, with yours laid over them, each table with its source.
+    """Print the rules of a quality, with yours laid over them: what each table's keys do, their values, their source.
 
     Example: `blastline rules show --quality draft --rules my-rules`
     """
@@ -29,7 +29,7 @@ def show(quality: QualityOption = "standard", rules: RulesOption = None) -> None
     }
     for name, table in tables.items():
         typer.echo(f"\n# {name}.toml")
-        for line in toml_lines(table):
+        for line in toml_lines(table, explained=True):
             typer.echo(line)
 
 

@@ -1,7 +1,7 @@
 """Rules as data: what a user may tune, read from TOML into frozen, range-checked values.
 
 `tables` holds one struct for each table of a tier and of `scenes.toml`; other rule files have a module each. `files`
-finds, merges and reads them.
+finds, merges and reads them, `toml_text` writes them.
 """
 
 from .aligning import AlignRules
@@ -36,8 +36,8 @@ from .tables import (
     SegmentRules,
     VerifyRules,
     WindowRules,
-    toml_lines,
 )
+from .toml_text import toml_lines
 
 __all__ = [
     "FREQUENCY",

@@ -10,9 +10,19 @@ from .tables import Level, NonNegative, Positive, Ratio, Table
 class AlignRules(Table, frozen=True):
     """`align.toml`: what an alignment check's figure has to stay within.
 
-    A shot is compared over at most `longest_ms` from its onset, and searched for in the drive within `search_ms`. A
-    drive that does not compensate has to reach `correlation` with its sound; any other the fidelity that was predicted
-    when it was rendered, less `correlation_loss`, and at least `least_correlation`.
+    A shot is compared over at most `longest_ms` from its onset, and searched for in the drive within `search_ms`. What
+    is felt lags what is heard by `lag_causal_ms` at most, `lag_zero_samples` with `--phase zero`; it begins within
+    `onset_error_ms` of where it is due, and no earlier than that before the `lead_ms` which the drive may lead by.
+
+    A drive that does not compensate has to reach `correlation` with its sound; any other the fidelity that was
+    predicted when it was rendered, less `correlation_loss`, and at least `least_correlation`. Its level is within
+    `level_error_db` of that recorded. Before the shot, up to `preecho_guard_ms` before its onset, nothing is felt over
+    `preecho_db` of its peak or, if more, `preecho_margin_db` over what is due there. No sample exceeds `peak`, 1 being
+    the actuator's limit.
+
+    The film's sound has to rise by `rise_db` at a shot that was found; one set by hand is held to its sound where that
+    rises by `hand_rise_db`. From the first shot to the last the drive is within `shift_samples` of its place, and
+    drifts by no more than `drift_samples`.
     """
 
     schema: Literal[1]

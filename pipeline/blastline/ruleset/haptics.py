@@ -12,8 +12,9 @@ class HapticRules(Table, frozen=True):
 
     The amplitude is sqrt(2) times the RMS over `average_ms`, read every `step_ms`; the frequency the mean of the
     spectrum over the next `spectrum_ms`, read every `spectrum_step_ms`. Straight lines between breakpoints stay within
-    the two errors, that of the frequency as a part of it. An echo is a pulse where its attack reaches `least_echo` of
-    the actuator's limit, `echo_apart_ms` after the pulse before it. A `.haptic` file covers about `reel_s` of the film.
+    `amplitude_error` of full scale, and within `frequency_error`, a part of the frequency. An echo is a pulse where its
+    attack reaches `least_echo` of the actuator's limit, `echo_apart_ms` after the pulse before it. A `.haptic` file
+    covers about `reel_s` of the film.
     """
 
     schema: Literal[1]

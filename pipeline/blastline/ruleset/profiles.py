@@ -8,14 +8,14 @@ from .tables import Positive, Table
 
 
 class LowPass(Table, frozen=True):
-    """The Butterworth low-pass that follows the compensator."""
+    """The Butterworth low-pass that follows the compensator: its `corner_hz` and its `order`."""
 
     corner_hz: Positive
     order: Annotated[int, Meta(ge=1, le=12)]
 
 
 class HighPass(Table, frozen=True):
-    """The Butterworth high-pass that keeps DC and rumble out of the drive."""
+    """The Butterworth high-pass that keeps DC and rumble out of the drive: its `corner_hz` and its `order`."""
 
     corner_hz: Annotated[float, Meta(ge=0.1)]
     order: Annotated[int, Meta(ge=1, le=4)]
@@ -24,7 +24,8 @@ class HighPass(Table, frozen=True):
 class Response(Table, frozen=True):
     """The felt response of actuator and skin together, H(s) = gain * prod(s - zero) / prod(s - pole).
 
-    Zeros and poles are in rad/s as [real, imaginary] pairs; complex ones are listed with their conjugate.
+    `gain` is that of the formula, `zeros_rad_s` and `poles_rad_s` its zeros and poles as [real, imaginary] pairs;
+    complex ones are listed with their conjugate.
     """
 
     gain: Annotated[float, Meta(gt=0.0)]
@@ -33,7 +34,7 @@ class Response(Table, frozen=True):
 
 
 class ActuatorProfile(Table, frozen=True):
-    """`actuators/*.toml`: a seat actuator with the skin behind it, and the filters its drive needs."""
+    """`actuators/*.toml`: a seat actuator with the skin behind it, the filters its drive needs, and its `name`."""
 
     schema: Literal[1]
     name: Annotated[str, Meta(min_length=1)]

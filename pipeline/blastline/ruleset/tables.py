@@ -3,8 +3,7 @@
 Every table carries `source`, which says where its numbers come from: a paper, a measurement or a study run.
 """
 
-from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import msgspec
 from msgspec import Meta
@@ -70,8 +69,8 @@ class OnsetRules(Table, frozen=True):
 class VerifyRules(Table, frozen=True):
     """Which model tells shots from everything else, and from which probability on it is believed.
 
-    So many of its `networks` judge together. What the trees that screen for them give less than `look_from` is not
-    looked at more closely, unless it makes a row of even fire with what is.
+    `model` is a file in `verifier/`; so many of its `networks` judge together. What the trees that screen for them give
+    less than `look_from` is not looked at more closely, unless it makes a row of even fire with what is.
 
     A candidate is a shot from `threshold` on, or from `company_threshold` on where a shot of the first kind lies within
     `company_s`: films fire in scenes. [bursts] says how fast a gun fires: a run that fast, each of its shots reaching
@@ -103,8 +102,9 @@ class ChannelRules(Table, frozen=True):
     """What the channels of a film tell beyond its mix.
 
     A shot's azimuth compares the `azimuth_ms` before its onset with as much after it, and is not told where the energy
-    of no channel rises by `azimuth_rise_db`. With `sides`, a film that has a centre channel is listened to once
-    more without it; what is only heard there has thresholds of its own, as [verify] has for the mains.
+    of no channel rises by `azimuth_rise_db`. With `sides`, a film that has a centre channel is listened to once more
+    without it. What is only heard there is a shot from `sides_threshold` on, or from `sides_company_threshold` on in
+    company, which [verify] explains.
     """
 
     azimuth_ms: Annotated[float, Meta(ge=1.0, le=100.0)]
@@ -121,8 +121,12 @@ class ChannelRules(Table, frozen=True):
 class SegmentRules(Table, frozen=True):
     """Where the blast ends, what counts as a reflection, and when the decay is over.
 
-    Without a `reflection_level_db` no reflections are looked for. Reflections and decay end within 3 s: beyond it, a
-    shot's parts would depend on where in the film it lies.
+    The blast lasts until it has fallen by `blast_decay_db`, `longest_blast_ms` at most. A reflection is a copy of it
+    from `earliest_reflection_ms` to `latest_reflection_ms` later, of `reflection_level_db` against it or more, that is
+    `reflection_prominence` times as clear as what is around it; without that level none are looked for. The decay,
+    which the window follows, is over when the level has fallen by `decay_db`, come down to the background or risen
+    again, between `shortest_ms` and `longest_ms` after the onset. All ends within 3 s: beyond it, a shot's parts would
+    depend on where in the film it lies.
     """
 
     longest_blast_ms: Positive
@@ -144,10 +148,11 @@ class SegmentRules(Table, frozen=True):
 class BurstRules(Table, frozen=True):
     """Which shots belong together as automatic fire, and how near each other two shots can be at all.
 
-    What copies an earlier shot, and is weaker by `echo_drop_db` or more, is that shot's echo. A row of even fire has
-    `fewest_even` sounds or more, each gap within `unevenness` of the one before, peaks within `echo_drop_db` of the
-    first; from `fewest_as_one` on it is believed as a whole or not at all. Of an even run of more than `most_unsure`,
-    half have to be sure by themselves.
+    A burst has `fewest_shots` or more, each within `longest_gap_ms` of the one before; of two nearer each other than
+    `shortest_gap_ms` one is not told. What copies an earlier shot, and is weaker by `echo_drop_db` or more, is that
+    shot's echo. A row of even fire has `fewest_even` sounds or more, each gap within `unevenness` of the one before,
+    peaks within `echo_drop_db` of the first; from `fewest_as_one` on it is believed as a whole or not at all. Of an
+    even run of more than `most_unsure`, half have to be sure by themselves.
     """
 
     shortest_gap_ms: Annotated[float, Meta(ge=2.0, le=1000.0)]
@@ -165,12 +170,12 @@ class BurstRules(Table, frozen=True):
 
 
 class RowRules(Table, frozen=True):
-    """What an even row is: `fewest` sounds or more, their gaps in a range, each within `unevenness` of the one before.
+    """What an even row is: `fewest` sounds or more, each gap within `unevenness` of the one before.
 
-    Steps, hammers and drums come so. A row of which fewer than half are sure by themselves has no shots. Nor has a
-    loop: what comes `fewest_turns` times, each time after the same time of up to `longest_loop_s` and with the same
-    before it, up to `backdrop_bits` of 50, tells how long it is. All that turns with it is its, peaks within
-    `loop_level_db`.
+    The gaps are `shortest_gap_ms` to `longest_gap_ms`. Steps, hammers and drums come so. A row of which fewer than half
+    are sure by themselves has no shots. Nor has a loop: what comes `fewest_turns` times, each time after the same time
+    of up to `longest_loop_s` and with the same before it, up to `backdrop_bits` of 50, tells how long it is. All that
+    turns with it is its, peaks within `loop_level_db`.
     """
 
     fewest: Annotated[int, Meta(ge=3, le=10_000)]
@@ -192,7 +197,10 @@ class RowRules(Table, frozen=True):
 
 
 class WindowRules(Table, frozen=True):
-    """How a shot's window lies around it; the fade-in is over `guard_ms` before the onset."""
+    """How a shot's window lies around it.
+
+    It opens over `fade_in_ms`, is whole from `guard_ms` before the onset on, and closes over the last `fade_out_ms`.
+    """
 
     fade_in_ms: Annotated[float, Meta(ge=0.0, le=10_000.0)]
     guard_ms: Annotated[float, Meta(ge=0.0, le=10_000.0)]
@@ -242,22 +250,6 @@ class SceneRules(Table, frozen=True):
     schema: Literal[1]
     direct_level_db: Annotated[float, Meta(ge=0.0, le=200.0)]
     direct_fidelity: Ratio
-
-
-def toml_lines(table: Table) -> Iterator[str]:
-    """Yield a table as the lines of a TOML file: first the keys of the top level, then its tables."""
-    yield from _toml_lines(msgspec.to_builtins(table))
-
-
-def _toml_lines(plain: dict[str, Any]) -> Iterator[str]:
-    for key, value in plain.items():
-        if value is not None and not isinstance(value, dict):  # TOML has no word for None
-            # JSON's numbers, lists and strings are TOML's, but for a delete character, which has to be escaped
-            yield f"{key} = {msgspec.json.encode(value).decode()}".replace("\x7f", "\\u007F")
-    for key, value in plain.items():
-        if isinstance(value, dict):
-            yield f"\n[{key}]"
-            yield from _toml_lines(value)
 
 
 def _ascending(table: Table, low: str, high: str) -> None:
