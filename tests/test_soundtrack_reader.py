@@ -198,6 +198,70 @@ def test_sound_beyond_the_declared_size_is_read_and_told(tmp_path: Path, subtype
             np.testing.assert_array_equal(track.cut(Span(5, FRAMES)).samples, found[5:].astype(np.float64))
 
 
+def declaring_in(container: str, path: Path, data_bytes: int) -> Path:
+    """Have an AIFF, W64 or CAF declare another size of its samples."""
+    name, kind, further, gap = {
+        "AIFF": (b"SSND", ">I", 8, 4),
+        "W64": (b"data", "<q", 24, 16),
+        "CAF": (b"data", ">q", 4, 4),
+    }[container]
+    data = bytearray(path.read_bytes())
+    struct.pack_into(kind, data, data.index(name) + gap, data_bytes + further)
+    path.write_bytes(data)
+    return path
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("declared", [1_002, 4_096])
+@pytest.mark.parametrize("endian", ["FILE", "LITTLE"])
+@pytest.mark.parametrize("subtype", ["PCM_16", "PCM_24", "FLOAT"])
+@pytest.mark.parametrize("container", ["AIFF", "W64", "CAF"])
+def test_other_containers_that_declare_too_little_are_read_too(
+    tmp_path: Path, container: str, subtype: str, endian: str, declared: int, seed: int
+) -> None:
+    if (container, subtype, endian) == ("AIFF", "FLOAT", "LITTLE"):
+        pytest.skip("there is no such AIFF")
+    path = tmp_path / "film.sound"
+    soundfile.write(path, noise(20_000, 2, seed), RATE_HZ, format=container, subtype=subtype, endian=endian)
+    expected, intact = read(path)
+    assert intact.warnings == ()
+    found, source = read(declaring_in(container, path, declared))
+    np.testing.assert_array_equal(found, expected)
+    (warning,) = source.warnings
+    assert warning.startswith(f"the header declares {declared} bytes of sound but ")
+    assert warning.endswith(" follow; the sound was read to the end of the file")
+
+
+def test_packed_sound_beyond_the_declared_size_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "film.aiff"
+    soundfile.write(path, noise(20_000, 2), RATE_HZ, format="AIFF", subtype="ULAW")
+    found, source = read(declaring_in("AIFF", path, 4_096))
+    assert len(found) == 2_048
+    assert "the header declares 4096 bytes of sound but 40000 follow; what is beyond was not read" in source.warnings
+
+
+@pytest.mark.parametrize(
+    ("container", "trailer"),
+    [
+        ("AIFF", b"COMT" + struct.pack(">I", 5_000) + bytes(range(1, 101)) * 50),
+        ("AIFF", b"odd1" + struct.pack(">I", 5_001) + b"\3" * 5_001 + b"\0"),
+        ("CAF", b"info" + struct.pack(">q", 5_000) + bytes(range(1, 101)) * 50),
+        ("CAF", b"mine" + struct.pack(">q", 5_001) + b"\3" * 5_001),
+        ("W64", b"mine" + bytes(12) + struct.pack("<q", 5_001 + 24) + b"\3" * 5_001 + bytes(7)),
+        ("W64", bytes(100_000)),
+    ],
+)
+def test_what_properly_follows_the_sound_of_other_containers_is_no_sound(
+    tmp_path: Path, container: str, trailer: bytes
+) -> None:
+    path = tmp_path / "film.sound"
+    soundfile.write(path, noise(20_000, 2), RATE_HZ, format=container, subtype="PCM_16")
+    with path.open("ab") as file:
+        file.write(trailer)
+    found, source = read(path)
+    assert (len(found), source.warnings) == (20_000, ())
+
+
 def test_a_size_that_started_again_beyond_4_gib_is_seen(tmp_path: Path) -> None:
     path = wav(tmp_path / "film.wav", noise(RATE_HZ, 2))
     start, frames = path.read_bytes().index(b"data") + 8, (2**32 + 40_000) // 4

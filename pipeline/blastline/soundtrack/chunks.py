@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
+from .forms import FORMS, Form
 from .overflow import more_follows
 
 _UNKNOWN_SIZE = 0xFFFFFFFF
@@ -45,7 +46,7 @@ class ChunkTable:
     `data_bytes` is the declared size of the samples, None where it is left open; `present_bytes` is how many follow
     in the file. `time_reference` counts samples since midnight, None without a broadcast extension. `layout` names
     the channels, None where the header does not. `goes_on` tells that the declared sound is followed by much that is
-    no chunk, so that it can only be more of it.
+    no chunk, so that it can only be more of it; `is_wave` that the file is a WAV, which decoders can read beyond it.
     """
 
     data_bytes: int | None
@@ -53,71 +54,44 @@ class ChunkTable:
     time_reference: int | None
     layout: tuple[str, ...] | None
     goes_on: bool = False
-
-
-@dataclass(frozen=True)
-class _Form:
-    """How one family of files writes its chunks: where the first one is, and the head of each."""
-
-    first: int
-    head: struct.Struct
-    alignment: int = 1
-    size_includes_head: bool = False
-    data_name: bytes = b"data"
-    data_preamble: int = 0
     is_wave: bool = False
 
 
-_FORMS = {
-    b"RIFF": _Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True),
-    b"RF64": _Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True),
-    b"RIFX": _Form(12, struct.Struct(">4sI"), alignment=2, is_wave=True),
-    b"FORM": _Form(12, struct.Struct(">4sI"), alignment=2, data_name=b"SSND", data_preamble=8),
-    b"riff": _Form(40, struct.Struct("<4s12xq"), alignment=8, size_includes_head=True),
-    b"caff": _Form(8, struct.Struct(">4sq"), data_preamble=4),
-}
-
-
-def overflow_warning(table: ChunkTable) -> str:
+def overflow_warning(table: ChunkTable, *, is_read: bool = True) -> str:
     """Return the line for the user where the sound goes on beyond what the header declares."""
-    return (
-        f"the header declares {table.data_bytes} bytes of sound but {table.present_bytes} follow; "
-        "the sound was read to the end of the file"
-    )
+    done = "the sound was read to the end of the file" if is_read else "what is beyond was not read"
+    return f"the header declares {table.data_bytes} bytes of sound but {table.present_bytes} follow; {done}"
 
 
 def chunk_table(path: Path) -> ChunkTable | None:
     """Return what the header declares, or None where the file is of another kind or its table is broken."""
     with path.open("rb") as file:
-        form = _FORMS.get(file.read(4))
+        form = FORMS.get(file.read(4))
         return None if form is None else _read_table(file, form, path.stat().st_size)
 
 
-def _read_table(file: BinaryIO, form: _Form, file_bytes: int) -> ChunkTable | None:
+def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | None:
     kept: dict[bytes, bytes] = {}
     data: tuple[int | None, int] | None = None
     goes_on = False
     place = form.first
-    while place + form.head.size <= file_bytes:
-        file.seek(place)
-        name, size = form.head.unpack(file.read(form.head.size))
-        body = place + form.head.size
-        if form.size_includes_head:
-            size -= form.head.size
+    while (chunk := form.chunk_at(file, place, file_bytes)) is not None:
+        name, body, declared = chunk
+        size: int | None = declared
         if name == form.data_name:
-            size = _data_size(size, kept.get(b"ds64"))
+            size = _data_size(declared, kept.get(b"ds64"))
             start = body + form.data_preamble
             data = (None if size is None else size - form.data_preamble, file_bytes - start)
-            goes_on = form.is_wave and bool(size) and more_follows(file, body + (size or 0), file_bytes, form.head)
+            goes_on = bool(size) and more_follows(file, body + (size or 0), file_bytes, form)
         elif name in (b"ds64", b"fmt ", b"bext"):
-            kept[name] = file.read(min(size, _MAX_KEPT))
+            kept[name] = file.read(max(0, min(declared, _MAX_KEPT)))
         if size is None or size < 0 or goes_on or (data is not None and data[0] == 0):
             break
-        place = body + size + -size % form.alignment
+        place = form.aligned(body + size)
     if data is None:
         return None
     reference, layout = _time_reference(kept.get(b"bext", b"")), _layout(kept.get(b"fmt ", b""))
-    return ChunkTable(data[0], data[1], reference, layout, goes_on)
+    return ChunkTable(data[0], data[1], reference, layout, goes_on, form.is_wave)
 
 
 def _data_size(size: int, ds64: bytes | None) -> int | None:

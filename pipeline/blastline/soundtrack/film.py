@@ -105,7 +105,7 @@ class FilmTrack:
         if self._table is not None and self._table.data_bytes == 0:
             lines.append("the header was never finished; the sound was read to the end of the file")
         elif self._table is not None and self._table.goes_on:
-            lines.append(overflow_warning(self._table))
+            lines.append(overflow_warning(self._table, is_read=self._table.is_wave))
         elif self._table is not None and (self._table.data_bytes or 0) > self._table.present_bytes:
             declared, present = self._table.data_bytes, self._table.present_bytes
             lines.append(f"the header declares {declared} bytes of sound but {present} follow: the end is missing")
@@ -154,7 +154,7 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None
 
     try:
         # an absolute path, because FFmpeg takes what comes before a colon for a protocol
-        options = {"ignore_length": "1"} if table is not None and table.goes_on else {}
+        options = {"ignore_length": "1"} if table is not None and table.goes_on and table.is_wave else {}
         container = av.open(str(path.resolve()), metadata_errors="replace", options=options)
     except FFmpegError as error:
         raise SoundtrackError(f"is not a sound file or film that can be read: {error.strerror}") from error

@@ -1,13 +1,14 @@
-"""WAV files that hold more sound than their header declares: how that is told from what properly follows sound.
+"""Files that hold more sound than their header declares: how that is told from what properly follows sound.
 
 RIFF size  fmt  data 1000 [ 1000 bytes ][ 1.7 MB that are no chunk ]    more sound, the size is wrong
 RIFF size  fmt  data n    [  n bytes   ][ LIST ][ id3 ][ zeros     ]    all as it should be
 """
 
-import struct
 from io import RawIOBase
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
+
+from .forms import Form
 
 if TYPE_CHECKING:
     from _typeshed import WriteableBuffer
@@ -17,7 +18,9 @@ _LEAST_BYTES = 4_096
 
 _KNOWN = frozenset(
     b"LIST INFO bext iXML axml chna cart cue smpl inst plst note labl ltxt fact PEAK levl link umid minf elm1 regn "
-    b"JUNK junk PAD pad FLLR Fake _PMX DISP acid strc dbmd MD5 afsp ovwf qlty mext SMED ubxt id3".split()
+    b"JUNK junk PAD pad FLLR Fake _PMX DISP acid strc dbmd MD5 afsp ovwf qlty mext SMED ubxt id3 list mark summ "
+    b"COMM MARK INST MIDI AESD APPL COMT NAME AUTH ANNO FVER CHAN ID3 "
+    b"free uuid info regn edct pakt kuki chan desc midi peak strg".split()
 )
 _TAGS = (b"ID3", b"TAG", b"APETAGEX", b"LYRICSBEGIN", b"RIFF")
 """What programs put behind a file that is no chunk: tags of music players, another file."""
@@ -25,12 +28,12 @@ _TAGS = (b"ID3", b"TAG", b"APETAGEX", b"LYRICSBEGIN", b"RIFF")
 _SCANNED_BYTES = 1 << 20
 
 
-def more_follows(file: BinaryIO, end: int, file_bytes: int, head: struct.Struct) -> bool:
+def more_follows(file: BinaryIO, end: int, file_bytes: int, form: Form) -> bool:
     """Return whether what follows the declared end of the sound is no chunk, no tag and no padding."""
     if file_bytes - end < _LEAST_BYTES:
         return False
     # an odd size is padded to an even one, which some programs forget
-    if any(_is_proper(file, place, file_bytes, head) for place in sorted({end, end + end % 2})):
+    if any(_is_proper(file, place, file_bytes, form) for place in sorted({end, form.aligned(end)})):
         return False
     file.seek(end)
     while block := file.read(_SCANNED_BYTES):
@@ -39,19 +42,18 @@ def more_follows(file: BinaryIO, end: int, file_bytes: int, head: struct.Struct)
     return False
 
 
-def _is_proper(file: BinaryIO, place: int, file_bytes: int, head: struct.Struct) -> bool:
+def _is_proper(file: BinaryIO, place: int, file_bytes: int, form: Form) -> bool:
     """Return whether a chunk of a known kind, a tag, or a row of chunks up to the end of the file begins here."""
     file.seek(place)
     start = file.read(16)
     if start.startswith(_TAGS) or start[:4].rstrip(b" \0") in _KNOWN:
         return True
-    while place + head.size <= file_bytes:
-        file.seek(place)
-        name, size = head.unpack(file.read(head.size))
-        if not all(0x20 <= letter < 0x7F for letter in name):
+    while (chunk := form.chunk_at(file, place, file_bytes)) is not None:
+        name, body, size = chunk
+        if size < 0 or not all(0x20 <= letter < 0x7F for letter in name):
             return False
-        place += head.size + size + size % 2
-    return place <= file_bytes + 1
+        place = form.aligned(body + size)
+    return place < file_bytes + form.alignment
 
 
 class Tail(RawIOBase):

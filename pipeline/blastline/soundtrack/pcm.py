@@ -22,6 +22,7 @@ _SHORT = frozenset({"PCM_S8", "PCM_U8", "PCM_16"})
 _SHORT_STEP = np.float32(1.0 / 32_768.0)
 _LONG_STEP = np.float32(2.0**-31)
 _LITTLE_ENDIAN = frozenset({"WAV", "WAVEX", "RF64"})
+_BIG_ENDIAN = frozenset({"AIFF", "CAF"})
 
 
 class PcmTrack:
@@ -35,6 +36,8 @@ class PcmTrack:
         frame_bytes = _BYTES[file.subtype] * file.channels
         is_open = table.data_bytes is None or table.goes_on
         declared = file.frames if is_open else (table.data_bytes or 0) // frame_bytes
+        # libsndfile takes the chunks that follow in a W64 for sound
+        self._frames = min(file.frames, declared)
         reference = table.time_reference
         self.facts = TrackFacts(
             rate_hz=file.samplerate,
@@ -56,17 +59,18 @@ class PcmTrack:
     def near(self, start_s: float, frames: int) -> Iterator[Samples]:
         """Yield at least so many samples, if there are, from that time on."""
         start = round(start_s * self.facts.rate_hz)
-        for first in range(start, min(start + frames, self._file.frames), PIECE):
+        for first in range(start, min(start + frames, self._frames), PIECE):
             yield self.read(first, PIECE)
 
     def read(self, start: int, frames: int) -> Samples:
         """Return up to `frames` frames from `start`, shape (frames, channels)."""
+        frames = max(0, min(frames, self._frames - start))
         if self._packed is not None:
             try:
-                return self._packed.read(start, max(0, min(frames, self._file.frames - start)))
+                return self._packed.read(start, frames)
             except OSError as error:
                 raise SoundtrackError(f"cannot be read after sample {start}: {error.strerror}") from error
-        if self._file.tell() != start:
+        if frames and self._file.tell() != start:
             self._file.seek(start)
         try:
             if self._file.subtype in _SHORT:
@@ -188,7 +192,7 @@ def _whole(file: Any, path: Path, start: int) -> Any:
     """Return a file whose header declares too little, opened anew as bare samples from `start` to its end."""
     import soundfile
 
-    endian = "BIG" if file.endian == "BIG" else "LITTLE"
+    endian = file.endian if file.endian != "FILE" else "BIG" if file.format in _BIG_ENDIAN else "LITTLE"
     kind = {"samplerate": file.samplerate, "channels": file.channels, "subtype": file.subtype, "endian": endian}
     file.close()
     return soundfile.SoundFile(Tail(path, start), format="RAW", **kind)

@@ -1,0 +1,43 @@
+"""How WAV, RF64, W64, AIFF and CAF write their chunks: where the first one is, and what stands before each."""
+
+import struct
+from dataclasses import dataclass
+from typing import BinaryIO
+
+
+@dataclass(frozen=True)
+class Form:
+    """A family of files: `first` is where its chunks begin, `data_preamble` how much stands before the samples."""
+
+    first: int
+    head: struct.Struct
+    alignment: int = 1
+    size_includes_head: bool = False
+    data_name: bytes = b"data"
+    data_preamble: int = 0
+    is_wave: bool = False
+
+    def chunk_at(self, file: BinaryIO, place: int, file_bytes: int) -> tuple[bytes, int, int] | None:
+        """Return the name of the chunk that begins here, where its body does and how long that claims to be.
+
+        None where the file ends before.
+        """
+        if place + self.head.size > file_bytes:
+            return None
+        file.seek(place)
+        name, size = self.head.unpack(file.read(self.head.size))
+        return name, place + self.head.size, size - self.head.size * self.size_includes_head
+
+    def aligned(self, place: int) -> int:
+        """Return where the next chunk begins if one ends here."""
+        return place + -place % self.alignment
+
+
+FORMS = {
+    b"RIFF": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True),
+    b"RF64": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True),
+    b"RIFX": Form(12, struct.Struct(">4sI"), alignment=2, is_wave=True),
+    b"FORM": Form(12, struct.Struct(">4sI"), alignment=2, data_name=b"SSND", data_preamble=8),
+    b"riff": Form(40, struct.Struct("<4s12xq"), alignment=8, size_includes_head=True),
+    b"caff": Form(8, struct.Struct(">4sq"), data_preamble=4),
+}
