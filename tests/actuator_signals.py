@@ -46,7 +46,7 @@ class Held:
         for start in range(0, len(self.samples), 10_000):
             yield Clip(self.samples[start : start + 10_000, None], self.rate_hz, start)
 
-    def cut(self, span: Span, /) -> Clip:
+    def cut(self, span: Span, /, *, sides: bool = False) -> Clip:
         assert 0 <= span.start <= span.stop <= len(self.samples)
         return Clip(self.samples[span.start : span.stop, None], self.rate_hz, span.start)
 

@@ -49,7 +49,7 @@ class Held:
     def frames(self) -> int:
         return len(self.samples)
 
-    def cut(self, span: Span) -> Clip:
+    def cut(self, span: Span, *, sides: bool = False) -> Clip:
         if span.start < 0 or span.stop > self.frames:
             raise ValueError(f"{span} lies outside {self.frames} frames")
         return Clip(self.samples[span.start : span.stop, None].astype(np.float64), self.rate_hz, span.start)
@@ -110,11 +110,13 @@ def make_film(
     rumble: float = 0.0,
     tail: float = 0.1,
     level_db: float = 0.0,
+    offset: float = 0.0,
     seed: int = 0,
 ) -> Film:
     """Return a film of single shots; those whose compensated drive exceeds the limit get a constrained one.
 
-    The bed is white noise and, by `rumble`, noise in the band of vibration; both are rms. Peaks over 1 are clipped.
+    The bed is white noise and, by `rumble`, noise in the band of vibration; both are rms. Peaks over 1 are clipped. All
+    of it stands `offset` off zero.
     """
     rng = np.random.default_rng(seed)
     audio = bed * rng.standard_normal(round(seconds * rate_hz))
@@ -128,7 +130,7 @@ def make_film(
         sound = sound[: len(audio) - onset]
         audio[onset : onset + len(sound)] += sound
         echoes.append(delay)
-    audio = in_24_bits(audio)
+    audio = in_24_bits(audio + offset)
     drive = audio.copy() if background == "direct" else np.zeros_like(audio)
     events = []
     for index, onset_s in enumerate(onsets_s):

@@ -1,5 +1,6 @@
 """A right drive passes every check, and each way to break one is caught by the check meant for it, and measured."""
 
+from dataclasses import replace
 from functools import cache
 
 import msgspec
@@ -42,6 +43,14 @@ def test_a_right_drive_passes(phase: Phase, background: Background, rate_hz: int
             assert 0.33 < lag_ms < 0.46
         else:
             assert abs(lag_ms) < 1000.0 / rate_hz
+
+
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+@pytest.mark.parametrize("offset", [0.02, -0.1])
+def test_a_film_that_stands_off_zero_passes(offset: float, phase: Phase) -> None:
+    """The drive has nothing of a constant, which the band leaves out; nor must what it is compared with."""
+    peaks = (0.05, 0.06, 0.05, 0.07, 0.06)
+    assert failed(checks_of(make_film(peaks=peaks, offset=offset, phase=phase), phase=phase)) == set()
 
 
 def test_a_direct_drive_is_compared_as_it_is() -> None:
@@ -272,6 +281,41 @@ def test_shots_of_one_window_are_checked_each_over_its_own_part() -> None:
     assert {c.event for c in checks if c.event} == {"s0", "s1", "s2", "s3"}
     assert "felt_lag" not in failed(checks)
     assert "felt_correlation" not in failed(checks)
+
+
+def test_a_shot_that_only_other_channels_play_passes_with_nothing_measured() -> None:
+    """An effects channel that drives the seat need not hold every shot that is heard."""
+    film = make_film()
+    second = film.timeline.events[1]
+    around = slice(second.window.start - RATE_HZ // 2, second.window.stop + RATE_HZ // 20)
+    audio, drive = film.audio.samples.copy(), film.drive.samples.copy()
+    audio[around] = drive[around] = 0.0
+    film = replace(film, audio=Held(audio, RATE_HZ)).with_drive(drive)
+    checks = checks_of(film)
+    assert failed(checks) == set()
+    (lag,) = (check for check in checks if (check.name, check.event) == ("felt_lag", second.id))
+    assert (lag.measured, lag.limit) == (None, None)
+    moved = drive.copy()
+    moved[second.onset_sample + 100] = 0.5
+    assert ("felt_lag", second.id) in {
+        (check.name, check.event) for check in checks_of(film.with_drive(moved)) if not check.passed
+    }
+
+
+@pytest.mark.parametrize("after_ms", [0.2, 1.0, 2.0, 3.0])
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+def test_a_shot_that_is_over_before_the_next_is_not_held_to_it(after_ms: float, phase: Phase) -> None:
+    film = make_film(onsets_s=(0.7,), peaks=(0.06,), seconds=1.5, phase=phase)
+    (event,) = film.timeline.events
+    onset = event.onset_sample + round(after_ms * RATE_HZ / 1000.0)
+    other = msgspec.structs.replace(event, id="shot-0002", onset_sample=onset, onset_s=onset / RATE_HZ)
+    film = film.with_events(event, other)
+    checks = checks_of(film, phase=phase)
+    assert {check.name for check in checks if not check.passed and check.event == event.id} == set()
+    assert next(check for check in checks if check.event == event.id and check.name == "felt_lag").limit is None
+    assert abs(figure(checks, "drive_shift")) < 0.4
+    late = film.with_drive(np.roll(film.drive.samples, 7))
+    assert figure(checks_of(late, phase=phase), "drive_shift") == pytest.approx(7, abs=0.4)
 
 
 def test_without_a_drive_the_onsets_are_sought_in_the_sound() -> None:

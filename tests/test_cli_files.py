@@ -6,12 +6,14 @@ import signal
 import sys
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import soundfile
 
 from blastline.export import read_timeline
+from blastline.run import rendering
 from commands import BELIEVE, RATE_HZ, blastline, blastline_alone, interrupted, write_film
 
 RESULTS = ["drive.wav", "report.html", "timeline.csv", "timeline.json"]
@@ -283,6 +285,45 @@ def test_a_full_disk_is_told_by_detect_and_synth_with_the_name_that_was_asked_fo
     assert found.complaint == f"{out / 'f.json'}: cannot write: File too large"
     assert made.complaint.startswith(f"{out / 'demo.wav'}: cannot write the sound: ")
     assert not out.exists()
+
+
+def test_an_interruption_that_was_swallowed_is_heeded_before_results_are_in_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Python swallows what is raised while an object is destroyed."""
+
+    class Dying:
+        def __del__(self) -> None:
+            signal.raise_signal(signal.SIGINT)
+
+    before = signal.getsignal(signal.SIGINT)
+    write, film, out = rendering.write_formats, write_film(tmp_path / "film.wav", length_s=1.0), tmp_path / "out"
+
+    def swallowing(*arguments: Any) -> Any:
+        Dying()
+        return write(*arguments)
+
+    monkeypatch.setattr("sys.unraisablehook", lambda _: None)
+    monkeypatch.setattr(rendering, "write_formats", swallowing)
+    try:
+        ended = blastline("render", film, "-o", out, "--no-report")
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert (ended.code, out.exists()) == (130, False)
+
+
+@pytest.mark.parametrize("command", ["render film.wav", "export timeline.json --format csv", "synth scene.toml"])
+def test_a_folder_for_results_needs_a_name(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert "'': expected the name of a folder for the results" in blastline(*command.split(), "-o", "").complaint
+
+
+def test_a_lock_that_was_left_is_told_before_the_work(tmp_path: Path) -> None:
+    lock = tmp_path / "out" / ".blastline-moving"
+    lock.mkdir(parents=True)
+    os.utime(lock, (1e9, 1e9))
+    ended = blastline("render", tmp_path / "none.wav", "-o", tmp_path / "out")
+    assert ended.complaint == f"{lock}: another run is writing here; remove it where that is not so"
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")

@@ -11,7 +11,19 @@ import blastline
 
 PACKAGE = Path(blastline.__file__).parent
 
-GROUND = {"errors", "units", "model", "timecode", "timebase", "ruleset", "dsp", "correlate", "staging", "__version__"}
+GROUND = {
+    "__version__",
+    "correlate",
+    "dsp",
+    "errors",
+    "model",
+    "ruleset",
+    "signals",
+    "staging",
+    "timebase",
+    "timecode",
+    "units",
+}
 STAGES = {"actuator", "soundtrack", "detect", "render", "align", "conform", "scene", "export", "report", "synth"}
 MAY_IMPORT = (
     dict.fromkeys(GROUND, GROUND)
@@ -19,7 +31,7 @@ MAY_IMPORT = (
     | {
         "study": GROUND | STAGES | {"study"},
         "run": GROUND | STAGES | {"run"},
-        "cli": {"cli", "run", "timebase", "study", "ruleset", "model", "errors", "staging", "__version__"},
+        "cli": {"cli", "run", "timebase", "study", "ruleset", "model", "errors", "signals", "staging", "__version__"},
         "__main__": {"cli"},
         "__init__": set(),
     }

@@ -6,7 +6,7 @@ import pytest
 
 from align_films import PROFILE, make_film
 from blastline import dsp
-from blastline.model import Check, Event
+from blastline.model import Check, Event, Phase
 from blastline.report.choice import MOST_PICTURES, pictured
 from blastline.report.overview import Overview
 from blastline.report.sounds import envelope, event_sound, spectrum_db
@@ -69,12 +69,14 @@ def test_a_spectrum_has_parsevals_energy() -> None:
     assert energy == pytest.approx(float(np.sum(noise**2)) / rate_hz, rel=0.01)
 
 
-def test_what_is_shown_as_felt_is_the_drive_through_the_response() -> None:
-    film = make_film(onsets_s=(0.6,), peaks=(0.05,), seconds=1.5)
-    (event,) = film.timeline.events
-    sound = event_sound(
-        event, film.timeline.events, audio=film.audio, drive=film.drive, frames=film.drive.frames, profile=PROFILE
-    )
+@pytest.mark.parametrize("level_db", [0.0, -20.0])
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+def test_what_is_shown_as_felt_is_the_drive_through_the_response(phase: Phase, level_db: float) -> None:
+    """And it follows what is shown as what should be felt, as nothing limits this drive."""
+    film = make_film(onsets_s=(0.6,), peaks=(0.05,), seconds=1.5, phase=phase, level_db=level_db)
+    timeline = msgspec.structs.replace(film.timeline, phase=phase, level_db=level_db)
+    (event,) = timeline.events
+    sound = event_sound(event, timeline, audio=film.audio, drive=film.drive, profile=PROFILE)
     whole = dsp.run_filter(dsp.digital(dsp.felt_response(PROFILE), 48_000), film.drive.samples)
     assert sound.felt_drive == pytest.approx(whole[sound.span.start : sound.span.stop], abs=1e-9)
     at_onset = int(np.argmin(np.abs(sound.times_ms)))

@@ -10,6 +10,7 @@ The message holds the file, the key or time, the value, and what was expected. T
 exits with 2. A *finding* (a rejected candidate, a failed alignment check) is data, never an exception.
 """
 
+import re
 from typing import Any
 
 
@@ -43,6 +44,7 @@ def misfit(plain: Any, error: Exception) -> str:
     key = place.strip(".`")
     value = _value_at(plain, key)
     shown = "" if isinstance(value, dict | list) else f" = {value!r}"
+    complaint = re.sub(r"`str` of length >= (\d+)", r"a text of at least \1 characters", complaint)
     return f"{key or 'top level'}{shown}: {complaint[:1].lower()}{complaint[1:]}"
 
 

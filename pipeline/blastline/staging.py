@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .errors import BlastlineError, OutputError
+from .signals import heed_interruption
 
 _LOCK = ".blastline-moving"
 _LONGEST_WAIT_S = 20.0
@@ -57,11 +58,13 @@ def staged(
     """
     wanted = _Results(folder, names, sets, stale, films, spared, overwrite)
     _refuse_existing(wanted, names)
+    _refuse_locked(folder)
     made = _missing_parents(folder)
     try:
         hidden = _hidden_folder(folder)
         try:
             yield hidden
+            heed_interruption()
             with _alone_in(folder):
                 _move_all(hidden, wanted)
             made = []
@@ -107,7 +110,7 @@ def _alone_in(folder: Path) -> Iterator[None]:
             break
         except FileExistsError:
             if time.monotonic() > until_s:
-                raise OutputError(f"{lock}: another run is writing here; remove it where that is not so") from None
+                raise _locked(lock) from None
             time.sleep(0.01)
         except OSError as error:
             raise OutputError(f"{folder}: cannot write here: {error.strerror}") from error
@@ -115,6 +118,17 @@ def _alone_in(folder: Path) -> Iterator[None]:
         yield
     finally:
         lock.rmdir()
+
+
+def _refuse_locked(folder: Path) -> None:
+    """Raise OutputError where a run that was killed left its lock: better now than when all the work is done."""
+    lock = folder / _LOCK
+    if lock.exists() and time.time() - lock.stat().st_mtime > _LONGEST_WAIT_S:
+        raise _locked(lock)
+
+
+def _locked(lock: Path) -> OutputError:
+    return OutputError(f"{lock}: another run is writing here; remove it where that is not so")
 
 
 def _output_error(error: OSError, hidden: Path, wanted: _Results) -> OutputError | None:

@@ -11,9 +11,10 @@ from ..units import ms_from_samples, samples_from_ms
 from .comparison import Comparison, compare
 from .film import FilmFigures, gaps, scan
 from .hearing import is_direct
-from .sanity import audio_rise_db, fade_margin, is_telling, order_faults
-from .shots import REFINE_MS, ShotFigures, likeness_limit
+from .sanity import fade_margin, heard_rise_db, order_faults
+from .shots import REFINE_MS, ShotFigures, likeness_limit, parts_of
 from .sounds import Sound, stretch_of
+from .telling import is_telling
 from .timing import Timing, time_film
 
 
@@ -35,8 +36,9 @@ def check_files(
     heard = Sound(audio, timeline.source.frames)
     film = _scan(timeline, heard, drive, background)
     shared = compare(heard, Sound(drive, film.frames), profile=profile, rules=rules, phase=phase, background=background)
-    telling = [is_telling(event, heard, rules) for event in timeline.events]
-    timing = time_film(shared, timeline.events, telling) if timeline.events else None
+    parts = parts_of(timeline.events, lead=shared.samples(rules.lead_ms)) if timeline.events else ()
+    telling = [is_telling(shared, event, part) for event, part in zip(timeline.events, parts, strict=True)]
+    timing = time_film(shared, timeline.events, parts, telling) if timeline.events else None
     checks = [*_file_checks(timeline, shared, film, drive.damaged), *_order_check(timeline)]
     checks += _timing_checks(shared, [e for e, tells in zip(timeline.events, telling, strict=True) if tells], timing)
     for event, tells, figures, lag in zip(
@@ -53,9 +55,10 @@ def check_timeline(timeline: Timeline, *, audio: Cutter, rules: AlignRules) -> t
     checks = list(_order_check(timeline))
     for event in timeline.events:
         checks += _window_checks(event, heard.rate_hz)
-        rise_db = audio_rise_db(event, heard)
+        rise_db = heard_rise_db(event, heard)
         limit_db = rules.rise_db if event.origin == "found" else None
-        checks.append(Check("audio_rise", event.id, limit_db is None or rise_db >= limit_db, rise_db, limit_db, "dB"))
+        rises = limit_db is None or rise_db is None or rise_db >= limit_db
+        checks.append(Check("audio_rise", event.id, rises, rise_db, limit_db, "dB"))
     return tuple(checks)
 
 
@@ -147,12 +150,13 @@ def _shot_checks(shared: Comparison, event: Event, figures: ShotFigures | None, 
 
 
 def _noted(shared: Comparison, event: Event, figures: ShotFigures | None, lag: float | None) -> Iterator[Check]:
-    """Yield the same checks of a shot that was set by hand where no attack is heard, without holding it to them.
+    """Yield the same checks of a shot that tells nothing, without holding it to them.
 
     But for the actuator's limit: that holds for every drive.
     """
     for check in _shot_checks(shared, event, figures, lag):
-        yield check if check.name == "peak" else msgspec.structs.replace(check, passed=True, limit=None)
+        noted = check.measured if figures else None
+        yield check if check.name == "peak" else msgspec.structs.replace(check, passed=True, measured=noted, limit=None)
 
 
 def _onset_check(shared: Comparison, event: Event, figures: ShotFigures, lag: float | None) -> Check:

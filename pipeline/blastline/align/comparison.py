@@ -16,11 +16,17 @@ from .sounds import Sound
 
 Samples = NDArray[np.float64]
 
-_SETTLE_S = (0.25, 1.0)
-"""Filters run at least and at most this long before what is compared; between, five of their slowest time constants."""
+_SETTLE_S = (0.6, 3.0)
+_SETTLE_TIMES = 18.0
+"""Filters run at least and at most this long before what is compared; between, 18 of their slowest time constants.
+
+A film that stands off zero is a step where they begin: the band's high-pass needs 0.6 s for 1e-8 of it."""
 
 _FADED = 1e-3
 """H has forgotten what is left with this share."""
+
+_SLOWEST_MEMORY_S = 0.25
+"""The longest time constant of H that is waited for."""
 
 _LOWEST_HZ = 1.0
 """Where the search for the greatest response begins."""
@@ -76,7 +82,8 @@ def compare(
     response, compensator = dsp.felt_response(profile), dsp.compensator(profile)
     frequencies_hz = np.geomspace(_LOWEST_HZ, rate_hz / 2.0, 2048)
     shortest_s, longest_s = _SETTLE_S
-    settle_s = max(shortest_s, 5.0 * _slowest_s(np.concatenate([response.poles, compensator.poles]), longest_s / 5.0))
+    poles = np.concatenate([response.poles, compensator.poles])
+    settle_s = max(shortest_s, _SETTLE_TIMES * _slowest_s(poles, longest_s / _SETTLE_TIMES))
     return Comparison(
         audio,
         drive,
@@ -89,7 +96,7 @@ def compare(
         compensated=_compensation(profile, rate_hz, phase),
         step=1.0 / float(np.max(np.abs(response.at(frequencies_hz)) ** 2)),
         settle=round(settle_s * rate_hz),
-        memory=round(-math.log(_FADED) * _slowest_s(response.poles, shortest_s) * rate_hz),
+        memory=round(-math.log(_FADED) * _slowest_s(response.poles, _SLOWEST_MEMORY_S) * rate_hz),
     )
 
 

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..model import Event, Span
-from ..ruleset import AlignRules
 from ..units import samples_from_ms
 from .sounds import Sound, stretch_of
 
@@ -33,20 +33,25 @@ def fade_margin(event: Event) -> int:
 
 
 def audio_rise_db(event: Event, audio: Sound) -> float:
-    """Return how much higher the soundtrack's peak is just after the onset than just before it, in decibels."""
+    """Return how much higher the peak of what becomes the drive is just after the onset than before it, in decibels."""
     around = samples_from_ms(_AROUND_MS, audio.rate_hz)
     onset = event.onset_sample
-    before, after = (
-        float(np.abs(stretch_of(audio, span)).max(initial=0.0))
-        for span in (Span(onset - around, onset), Span(onset, onset + around))
-    )
-    return float(20.0 * np.log10(max(after, 1e-12) / max(before, 1e-12)))
+    return _rise_db(stretch_of(audio, Span(onset - around, onset + around)), around)
 
 
-def is_telling(event: Event, audio: Sound, rules: AlignRules) -> bool:
-    """Return whether a shot's drive can be compared with the sound: of one set by hand, where an attack is heard.
+def heard_rise_db(event: Event, audio: Sound) -> float | None:
+    """Return the same of the sound in which the shot was found; None where that cannot be read again.
 
-    Who edits a timeline may put an event where nothing begins. In a tone or in silence one place sounds like the next,
-    and so nothing tells whether the drive is in its own.
+    Where a film drives the seat from other channels than detection listens to, or a shot was found without the centre,
+    what becomes the drive need not rise.
     """
-    return event.origin == "found" or audio_rise_db(event, audio) >= rules.hand_rise_db
+    onset, around = event.onset_sample, samples_from_ms(_AROUND_MS, audio.rate_hz)
+    inside = Span(onset - around, onset + around) & Span(0, audio.frames)
+    clip = audio.file.cut(inside, sides=event.heard_in == "sides")
+    heard = clip.sides if event.heard_in == "sides" else clip.heard
+    return None if heard is None else _rise_db(heard, onset - inside.start)
+
+
+def _rise_db(samples: NDArray[np.float64], onset: int) -> float:
+    before, after = (float(np.abs(part).max(initial=0.0)) for part in (samples[:onset], samples[onset:]))
+    return float(20.0 * np.log10(max(after, 1e-12) / max(before, 1e-12)))

@@ -10,7 +10,7 @@ from ..model import Event
 from .comparison import Comparison, Samples
 from .film import moving_spans
 from .hearing import Part
-from .shots import REFINE_MS, ShotFigures, likeness_limit, locate, measure, parts_of
+from .shots import REFINE_MS, ShotFigures, likeness_limit, locate, measure
 from .sounds import Place
 
 _PROBES = 24
@@ -48,13 +48,12 @@ class Timing:
     found: int
 
 
-def time_film(shared: Comparison, events: Sequence[Event], telling: Sequence[bool]) -> Timing:
+def time_film(shared: Comparison, events: Sequence[Event], parts: Sequence[Part], telling: Sequence[bool]) -> Timing:
     """Return where the drive holds every shot; only `telling` ones say where it is as a whole.
 
     First each shot is searched for around its own place. Where fewer than half are found there, the drive is taken
     to be displaced, and is read again from where it seems to be.
     """
-    parts = parts_of(events, lead=shared.samples(shared.rules.lead_ms))
     timing = _measure_all(shared, events, parts, telling, Place())
     asked = sum(telling)
     if 2 * timing.found >= asked:

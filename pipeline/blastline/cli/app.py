@@ -6,18 +6,17 @@ Exit codes
 """
 
 import os
-import signal
 import sys
 import traceback
 from collections.abc import Sequence
 from contextlib import suppress
-from types import FrameType
 from typing import Annotated
 
 import typer
 
 from .. import __version__
 from ..errors import BlastlineError
+from ..signals import let_signals_interrupt
 from . import actuators, conform, film, rulefiles, study, synthesis
 from .complaints import complaint
 from .interruption import INTERRUPTED, told_interrupted
@@ -63,7 +62,7 @@ def describe(
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code; what a user can mend is one line on stderr."""
-    _let_signals_interrupt()
+    let_signals_interrupt()
     try:
         words = (sys.argv[1:] if arguments is None else arguments) or ["--help"]
         code = app(words, prog_name="blastline", standalone_mode=False)
@@ -101,14 +100,3 @@ def _drop_unwritten_output() -> None:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, sys.stdout.fileno())
         os.close(nowhere)
-
-
-def _let_signals_interrupt() -> None:
-    """Make a request to end, or a closed terminal, clean up as Ctrl-C does."""
-
-    def interrupt(number: int, frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    for name in ("SIGTERM", "SIGHUP"):
-        if hasattr(signal, name):
-            signal.signal(getattr(signal, name), interrupt)

@@ -19,6 +19,13 @@ def rules_folder(text: str) -> Path:
     return Path(text)
 
 
+def results_folder(text: str) -> Path:
+    """Return the folder that is named; RuleError where none is: a script's empty variable is not the current folder."""
+    if not text:
+        raise RuleError("expected the name of a folder for the results")
+    return Path(text)
+
+
 Film = Annotated[Path, typer.Argument(metavar="INPUT", help="A film or a sound file.", show_default=False)]
 QualityOption = Annotated[
     Quality,
@@ -91,7 +98,14 @@ Formats = Annotated[
 ]
 ResultFolder = Annotated[
     Path,
-    typer.Option("-o", "--output", metavar="DIR", help="Folder for the results.", rich_help_panel=WRITING),
+    typer.Option(
+        "-o",
+        "--output",
+        metavar="DIR",
+        parser=results_folder,
+        help="Folder for the results.",
+        rich_help_panel=WRITING,
+    ),
 ]
 ActuatorOption = Annotated[
     str,

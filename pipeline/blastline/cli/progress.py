@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from ..signals import heed_interruption
+
 if TYPE_CHECKING:
     from ..run import Progress
 
@@ -15,12 +17,22 @@ if TYPE_CHECKING:
 def shown_progress(*, quiet: bool) -> Iterator["Progress"]:
     """Yield a function that shows progress on stderr in the way that suits it."""
     if quiet:
-        yield _nothing
+        yield _heeding(_nothing)
     elif sys.stderr is not None and sys.stderr.isatty():
         with _bars() as shown:
-            yield shown
+            yield _heeding(shown)
     else:
-        yield _lines()
+        yield _heeding(_lines())
+
+
+def _heeding(show: "Progress") -> "Progress":
+    """Return a function that shows progress unless the run is to end."""
+
+    def heed_and_show(stage: str, done: int, total: int | None) -> None:
+        heed_interruption()
+        show(stage, done, total)
+
+    return heed_and_show
 
 
 def _nothing(stage: str, done: int, total: int | None) -> None:

@@ -5,16 +5,13 @@ from typing import Annotated
 
 import typer
 
-from .options import WRITING, Overwrite, Quiet
+from .options import Overwrite, Quiet, ResultFolder
 from .progress import shown_progress
 
 
 def synth(
     scene: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene description (.toml).", show_default=False)],
-    folder: Annotated[
-        Path,
-        typer.Option("-o", "--output", metavar="DIR", help="Folder for the files.", rich_help_panel=WRITING),
-    ],
+    folder: ResultFolder,
     overwrite: Overwrite = False,
     quiet: Quiet = False,
 ) -> None:

@@ -109,8 +109,8 @@ class Cutter(Protocol):
     def rate_hz(self) -> int:
         """Return the sample rate."""
 
-    def cut(self, span: Span, /) -> Clip:
-        """Return the stretch inside `span`, which lies inside the file."""
+    def cut(self, span: Span, /, *, sides: bool = False) -> Clip:
+        """Return the stretch inside `span`, which lies inside the file, with its sides if asked for and there."""
 
 
 class SoundFile(Cutter, Protocol):

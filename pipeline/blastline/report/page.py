@@ -140,9 +140,7 @@ def _pictures(timeline: Timeline, pictures: Iterable[str]) -> Iterator[str]:
 def _picture(
     event: Event, why: str, timeline: Timeline, *, audio: Cutter, drive: Cutter, profile: ActuatorProfile
 ) -> str:
-    sound = event_sound(
-        event, timeline.events, audio=audio, drive=drive, frames=timeline.source.frames, profile=profile
-    )
+    sound = event_sound(event, timeline, audio=audio, drive=drive, profile=profile)
     own = [check for check in timeline.checks if check.event == event.id]
     reason = reasons(event)
     return (

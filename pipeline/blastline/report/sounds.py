@@ -1,28 +1,27 @@
 """What the picture of a shot shows: the sound, the drive, and what is felt of either."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import dsp
-from ..model import Cutter, Event, Span
+from ..model import Cutter, Event, Phase, Span, Timeline
 from ..ruleset import ActuatorProfile
-from ..units import samples_from_ms
+from ..units import gain_from_db, samples_from_ms
 
 Samples = NDArray[np.float64]
 
-_SETTLE_MS = 250.0
+_SETTLE_MS = 600.0
 _BEFORE_MS = 12.0
 _LONGEST_MS = 400.0
 
 
 @dataclass(frozen=True, eq=False)
 class EventSound:
-    """A shot over `span`, shape (frames,) each: its sound, the sound in the band of vibration, the drive, and what is
-    felt of direct conversion and of the drive.
+    """A shot over `span`, shape (frames,) each: its sound, what of it should be felt, the drive, and what is felt of
+    direct conversion and of the drive.
     """
 
     event: Event
@@ -43,35 +42,44 @@ class EventSound:
 
 
 def event_sound(
-    event: Event, events: Sequence[Event], *, audio: Cutter, drive: Cutter, frames: int, profile: ActuatorProfile
+    event: Event, timeline: Timeline, *, audio: Cutter, drive: Cutter, profile: ActuatorProfile
 ) -> EventSound:
     """Return a shot's sound from just before its onset to its window's end, at most 0.4 s.
 
-    The filters run for a quarter of a second before. `frames` is how many both files have.
+    What should be felt is the sound in the band, in the timeline's phase and at its level and the shot's own.
     """
-    rate_hz = audio.rate_hz
+    rate_hz, frames = audio.rate_hz, timeline.source.frames
     start = max(0, event.onset_sample - samples_from_ms(_BEFORE_MS, rate_hz))
     longest = event.onset_sample + samples_from_ms(_LONGEST_MS, rate_hz)
     shown = Span(start, min(frames, longest, max(event.window.stop, event.onset_sample + 1)))
-    whole = Span(max(0, start - samples_from_ms(_SETTLE_MS, rate_hz)), shown.stop)
-    kept = slice(shown.start - whole.start, None)
+    settle = samples_from_ms(_SETTLE_MS, rate_hz)
+    whole = Span(max(0, start - settle), min(frames, shown.stop + settle))
+    kept = slice(shown.start - whole.start, shown.stop - whole.start)
     sound = np.asarray(audio.cut(whole).driving, dtype=np.float64)
     driving = np.asarray(drive.cut(whole).driving, dtype=np.float64)
     felt = dsp.digital(dsp.felt_response(profile), rate_hz)
-    band = dsp.digital(dsp.band(profile), rate_hz)
+    level = gain_from_db(timeline.level_db + event.gain_db)
     return EventSound(
         event,
         shown,
         rate_hz,
         audio=sound[kept],
-        target=dsp.run_filter(band, sound)[kept],
+        target=level * _in_band(sound, rate_hz, profile, timeline.phase)[kept],
         drive=driving[kept],
         felt_direct=dsp.run_filter(felt, np.clip(sound, -1.0, 1.0))[kept],
         felt_drive=dsp.run_filter(felt, driving)[kept],
         other_onsets=tuple(
-            other.onset_sample for other in events if other.onset_sample in shown and other.id != event.id
+            other.onset_sample for other in timeline.events if other.onset_sample in shown and other.id != event.id
         ),
     )
+
+
+def _in_band(sound: Samples, rate_hz: int, profile: ActuatorProfile, phase: Phase) -> Samples:
+    """Return a sound in the band of vibration: filtered forwards, or half of it forwards and half backwards."""
+    if phase == "causal":
+        return dsp.run_filter(dsp.digital(dsp.band(profile), rate_hz), sound)
+    half = dsp.digital(dsp.half_band(profile), rate_hz)
+    return dsp.run_filter(half, dsp.run_filter(half, sound)[::-1])[::-1]
 
 
 def envelope(values: Samples, columns: int) -> tuple[Samples, Samples]:

@@ -136,6 +136,7 @@ def _conformed(
         rejections=tuple(_rejections(events, places, new)),
         checks=(),
         edits=None,
+        budget=None,
     )
     return Conformed(made, events, tuple(places), tuple(courses))
 

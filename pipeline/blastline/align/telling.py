@@ -1,0 +1,35 @@
+"""Which shots tell anything: those whose drive can be compared with their sound."""
+
+from ..model import Event
+from .comparison import Comparison
+from .hearing import Part
+from .sanity import audio_rise_db
+from .sounds import Place, drive_at, stretch_of
+
+_LEAST_MS = {"causal": 5.0, "zero": 20.0}
+"""So much of a shot is compared at least: less, before the next shot or the window's end, leaves its lag open."""
+
+_SOFTER_DB = 30.0
+"""A shot asked to be so much softer than the one before it lies beneath what is left of that."""
+
+
+def is_telling(shared: Comparison, event: Event, part: Part) -> bool:
+    """Return whether a shot's drive can be compared with its sound.
+
+    Nothing tells of a shot that is all but over before the next begins, or that was muted beside a louder one; of one
+    that only other channels play; and of one set by hand where nothing begins: in a tone or in silence one place sounds
+    like the next, and so nothing tells whether the drive is in its own.
+    """
+    if len(part.span) < shared.samples(_LEAST_MS[shared.phase]) or part.before_db > _SOFTER_DB:
+        return False
+    if event.origin != "found" and audio_rise_db(event, shared.audio) < shared.rules.hand_rise_db:
+        return False
+    return not _is_still(shared, event)
+
+
+def _is_still(shared: Comparison, event: Event) -> bool:
+    """Return whether both sound and drive are silent in a shot's window."""
+    span = event.window.span
+    if stretch_of(shared.audio, span).any():
+        return False
+    return not drive_at(shared.drive, span, rate_hz=shared.rate_hz, place=Place())[0].any()

@@ -1,0 +1,31 @@
+"""Requests to end the run (Ctrl-C, SIGTERM, a closed terminal) that cannot get lost.
+
+Python swallows an exception that is raised while an object is being destroyed, and a signal may well come there. So a
+request is remembered, and heeded at the next place that asks.
+"""
+
+import signal
+from threading import Event
+from types import FrameType
+
+_ASKED = Event()
+
+
+def let_signals_interrupt() -> None:
+    """Make every request to end clean up as Ctrl-C does, but for those that whoever started us has us ignore."""
+    _ASKED.clear()
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _interrupt)
+
+
+def heed_interruption() -> None:
+    """Raise KeyboardInterrupt where an end was asked for, though the one raised then may have been swallowed."""
+    if _ASKED.is_set():
+        raise KeyboardInterrupt
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    _ASKED.set()
+    raise KeyboardInterrupt
