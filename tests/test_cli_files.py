@@ -287,6 +287,42 @@ def test_a_full_disk_is_told_by_detect_and_synth_with_the_name_that_was_asked_fo
     assert not out.exists()
 
 
+@pytest.mark.parametrize(
+    ("seconds", "rate_hz"), [(3.0, RATE_HZ), (5.0, RATE_HZ), (4.0, 44_100), (1 / RATE_HZ, RATE_HZ)]
+)
+def test_another_film_is_not_checked_against(
+    tmp_path: Path, result: Path, believing: Path, seconds: float, rate_hz: int
+) -> None:
+    other = tmp_path / "other.wav"
+    soundfile.write(other, np.full(round(seconds * rate_hz), 0.1), rate_hz)
+    ended = blastline("check", result, "--audio", other, "--rules", believing, "-q")
+    expected = (
+        f"the timeline {RATE_HZ if rate_hz != RATE_HZ else 4 * RATE_HZ}: not the film of this timeline; `blastline"
+    )
+    assert ended.complaint.startswith(f"{other}: has ")
+    assert expected in ended.complaint
+
+
+def test_the_profile_of_ones_own_seat_is_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, film: Path, believing: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    built_in = Path(__file__).parents[1] / "rules" / "actuators" / "crowson-t108sm.toml"
+    own = built_in.read_text(encoding="utf-8").replace('"crowson-t108sm"', '"my-seat"')
+    Path("my-seat.toml").write_text(own, encoding="utf-8")
+    seat = ["--actuator", "my-seat.toml"]
+    assert blastline("render", film, "-o", "seat", *seat, "--rules", believing, "--no-report", "-q").code == 0
+    timeline = Path("seat", "timeline.json")
+    asked = f"{timeline}: was made for my-seat, which is not built in; give its file with --actuator"
+    commands: tuple[list[str | Path], ...] = (
+        ["check", timeline, "--audio", film, "-q"],
+        ["export", timeline, "--format", "hjif", "-o", "out"],
+    )
+    for command in commands:
+        assert blastline(*command).complaint == asked
+        assert blastline(*command, *seat).code == 0
+
+
 def test_an_interruption_that_was_swallowed_is_heeded_before_results_are_in_place(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -2,6 +2,7 @@
 
 import os
 import struct
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -230,6 +231,21 @@ def test_other_containers_that_declare_too_little_are_read_too(
     (warning,) = source.warnings
     assert warning.startswith(f"the header declares {declared} bytes of sound but ")
     assert warning.endswith(" follow; the sound was read to the end of the file")
+
+
+@pytest.mark.parametrize(("container", "subtype"), FORMATS)
+def test_a_damaged_header_ends_in_one_line_or_in_sound(tmp_path: Path, container: str, subtype: str) -> None:
+    path = tmp_path / "film.sound"
+    soundfile.write(path, noise(500, 2), RATE_HZ, format=container, subtype=subtype)
+    whole = path.read_bytes()
+    random = np.random.default_rng(FORMATS.index((container, subtype)))
+    for _ in range(60):
+        damaged = bytearray(whole)
+        for place in random.integers(0, 200, random.integers(1, 5)):
+            damaged[place] = random.choice([0, 1, 8, 0x7F, 0xFF, int(random.integers(256))])
+        path.write_bytes(damaged)
+        with suppress(SoundtrackError):
+            read(path)
 
 
 def test_packed_sound_beyond_the_declared_size_is_told(tmp_path: Path) -> None:

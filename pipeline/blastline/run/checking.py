@@ -8,9 +8,10 @@ from ..align import check_files, check_timeline
 from ..errors import TimelineError
 from ..export import read_timeline
 from ..model import Source, Timeline
-from ..ruleset import ActuatorProfile, AlignRules, load_actuator, load_rules
+from ..ruleset import ActuatorProfile, AlignRules, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack
 from . import names
+from .belonging import profile_of, require_length, require_same_film
 from .driving import open_drive
 from .listening import BLOCK
 from .progress import Progress, no_progress, told
@@ -33,16 +34,18 @@ def check(
     path = target / names.TIMELINE if target.is_dir() else target
     timeline = read_timeline(path)
     read = load_rules(timeline.quality, rules)
-    with open_soundtrack(
-        audio or _find_film(timeline.source, path), stream=timeline.source.stream, mix=timeline.source.mix
-    ) as track:
+    film = audio or _find_film(timeline.source, path)
+    with open_soundtrack(film, stream=timeline.source.stream, mix=timeline.source.mix) as track:
         for _ in told(track.blocks(BLOCK), progress, track.expected_frames):
             pass
+        found = track.source()
         if audio is None:
-            _require_same_film(track.source(), timeline.source)
+            require_same_film(found, timeline.source)
+        cut = "the film of this timeline; `blastline conform` finds its shots in another cut"
+        require_length(timeline, film, rate_hz=found.sample_rate_hz, frames=found.frames, what=cut)
         if timeline.actuator is None and drive is None:
             return msgspec.structs.replace(timeline, checks=check_timeline(timeline, audio=track, rules=read.align))
-        profile, _ = load_actuator(actuator or _actuator_of(timeline, path), rules)
+        profile = profile_of(timeline, path, actuator=actuator, rules=rules)
         with open_drive(drive or path.parent / names.DRIVE) as made:
             return checked(timeline, track, made, profile=profile, rules=read.align, progress=progress)
 
@@ -76,17 +79,3 @@ def _find_film(source: Source, timeline: Path) -> Path:
         if (folder / source.name).is_file():
             return folder / source.name
     raise TimelineError(f"{timeline}: source.name = {source.name!r}: not found beside it; give the film with --audio")
-
-
-def _require_same_film(found: Source, expected: Source) -> None:
-    if found.sha256 != expected.sha256:
-        raise TimelineError(
-            f"{found.name}: is not the file that the timeline was made from (sha256 {found.sha256[:12]}, "
-            f"expected {expected.sha256[:12]}); give --audio to check against it all the same"
-        )
-
-
-def _actuator_of(timeline: Timeline, path: Path) -> str:
-    if timeline.actuator is None:
-        raise TimelineError(f"{path}: names no actuator; give one with --actuator to check a drive against it")
-    return timeline.actuator.name

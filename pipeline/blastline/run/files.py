@@ -15,12 +15,13 @@ from ..export import (
     rounding,
 )
 from ..model import Timeline
-from ..ruleset import load_actuator, load_haptics
+from ..ruleset import load_haptics
 from ..staging import staged
 from ..timebase import AS_FILMED, Timebase, retimed
 from . import names
+from .belonging import profile_of, require_length
 from .driving import open_drive
-from .haptics import require_length, rounding_notes, tell_silent, track_of
+from .haptics import rounding_notes, tell_silent, track_of
 from .listening import BLOCK
 from .progress import Note, Progress, no_note, no_progress
 
@@ -62,21 +63,18 @@ def _haptic_track(
     timeline: Timeline, path: Path, *, drive: Path | None, actuator: str | None, rules: Path | None, note: Note
 ) -> HapticTrack:
     """Return what the haptic formats are written from; `path` is the timeline's file, beside which its drive lies."""
-    name = actuator or (timeline.actuator.name if timeline.actuator else None)
-    if name is None:
-        if drive is not None:
-            raise TimelineError(f"{path}: names no actuator; give the one of {drive} with --actuator")
+    if actuator is None and timeline.actuator is None and drive is None:
         raise TimelineError(
             f"{path}: has no drive and names no actuator; haptic formats are made from a drive: `blastline render` "
             "makes one, or give --drive and --actuator"
         )
-    profile, _ = load_actuator(name, rules)
+    profile = profile_of(timeline, path, actuator=actuator, rules=rules)
     file = drive or path.parent / names.DRIVE
     if drive is None and not file.is_file():
         raise TimelineError(f"{file}: no such file; haptic formats are made from the drive: give it with --drive")
     with open_drive(file) as made:
         frames = sum(len(block.span) for block in made.blocks(BLOCK))
-        require_length(timeline, file, rate_hz=made.rate_hz, frames=frames)
+        require_length(timeline, file, rate_hz=made.rate_hz, frames=frames, what="the drive of this timeline")
         track = track_of(timeline, made, profile=profile, rules=load_haptics(rules))
     if timeline.events and not track.stretches:
         count = len(timeline.events)

@@ -1,12 +1,10 @@
 """The drive as haptic formats read it: found, shown to belong to its timeline, and made into a haptic track."""
 
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import TimelineError
 from ..export import HapticTrack, Rounding, haptic_track
 from ..model import Span, Timeline
 from ..ruleset import ActuatorProfile, HapticRules
@@ -28,16 +26,6 @@ def tell_silent(track: HapticTrack, note: Note) -> None:
     if track.silent:
         some = ", ".join(track.silent[:3]) + (", ..." if len(track.silent) > 3 else "")
         note(f"the drive is at rest at {len(track.silent)} of the shots, which get no pulse: {some}")
-
-
-def require_length(timeline: Timeline, name: Path, *, rate_hz: int, frames: int) -> None:
-    """Raise TimelineError where a drive has another rate or length than its timeline; `name` is its file."""
-    for key, found, expected in (
-        ("samples a second", rate_hz, timeline.source.sample_rate_hz),
-        ("samples", frames, timeline.source.frames),
-    ):
-        if found != expected:
-            raise TimelineError(f"{name}: has {found} {key}, the timeline {expected}: not the drive of this timeline")
 
 
 def rounding_notes(note: Note) -> Callable[[str, Rounding], None]:

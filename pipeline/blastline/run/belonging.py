@@ -1,0 +1,42 @@
+"""Whether a file belongs to a timeline, and the actuator that its drive was made for."""
+
+from pathlib import Path
+
+from ..errors import TimelineError
+from ..model import Source, Timeline
+from ..ruleset import ActuatorProfile, actuator_names, load_actuator
+
+
+def require_same_film(found: Source, expected: Source) -> None:
+    """Raise TimelineError where a film is not, to the last byte, the file that the timeline was made from."""
+    if found.sha256 != expected.sha256:
+        raise TimelineError(
+            f"{found.name}: is not the file that the timeline was made from (sha256 {found.sha256[:12]}, "
+            f"expected {expected.sha256[:12]}); give --audio to check against it all the same"
+        )
+
+
+def require_length(timeline: Timeline, name: Path, *, rate_hz: int, frames: int, what: str) -> None:
+    """Raise TimelineError where a file has another rate or length than its timeline; `what` it should be is told."""
+    for key, found, expected in (
+        ("samples a second", rate_hz, timeline.source.sample_rate_hz),
+        ("samples", frames, timeline.source.frames),
+    ):
+        if found != expected:
+            raise TimelineError(f"{name}: has {found} {key}, the timeline {expected}: not {what}")
+
+
+def profile_of(timeline: Timeline, path: Path, *, actuator: str | None, rules: Path | None) -> ActuatorProfile:
+    """Return the profile of an actuator, by default of the one that the timeline in the file `path` names.
+
+    Raises TimelineError where that is the user's own, RuleError where the actuator given does not exist or fit.
+    """
+    if actuator is None:
+        if timeline.actuator is None:
+            raise TimelineError(f"{path}: names no actuator; give the one that the drive was made for with --actuator")
+        actuator = timeline.actuator.name
+        if actuator not in actuator_names(rules):
+            raise TimelineError(
+                f"{path}: was made for {actuator}, which is not built in; give its file with --actuator"
+            )
+    return load_actuator(actuator, rules)[0]
