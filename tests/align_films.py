@@ -278,6 +278,7 @@ def checks_of(film: Film, phase: Phase = "causal", background: Background = "mut
         drive=film.drive,
         profile=PROFILE,
         rules=RULES,
+        lead_ms=1.0,
         phase=phase,
         background=background,
     )

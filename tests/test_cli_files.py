@@ -287,6 +287,15 @@ def test_a_full_disk_is_told_by_detect_and_synth_with_the_name_that_was_asked_fo
     assert not out.exists()
 
 
+def test_a_drive_with_a_longer_lead_passes_its_checks(tmp_path: Path, film: Path) -> None:
+    rules, out = tmp_path / "rules", tmp_path / "out"
+    (rules / "quality").mkdir(parents=True)
+    (rules / "quality" / "standard.toml").write_text(f"{BELIEVE}\n[render]\nlead_ms = 8.0\n")
+    ended = blastline("render", film, "-o", out, "--rules", rules, "--drive", "constrained", "--no-report", "-q")
+    assert ended.code == 0, ended
+    assert blastline("check", out, "--audio", film, "--rules", rules, "-q").code == 0
+
+
 @pytest.mark.parametrize(
     ("seconds", "rate_hz"), [(3.0, RATE_HZ), (5.0, RATE_HZ), (4.0, 44_100), (1 / RATE_HZ, RATE_HZ)]
 )

@@ -115,7 +115,7 @@ def test_every_shipped_file_is_sound() -> None:
         ("quality/standard.toml", "[windows]\nguard_ms = -1\n", "windows.guard_ms = -1: expected `float` >= 0.0"),
         ("quality/standard.toml", "[windows]\nguard_ms = true\n", "windows.guard_ms = True: expected `float`, got"),
         ("quality/standard.toml", "[windows]\nguard_ms = inf\n", "windows.guard_ms = inf: expected `float` <= 10000.0"),
-        ("align.toml", "lead_ms = inf\n", "lead_ms = inf: expected a finite number"),
+        ("align.toml", "rise_db = inf\n", "rise_db = inf: expected a finite number"),
         (
             "quality/standard.toml",
             "[rows]\nlongest_loop_s = 0.001\n",
@@ -149,7 +149,11 @@ def test_every_shipped_file_is_sound() -> None:
             "[segment]\nlatest_reflection_ms = 1e9\n",
             "segment.latest_reflection_ms = 1000000000.0: expected `float` <= 3000.0",
         ),
-        ("quality/standard.toml", "[scan]\nsource = ''\n", "scan.source = '': expected `str` of length >= 3"),
+        (
+            "quality/standard.toml",
+            "[scan]\nsource = ''\n",
+            "scan.source = '': expected a text of at least 3 characters",
+        ),
         ("quality/standard.toml", "schema = 2\n", "schema = 2: expected 1, the only layout that this version reads"),
         (
             "quality/standard.toml",

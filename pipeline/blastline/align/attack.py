@@ -28,7 +28,7 @@ def late_start(shared: Comparison, heard: Heard, felt: Felt, readings: tuple[Rea
     Where no reading of what is due is borne out it is not known what is asked for: a drive at rest is late all the
     same, of one that moves nothing can be told, and None is returned.
     """
-    onset, lead = heard.core.start, shared.samples(shared.rules.lead_ms)
+    onset, lead = heard.core.start, shared.samples(shared.lead_ms)
     attack = slice(onset - lead, max(onset + 1, min(onset + shared.samples(ATTACK_MS), heard.core.stop)))
     grain = min(shared.samples(_GRAIN_MS), attack.stop - attack.start)
     found = []
@@ -61,7 +61,7 @@ def preecho(
     It may be nothing; but of a drive of unknown making it is not known what is due, and as much may be felt as is
     heard. None where no reading of what is due is borne out.
     """
-    onset, lead = heard.core.start, shared.samples(shared.rules.lead_ms)
+    onset, lead = heard.core.start, shared.samples(shared.lead_ms)
     peak = _peak(felt.vibration[heard.core])
     first = max(0, onset - shared.samples(_BEFORE_MS), part.since - heard.span.start)
     before = slice(first, onset - shared.samples(shared.rules.preecho_guard_ms))

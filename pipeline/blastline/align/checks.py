@@ -9,13 +9,13 @@ from ..model import Background, Check, Cutter, Event, Phase, SoundFile, Span, Ti
 from ..ruleset import ActuatorProfile, AlignRules
 from ..units import ms_from_samples, samples_from_ms
 from .comparison import Comparison, compare
-from .film import FilmFigures, gaps, scan
 from .hearing import is_direct
 from .sanity import fade_margin, heard_rise_db, order_faults
 from .shots import REFINE_MS, ShotFigures, likeness_limit, parts_of
 from .sounds import Sound, stretch_of
 from .telling import is_telling
 from .timing import Timing, time_film
+from .whole_drive import DriveFigures, gaps, scan
 
 
 def check_files(
@@ -25,18 +25,28 @@ def check_files(
     drive: SoundFile,
     profile: ActuatorProfile,
     rules: AlignRules,
+    lead_ms: float,
     phase: Phase,
     background: Background,
 ) -> tuple[Check, ...]:
     """Return the checks of a drive as it was written, first of the film, then of each shot in order.
 
-    `audio` has been decoded and has the timeline's number of frames; `drive` is decoded here, once. Figures are None
-    where there is nothing to measure: a drive in which no shot is found has failed, a film without shots has not.
+    `audio` has been decoded and has the timeline's number of frames; `drive` is decoded here, once. A drive may begin
+    `lead_ms` before its shot's onset. Figures are None where there is nothing to measure: a drive in which no shot is
+    found has failed, a film without shots has not.
     """
     heard = Sound(audio, timeline.source.frames)
     film = _scan(timeline, heard, drive, background)
-    shared = compare(heard, Sound(drive, film.frames), profile=profile, rules=rules, phase=phase, background=background)
-    parts = parts_of(timeline.events, lead=shared.samples(rules.lead_ms)) if timeline.events else ()
+    shared = compare(
+        heard,
+        Sound(drive, film.frames),
+        profile=profile,
+        rules=rules,
+        lead_ms=lead_ms,
+        phase=phase,
+        background=background,
+    )
+    parts = parts_of(timeline.events, lead=shared.samples(shared.lead_ms)) if timeline.events else ()
     telling = [is_telling(shared, event, part) for event, part in zip(timeline.events, parts, strict=True)]
     timing = time_film(shared, timeline.events, parts, telling) if timeline.events else None
     checks = [*_file_checks(timeline, shared, film, drive.damaged), *_order_check(timeline)]
@@ -62,7 +72,7 @@ def check_timeline(timeline: Timeline, *, audio: Cutter, rules: AlignRules) -> t
     return tuple(checks)
 
 
-def _scan(timeline: Timeline, audio: Sound, drive: SoundFile, background: Background) -> FilmFigures:
+def _scan(timeline: Timeline, audio: Sound, drive: SoundFile, background: Background) -> DriveFigures:
     """Read the whole drive; at another rate than the timeline's, what lies outside windows is only roughly known."""
     ratio = drive.rate_hz / timeline.source.sample_rate_hz
     spare = 0 if ratio == 1.0 else samples_from_ms(5.0, drive.rate_hz)
@@ -78,7 +88,7 @@ def _scaled(event: Event, ratio: float, spare: int) -> Span:
     return Span(max(0, math.floor(window.start * ratio) - spare), math.ceil(window.stop * ratio) + spare)
 
 
-def _file_checks(timeline: Timeline, shared: Comparison, film: FilmFigures, damaged: int) -> Iterator[Check]:
+def _file_checks(timeline: Timeline, shared: Comparison, film: DriveFigures, damaged: int) -> Iterator[Check]:
     rate_hz, drive_rate_hz = timeline.source.sample_rate_hz, shared.drive.rate_hz
     same_rate = drive_rate_hz == rate_hz
     yield Check("sample_rate", None, same_rate, drive_rate_hz, rate_hz, "Hz")
@@ -164,7 +174,7 @@ def _onset_check(shared: Comparison, event: Event, figures: ShotFigures, lag: fl
     rules = shared.rules
     late = figures.late_start
     error_ms = None if late is None else ms_from_samples(late + (lag or 0.0), shared.rate_hz)
-    in_time = error_ms is None or -rules.lead_ms - rules.onset_error_ms <= error_ms <= rules.onset_error_ms
+    in_time = error_ms is None or -shared.lead_ms - rules.onset_error_ms <= error_ms <= rules.onset_error_ms
     name = "drive_onset" if is_direct(event) else "felt_onset"
     return Check(name, event.id, in_time, error_ms, rules.onset_error_ms, "ms")
 

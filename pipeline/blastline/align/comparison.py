@@ -44,6 +44,7 @@ class Comparison:
     audio: Sound
     drive: Sound
     rules: AlignRules
+    lead_ms: float
     phase: Phase
     background: Background
     felt: Samples
@@ -74,6 +75,7 @@ def compare(
     *,
     profile: ActuatorProfile,
     rules: AlignRules,
+    lead_ms: float,
     phase: Phase,
     background: Background,
 ) -> Comparison:
@@ -88,6 +90,7 @@ def compare(
         audio,
         drive,
         rules,
+        lead_ms,
         phase,
         background,
         felt=dsp.digital(response, rate_hz),

@@ -115,7 +115,7 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
 
 def _relative_gain(shared: Comparison, part: Part, span: Span) -> Samples:
     """Return the gain against the shot's own over a span: that of the shot before until the lead before the onset."""
-    lead, onset = shared.samples(shared.rules.lead_ms), part.span.start
+    lead, onset = shared.samples(shared.lead_ms), part.span.start
     before = gain_from_db(part.before_db)
     return np.interp(np.arange(span.start, span.stop), [onset - lead, onset], [before, 1.0])
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from ..model import Event
 from .comparison import Comparison, Samples
-from .film import moving_spans
 from .hearing import Part
 from .shots import REFINE_MS, ShotFigures, likeness_limit, locate, measure
 from .sounds import Place
+from .whole_drive import moving_spans
 
 _PROBES = 24
 """Shots, spread over the film, that are looked for one by one in a drive that seems displaced."""

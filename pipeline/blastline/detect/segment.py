@@ -63,7 +63,7 @@ def segment(
             echoes = _strong_enough(found, rules.reflection_level_db)
     blast = min([blast, *(lag for lag, _ in echoes[:1])])
     at = film_start + onset
-    length, ended = _decay(wave, peak, background, rate_hz=rate_hz, rules=rules)
+    length, ended = _decay(wave, background, rate_hz=rate_hz, rules=rules)
     return Shot(
         onset=at,
         confidence=confidence,
@@ -155,9 +155,7 @@ def _strong_enough(found: tuple[NDArray[np.intp], NDArray[np.float64]], least_db
     return [(lag, level_db) for lag, level_db in levels if least_db <= level_db <= _LOUDEST_DB]
 
 
-def _decay(
-    wave: NDArray[np.float64], peak: float, background: float, *, rate_hz: int, rules: SegmentRules
-) -> tuple[int, DecayEnd]:
+def _decay(wave: NDArray[np.float64], background: float, *, rate_hz: int, rules: SegmentRules) -> tuple[int, DecayEnd]:
     """Return when the smoothed level falls `decay_db` under its start, to the background, or rises again; and which."""
     shortest, longest = samples_from_ms(rules.shortest_ms, rate_hz), samples_from_ms(rules.longest_ms, rate_hz)
     grain = max(1, samples_from_ms(_SMOOTH_MS, rate_hz))

@@ -4,7 +4,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from ..model import Timeline
-from ..timecode import picture_time
+from ..timecode import clock_text, picture_time
 from .order import with_ends
 from .words import label, one_line
 
@@ -31,7 +31,7 @@ def _step(time_s: Fraction) -> int:
 
 
 def _clock(step: int) -> str:
-    return f"{step // 3_600_000:02}:{step // 60_000 % 60:02}:{step // 1000 % 60:02}.{step % 1000:03}"
+    return clock_text(step * STEP_S, 3)
 
 
 def _text(text: str) -> str:

@@ -12,7 +12,7 @@ class AlignRules(Table, frozen=True):
 
     A shot is compared over at most `longest_ms` from its onset, and searched for in the drive within `search_ms`. What
     is felt lags what is heard by `lag_causal_ms` at most, `lag_zero_samples` with `--phase zero`; it begins within
-    `onset_error_ms` of where it is due, and no earlier than that before the `lead_ms` which the drive may lead by.
+    `onset_error_ms` of where it is due, and no earlier than that before the lead that [render] gives the drive.
 
     A drive that does not compensate has to reach `correlation` with its sound; any other the fidelity that was
     predicted when it was rendered, less `correlation_loss`, and at least `least_correlation`. Its level is within
@@ -28,7 +28,6 @@ class AlignRules(Table, frozen=True):
     schema: Literal[1]
     longest_ms: Annotated[float, Meta(ge=20.0, le=2000.0)]
     search_ms: Annotated[float, Meta(ge=2.0, le=100.0)]
-    lead_ms: NonNegative
     onset_error_ms: Positive
     lag_causal_ms: Positive
     lag_zero_samples: Positive

@@ -8,7 +8,7 @@ from ..align import check_files, check_timeline
 from ..errors import TimelineError
 from ..export import read_timeline
 from ..model import Source, Timeline
-from ..ruleset import ActuatorProfile, AlignRules, load_rules
+from ..ruleset import ActuatorProfile, Rules, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack
 from . import names
 from .belonging import profile_of, require_length, require_same_film
@@ -47,7 +47,7 @@ def check(
             return msgspec.structs.replace(timeline, checks=check_timeline(timeline, audio=track, rules=read.align))
         profile = profile_of(timeline, path, actuator=actuator, rules=rules)
         with open_drive(drive or path.parent / names.DRIVE) as made:
-            return checked(timeline, track, made, profile=profile, rules=read.align, progress=progress)
+            return checked(timeline, track, made, profile=profile, rules=read, progress=progress)
 
 
 def checked(
@@ -56,7 +56,7 @@ def checked(
     drive: Soundtrack,
     *,
     profile: ActuatorProfile,
-    rules: AlignRules,
+    rules: Rules,
     progress: Progress,
 ) -> Timeline:
     """Return the timeline with the checks of the files: `track` has been decoded, `drive` has just been opened."""
@@ -66,7 +66,8 @@ def checked(
         audio=track,
         drive=drive,
         profile=profile,
-        rules=rules,
+        rules=rules.align,
+        lead_ms=rules.tier.render.lead_ms,
         phase=timeline.phase,
         background=timeline.background,
     )

@@ -190,8 +190,8 @@ class Gauge:
             source = msgspec.structs.replace(self._sample.source, frames=heard.source.frames)
             timeline = assemble(replace(heard, source=source), setup.rules, drives, setup.actuator)
             with open_drive(folder / names.DRIVE) as drive:
-                profile, align, track = setup.profile, setup.rules.align, self._track
-                timeline = checked(timeline, track, drive, profile=profile, rules=align, progress=no_progress)
+                profile, read, track = setup.profile, setup.rules, self._track
+                timeline = checked(timeline, track, drive, profile=profile, rules=read, progress=no_progress)
                 written = write_formats(timeline, folder, drive, setup, no_note)
                 made_s = process_time() - began
                 if report and self._meter is not None:

@@ -48,8 +48,7 @@ def render(
         meter = OverviewMeter(track.rate_hz) if options.report else None
         timeline = _driven(track, hidden, setup, editing, meter)
         with open_drive(hidden / names.DRIVE) as drive:
-            profile, align = setup.profile, setup.rules.align
-            timeline = checked(timeline, track, drive, profile=profile, rules=align, progress=progress)
+            timeline = checked(timeline, track, drive, profile=setup.profile, rules=setup.rules, progress=progress)
             written = write_formats(timeline, hidden, drive, setup, note)
             if meter is not None:
                 write_report_of(timeline, hidden, written, track=track, drive=drive, meter=meter, setup=setup)

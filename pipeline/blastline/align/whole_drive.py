@@ -14,7 +14,7 @@ _STEP_24_BIT = 2.0**-23
 
 
 @dataclass(frozen=True)
-class FilmFigures:
+class DriveFigures:
     """The number of frames, the peak, and how many samples outside windows are not what they should be."""
 
     frames: int
@@ -36,7 +36,7 @@ def gaps(windows: Iterable[Span], frames: int) -> list[Span]:
     return [gap for gap in [*found, Span(free, max(free, frames))] if gap]
 
 
-def scan(blocks: Iterable[Clip], still: Sequence[Span], *, expected: Expected | None) -> FilmFigures:
+def scan(blocks: Iterable[Clip], still: Sequence[Span], *, expected: Expected | None) -> DriveFigures:
     """Return the figures of a drive that comes as clips following each other.
 
     `still` is sorted and disjoint. There the drive has to be 0, or to the nearest 24-bit step what `expected` returns.
@@ -52,7 +52,7 @@ def scan(blocks: Iterable[Clip], still: Sequence[Span], *, expected: Expected | 
             at += 1
         for inside in _meeting(still, at, clip.span):
             stray += _strays(clip.cut(inside).heard, expected(inside) if expected else None)
-    return FilmFigures(frames, peak, stray)
+    return DriveFigures(frames, peak, stray)
 
 
 def _meeting(spans: Sequence[Span], first: int, clip: Span) -> Iterator[Span]:

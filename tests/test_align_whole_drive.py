@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from align_films import Held, make_film
-from blastline.align.film import gaps, moving_spans, scan
 from blastline.align.sanity import order_faults
+from blastline.align.whole_drive import gaps, moving_spans, scan
 from blastline.model import Event, Span, Window
 
 
