@@ -8,7 +8,7 @@ import pytest
 
 from blastline.model import Reflection, Shot, Span
 from blastline.ruleset import load_rules
-from blastline.study.segmentation import Film, Parting, parting_of, shots_at_truth
+from blastline.study.segmentation import Film, Parting, PartingTally, shots_at_truth
 from blastline.synth import Scene, ShotTruth, render_scene, truth_of
 from blastline.synth.truth import TrueReflection
 from commands import blastline
@@ -54,7 +54,9 @@ def found(*echoes: tuple[float, float], late_ms: float = 0.0, blast_ms: float = 
 
 
 def parting(true: ShotTruth, shot: Shot) -> Parting:
-    return parting_of([([true], [shot])], rate_hz=RATE_HZ, longest_ms=12.0)
+    tally = PartingTally(longest_ms=12.0)
+    tally.add([true], [shot], RATE_HZ)
+    return tally.parting()
 
 
 def test_a_perfect_parting_scores_one() -> None:

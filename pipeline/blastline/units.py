@@ -1,6 +1,6 @@
 """Conversions between the units of people (seconds, decibels) and of the code (samples, gains).
 
-Every conversion from time to samples goes through `samples_from_s`, so that rounding happens in one place.
+The times of rules, options and timelines become samples through `samples_from_s`, so that they are rounded in one way.
 """
 
 import math

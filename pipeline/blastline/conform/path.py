@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .fingerprint import FRAME_HZ, Fingerprint
+from .fingerprint import FRAME_HZ, Fingerprint, summed_around
 from .lines import Line, find_lines
 from .states import NO_LINE, best_states
 
@@ -109,8 +109,8 @@ def _lane(old: Fingerprint, new: Fingerprint, line: Line) -> Lane:
     ours = old.frames[first * STEP : min(stop * STEP, len(old))]
     theirs = new.at(line.scale * frames / FRAME_HZ + line.offset_s)
     size = round(_AROUND_S * FRAME_HZ)
-    product = _summed(np.sum(ours * theirs, axis=1), size)
-    energy = _summed(np.sum(ours**2, axis=1), size), _summed(np.sum(theirs**2, axis=1), size)
+    product = summed_around(np.sum(ours * theirs, axis=1), size)
+    energy = summed_around(np.sum(ours**2, axis=1), size), summed_around(np.sum(theirs**2, axis=1), size)
     product, mine, yours = product[::STEP], energy[0][::STEP], energy[1][::STEP]
     scale = np.sqrt(mine * yours)
     least = 0.02 * size * ours.shape[1]
@@ -119,14 +119,6 @@ def _lane(old: Fingerprint, new: Fingerprint, line: Line) -> Lane:
     alike = np.where(scale > 0.0, product / np.where(scale > 0.0, scale, 1.0), 0.0)
     uneven = np.minimum(mine, yours) < 0.1 * np.maximum(mine, yours)
     return Lane(line, first, np.where(both_silent, _CHANCE, np.where(uneven, 0.0, alike)).astype(np.float32))
-
-
-def _summed(values: NDArray[np.floating], size: int) -> NDArray[np.float64]:
-    """Return the sum over `size` values around each, what lies outside counting as nothing."""
-    sums = np.concatenate([[0.0], np.cumsum(values, dtype=np.float64)])
-    index = np.arange(len(values))
-    low, high = np.maximum(index - size // 2, 0), np.minimum(index + size // 2 + 1, len(values))
-    return np.asarray(sums[high] - sums[low], np.float64)
 
 
 def _stretches(states: NDArray[np.int16], lanes: Sequence[Lane]) -> list[Stretch]:

@@ -138,10 +138,7 @@ def _fit_and_write(
     identified: Identified | None = None,
     csv: Path | None = None,
 ) -> MadeProfile:
-    if output.suffix != ".toml":
-        raise OutputError(f"{output}: expected a name that ends in .toml, so that --actuator takes it")
-    if csv is not None and csv.suffix != ".csv":
-        raise OutputError(f"{csv}: expected a name that ends in .csv, so that `actuator fit` takes it")
+    _require_suffixes(output, csv)
     rules = load_measuring(options.rules).fit
     if options.largest_gain_db is not None:
         rules = msgspec.structs.replace(rules, largest_gain_db=options.largest_gain_db)
@@ -175,6 +172,14 @@ def _fit_and_write(
         excess=excess_phase(measured),
         identified=identified,
     )
+
+
+def _require_suffixes(profile: Path, csv: Path | None) -> None:
+    """Raise OutputError for names under which the commands that go on from here would not take the files."""
+    if profile.suffix != ".toml":
+        raise OutputError(f"{profile}: expected a name that ends in .toml, so that --actuator takes it")
+    if csv is not None and csv.suffix != ".csv":
+        raise OutputError(f"{csv}: expected a name that ends in .csv, so that `actuator fit` takes it")
 
 
 def _source(fitted: FittedResponse, origin: str, curve: PerceptionCurve | None, rules: FitRules) -> str:

@@ -79,11 +79,6 @@ def study_pareto(
     scores = tuple(tally.score(each.name) for each, tally in zip(listeners, done.tallies, strict=True))
     every: tuple[DetectionScore | PeerScore, ...] = (*scores, *done.peers)
     front = on_front([each.cost.times_read for each in every], [each.f1 for each in every])
-    felt_front: tuple[str, ...] = ()
-    if rendering is not None:
-        points = [point for point in rendering.points if point.name != BEST]
-        which = on_front([p.cost.times_read for p in points], [-p.lost for p in points])
-        felt_front = tuple(point.name for point, there in zip(points, which, strict=True) if there)
     return ParetoStudy(
         protocol=source.protocol,
         detection=scores,
@@ -92,9 +87,16 @@ def study_pareto(
         peak_memory_mb=memory_mb,
         on_front=tuple(each.name for each, there in zip(every, front, strict=True) if there),
         rendering=rendering,
-        rendering_on_front=felt_front,
+        rendering_on_front=_felt_front(rendering) if rendering else (),
         bars=(*_detection_bars(listeners, done, scores), *(_rendering_bars(rendering) if rendering else ())),
     )
+
+
+def _felt_front(rendering: RenderingSweep) -> tuple[str, ...]:
+    """Return the names of the drives that nothing else beats in both cost and energy lost."""
+    points = [point for point in rendering.points if point.name != BEST]
+    which = on_front([p.cost.times_read for p in points], [-p.lost for p in points])
+    return tuple(point.name for point, there in zip(points, which, strict=True) if there)
 
 
 def _made(source: Source, into: Path, jobs: int, progress: Progress) -> Iterator[Case]:

@@ -121,7 +121,7 @@ def score(films: Iterable[Film], quality: Quality, rules: Path | None = None) ->
     asked = read.tier.verify
     verifier = load_verifier(rules_path(f"verifier/{asked.model}", rules), networks=asked.networks)
     longest_ms = read.tier.segment.longest_blast_ms
-    at_true, at_found = _Tally(longest_ms), _Tally(longest_ms)
+    at_true, at_found = PartingTally(longest_ms), PartingTally(longest_ms)
     count, echoes, mistaken, found_shots = 0, 0, 0, 0
     for film in films:
         count += 1
@@ -135,16 +135,6 @@ def score(films: Iterable[Film], quality: Quality, rules: Path | None = None) ->
         echoes, found_shots = echoes + heard.size, found_shots + len(found)
         mistaken += len(match(left_ms, heard, WINDOW_MS))
     return SegmentationScore(quality, count, at_true.parting(), at_found.parting(), echoes, mistaken, found_shots)
-
-
-def parting_of(
-    films: Iterable[tuple[Sequence[ShotTruth], Sequence[Shot]]], *, rate_hz: int, longest_ms: float
-) -> Parting:
-    """Return the figures of shots beside their truths, film by film; a blast counts as `longest_ms` long at most."""
-    tally = _Tally(longest_ms)
-    for truths, shots in films:
-        tally.add(truths, shots, rate_hz)
-    return tally.parting()
 
 
 def shots_at_truth(film: Film, tier: QualityRules) -> tuple[Shot, ...]:
@@ -173,8 +163,8 @@ def _heard_starts_ms(truth: Truth) -> NDArray[np.float64]:
 
 
 @dataclass
-class _Tally:
-    """Counts of each shot, and errors."""
+class PartingTally:
+    """Counts of each shot, and errors; a blast counts as `longest_ms` long at most."""
 
     longest_ms: float
     cut: int = 0
