@@ -5,6 +5,7 @@
 What a tier takes is then a fixed amount, so much for each second of film, so much for each shot, and for each picture.
 """
 
+import errno
 import gc
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -17,6 +18,7 @@ import msgspec
 import numpy as np
 
 from ..detect import Detection, audio_around, find_shots, load_verifier, shot_at
+from ..errors import OutputError
 from ..model import Clip, Quality, Shot, Span
 from ..render import plan_windows
 from ..report import MOST_PICTURES, OverviewMeter
@@ -206,17 +208,32 @@ def open_gauge(
 ) -> Iterator[Gauge]:
     """Sample a film and yield what predicts its cost.
 
-    Raises SoundtrackError for a film that cannot be read, or whose length nothing tells.
+    Raises SoundtrackError for a film that cannot be read, or whose length nothing tells, OutputError where the folder
+    for temporary files has no room for the sample.
     """
     progress("measuring", 0, None)
-    with tempfile.TemporaryDirectory(prefix="blastline-") as folder:
+    with _roomy_folder() as folder:
         with open_soundtrack(film, stream=options.stream, mix=options.mix, timebase=options.timebase) as track:
-            sample = sampled(film, track, Path(folder) / "sample.wav", counted=drives)
+            sample = sampled(film, track, folder / "sample.wav", counted=drives)
         try:
             with open_soundtrack(sample.path) as heard:
                 yield Gauge(sample, heard, options, drives=drives)
         finally:
             gc.unfreeze()
+
+
+@contextmanager
+def _roomy_folder() -> Iterator[Path]:
+    """Yield a folder for a while; a full disk is told by its name, which the results' disk is not."""
+    try:
+        with tempfile.TemporaryDirectory(prefix="blastline-") as folder:
+            yield Path(folder)
+    except OSError as error:
+        if error.errno != errno.ENOSPC or error.filename is not None:
+            raise
+        raise OutputError(
+            f"{tempfile.gettempdir()}: cannot write what the budget is tried on: {error.strerror}"
+        ) from error
 
 
 def _audible(heard: Listened, rules: Rules) -> int:
