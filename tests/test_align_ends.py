@@ -58,7 +58,9 @@ def test_a_right_drive_passes_however_near_the_end_its_last_shot_is(seed: int, b
     """After the end the sound's band rings on, and no drive can: nothing is concluded from there."""
     checks = checks_of(cut_off(seed, before_end_ms))
     assert failed(checks) == set()
-    assert all(abs(check.measured or 0.0) < 0.4 for check in checks if check.name in ("drive_shift", "drive_drift"))
+    assert abs(figure(checks, "drive_shift")) < 0.4
+    if before_end_ms >= 5:  # of less nothing tells, and one shot alone has no drift
+        assert abs(figure(checks, "drive_drift")) < 0.4
 
 
 @pytest.mark.parametrize("before_end_ms", [8, 12, 30])

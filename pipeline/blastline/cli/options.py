@@ -13,16 +13,19 @@ WRITING, MESSAGES = "Results", "Messages"
 
 
 def rules_folder(text: str) -> Path:
-    """Return the folder that is named; RuleError where none is: an empty name would be the current folder."""
-    if not text:
-        raise RuleError("expected the name of a folder with rule files")
-    return Path(text)
+    """Return the folder that is named; RuleError where none is."""
+    return _named(text, "a folder with rule files")
 
 
 def results_folder(text: str) -> Path:
-    """Return the folder that is named; RuleError where none is: a script's empty variable is not the current folder."""
+    """Return the folder that is named; RuleError where none is."""
+    return _named(text, "a folder for the results")
+
+
+def _named(text: str, what: str) -> Path:
+    """Return a path; an empty name, such as a script's unset variable, would be the current folder."""
     if not text:
-        raise RuleError("expected the name of a folder for the results")
+        raise RuleError(f"expected the name of {what}")
     return Path(text)
 
 
