@@ -296,6 +296,7 @@ def test_a_size_that_started_again_beyond_4_gib_is_seen(tmp_path: Path) -> None:
         b"id3 " + struct.pack("<I", 6_000) + b"ID3" + b"\7" * 5_997,
         b"ID3\4" + b"\7" * 6_000,
         b"odd1" + struct.pack("<I", 5_001) + b"\3" * 5_001 + b"\0",
+        b"even" + struct.pack("<I", 5_000) + b"\3" * 5_000 + b"more" + struct.pack("<I", 10) + b"\3" * 10,
         b"LIST" + struct.pack("<I", 50_000) + b"cut off" * 1_000,
         bytes(100_000),
         b"crumbs" * 500,

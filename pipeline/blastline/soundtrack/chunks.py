@@ -87,7 +87,7 @@ def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | Non
             kept[name] = file.read(max(0, min(declared, _MAX_KEPT)))
         if size is None or size < 0 or goes_on or (data is not None and data[0] == 0):
             break
-        place = form.aligned(body + size)
+        place = form.after(body, size)
     if data is None:
         return None
     reference, layout = _time_reference(kept.get(b"bext", b"")), _layout(kept.get(b"fmt ", b""))

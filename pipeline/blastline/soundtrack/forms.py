@@ -28,9 +28,9 @@ class Form:
         name, size = self.head.unpack(file.read(self.head.size))
         return name, place + self.head.size, size - self.head.size * self.size_includes_head
 
-    def aligned(self, place: int) -> int:
-        """Return where the next chunk begins if one ends here."""
-        return place + -place % self.alignment
+    def after(self, body: int, size: int) -> int:
+        """Return where the next chunk begins: a size is padded, wherever the chunk itself begins."""
+        return body + size + -size % self.alignment
 
 
 FORMS = {

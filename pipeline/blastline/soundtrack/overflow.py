@@ -33,7 +33,7 @@ def more_follows(file: BinaryIO, end: int, file_bytes: int, form: Form) -> bool:
     if file_bytes - end < _LEAST_BYTES:
         return False
     # an odd size is padded to an even one, which some programs forget
-    if any(_is_proper(file, place, file_bytes, form) for place in sorted({end, form.aligned(end)})):
+    if any(_is_proper(file, place, file_bytes, form) for place in sorted({end, form.after(0, end)})):
         return False
     file.seek(end)
     while block := file.read(_SCANNED_BYTES):
@@ -52,7 +52,7 @@ def _is_proper(file: BinaryIO, place: int, file_bytes: int, form: Form) -> bool:
         name, body, size = chunk
         if size < 0 or not all(0x20 <= letter < 0x7F for letter in name):
             return False
-        place = form.aligned(body + size)
+        place = form.after(body, size)
     return place < file_bytes + form.alignment
 
 
