@@ -8,6 +8,7 @@ from align_films import PROFILE, make_film
 from blastline import dsp
 from blastline.model import Check, Event, Phase
 from blastline.report.choice import MOST_PICTURES, pictured
+from blastline.report.figures import ShotPictures
 from blastline.report.overview import Overview
 from blastline.report.sounds import envelope, event_sound, spectrum_db
 from blastline.report.track import film_track
@@ -83,6 +84,17 @@ def test_what_is_shown_as_felt_is_the_drive_through_the_response(phase: Phase, l
     assert sound.span.start + at_onset == event.onset_sample
     core = slice(at_onset, at_onset + 4800)
     assert sound.felt_drive[core] == pytest.approx(sound.target[core], abs=0.02 * np.abs(sound.target).max())
+
+
+def test_a_picture_does_not_depend_on_those_before_it() -> None:
+    """All shots are drawn on one set of axes: nothing of a louder, longer or more crowded one may be left on it."""
+    film = make_film(onsets_s=(0.6, 0.68, 1.4), peaks=(0.05, 0.9, 0.2), seconds=2.5)
+    sounds = [
+        event_sound(event, film.timeline, audio=film.audio, drive=film.drive, profile=PROFILE)
+        for event in film.timeline.events
+    ]
+    draw = ShotPictures()
+    assert [draw.drawn(sound) for sound in sounds] == [ShotPictures().drawn(sound) for sound in sounds]
 
 
 def test_marks_lie_where_the_shots_are() -> None:

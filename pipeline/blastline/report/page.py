@@ -7,10 +7,10 @@ from ..model import Check, Cutter, Event, Timeline
 from ..ruleset import ActuatorProfile
 from .choice import MOST_PICTURES, failures, pictured, reasons, rule
 from .exports import ExportRow, exports_table
-from .figures import event_figure
+from .figures import ShotPictures
 from .overview import Overview
 from .script import FILTER, SCRIPT
-from .sounds import event_sound
+from .sounds import EventSound, event_sound
 from .style import STYLE
 from .summary import heading, tiles, verdict, warnings
 from .tables import checks_tables, origin_list, rejections_table, shots_table
@@ -35,11 +35,9 @@ def write_report(
     they are, under how the result was made; `exports` are the files that other tools open.
     """
     why = pictured(timeline.events, timeline.checks)
-    pictures = (
-        _picture(event, why[event.id], timeline, audio=audio, drive=drive, profile=profile)
-        for event in timeline.events
-        if event.id in why
-    )
+    shown = [event for event in timeline.events if event.id in why]
+    sounds = (event_sound(event, timeline, audio=audio, drive=drive, profile=profile) for event in shown)
+    pictures = _drawn(sounds, why, timeline)
     with path.open("w", encoding="utf-8") as file:  # part by part: the whole would be in memory several times
         file.writelines(_page(timeline, overview, why, pictures, exports, options or {}))
 
@@ -137,17 +135,19 @@ def _pictures(timeline: Timeline, pictures: Iterable[str]) -> Iterator[str]:
     yield from pictures
 
 
-def _picture(
-    event: Event, why: str, timeline: Timeline, *, audio: Cutter, drive: Cutter, profile: ActuatorProfile
-) -> str:
-    sound = event_sound(event, timeline, audio=audio, drive=drive, profile=profile)
+def _drawn(sounds: Iterable[EventSound], why: Mapping[str, str], timeline: Timeline) -> Iterator[str]:
+    draw = ShotPictures()
+    for sound in sounds:
+        yield _picture(sound.event, why[sound.event.id], timeline, draw.drawn(sound))
+
+
+def _picture(event: Event, why: str, timeline: Timeline, drawn: str) -> str:
     own = [check for check in timeline.checks if check.event == event.id]
-    reason = reasons(event)
     return (
         f'<article class="card picture" id="shot-{safe(event.id)}">'
         f"<h3>{safe(event.id)} <span>{safe(event.timecode)}{f' · {why}' if why else ''}</span>{_badge(own)}</h3>"
-        f"{_numbers(event, timeline.source.sample_rate_hz)}{_failures(own)}{reason}"
-        f'<div class="scroll">{event_figure(sound)}</div>'
+        f"{_numbers(event, timeline.source.sample_rate_hz)}{_failures(own)}{reasons(event)}"
+        f'<div class="scroll">{drawn}</div>'
         f"{_own_checks(own)}</article>\n"
     )
 

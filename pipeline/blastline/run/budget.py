@@ -102,11 +102,13 @@ def within(
 
         picked = pick(predict, allowed_s)
         if picked is None:
+            measured_s = time.process_time() - began
             needed = allowed.in_words(RESERVE * predicted["draft"], gauge.film_s)
             raise RuleError(
                 f"{allowed.asked}: allows {said(allowed_s)} of CPU for the {_length(gauge.film_s)} of {film}, but "
-                f"draft, the fastest quality, takes about {said(predicted['draft'])}, and a tenth is kept in reserve; "
-                f"{needed} would do"
+                f"draft, the fastest quality, takes about {said(predicted['draft'])}, of which measuring this was "
+                f"{said(measured_s)}, and a tenth is kept in reserve; {needed} would do, and --quality draft measures "
+                "nothing"
             )
     note = chosen(allowed, allowed_s, picked, predicted)
     return replace(options, quality=picked, budget=model.Budget(allowed.asked, allowed_s, predicted, note))

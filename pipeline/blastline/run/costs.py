@@ -5,7 +5,6 @@
 What a tier takes is then a fixed amount, so much for each second of film, so much for each shot, and for each picture.
 """
 
-import errno
 import gc
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -18,10 +17,9 @@ import msgspec
 import numpy as np
 
 from ..detect import Detection, audio_around, find_shots, load_verifier, shot_at
-from ..errors import OutputError
 from ..model import Clip, Quality, Shot, Span
 from ..render import plan_windows
-from ..report import MOST_PICTURES, OverviewMeter
+from ..report import MOST_PICTURES, OverviewMeter, ShotPictures
 from ..ruleset import Rules, rules_path
 from ..soundtrack import Soundtrack, open_soundtrack
 from . import names
@@ -31,7 +29,7 @@ from .listening import BLOCK, Listened, Mark, assemble, event_id, listen
 from .options import RenderOptions, Setup, set_up
 from .progress import Progress, no_note, no_progress
 from .rendering import write_formats, write_report_of
-from .sampling import TIMED_FRAMES, Sampled, sampled
+from .sampling import TIMED_FRAMES, Sampled, room_for_samples, sampled
 
 FEW_SHOTS, FEW_PICTURES = 6, 2
 """About so many shots of the sample are rendered in each tier, from all over it, and so many pictures drawn.
@@ -67,10 +65,14 @@ class _After:
 
 @dataclass(frozen=True, eq=False)
 class _Known:
-    """What is the same for all tiers: what is heard, and the CPU seconds of a film without shots and of a picture."""
+    """What is the same for all tiers: what is heard, and the CPU seconds of a film without shots and of pictures.
+
+    The first picture takes `axes_s` more than the others.
+    """
 
     heard: Listened
     empty: _After
+    axes_s: float
     picture_s: float
 
 
@@ -101,7 +103,7 @@ class Gauge:
         once_s, per_shot = self._per_shot(known, setup)
         return replace(
             cost,
-            fixed_s=cost.fixed_s + known.empty.report_s + once_s,
+            fixed_s=cost.fixed_s + known.empty.report_s + known.axes_s + once_s,
             per_second=cost.per_second + known.empty.made_s / sample.seconds,
             per_shot=per_shot,
             per_picture=known.picture_s,
@@ -130,14 +132,17 @@ class Gauge:
         """
         heard, report = listen(self._track, setup.rules, no_progress, self._meter), self._meter is not None
         if not self._drives:
-            return _Known(heard, _After(0.0, 0.0), 0.0)
+            return _Known(heard, _After(0.0, 0.0), 0.0, 0.0)
         some = _with_shots(heard, self._typical(heard, setup.rules), setup.rules)
         self._after(_with_shots(heard, some.found.shots[:1], setup.rules), setup, report=report)
         empty = self._after(_with_shots(heard, (), setup.rules), setup, report=report)
         if not report:
-            return _Known(heard, empty, 0.0)
-        pictures_s = max(0.0, self._after(some, setup, report=True).report_s - empty.report_s)
-        return _Known(heard, empty, pictures_s / len(some.found.shots))
+            return _Known(heard, empty, 0.0, 0.0)
+        began = process_time()
+        ShotPictures()
+        axes_s = process_time() - began
+        pictures_s = max(0.0, self._after(some, setup, report=True).report_s - empty.report_s - axes_s)
+        return _Known(heard, empty, axes_s, pictures_s / len(some.found.shots))
 
     def _detecting(self, rules: Rules) -> tuple[float, float]:
         """Return the CPU seconds of reading the verifier, and of finding the shots in a second of film."""
@@ -212,7 +217,7 @@ def open_gauge(
     for temporary files has no room for the sample.
     """
     progress("measuring", 0, None)
-    with _roomy_folder() as folder:
+    with room_for_samples() as folder:
         with open_soundtrack(film, stream=options.stream, mix=options.mix, timebase=options.timebase) as track:
             sample = sampled(film, track, folder / "sample.wav", counted=drives)
         try:
@@ -220,20 +225,6 @@ def open_gauge(
                 yield Gauge(sample, heard, options, drives=drives)
         finally:
             gc.unfreeze()
-
-
-@contextmanager
-def _roomy_folder() -> Iterator[Path]:
-    """Yield a folder for a while; a full disk is told by its name, which the results' disk is not."""
-    try:
-        with tempfile.TemporaryDirectory(prefix="blastline-") as folder:
-            yield Path(folder)
-    except OSError as error:
-        if error.errno != errno.ENOSPC or error.filename is not None:
-            raise
-        raise OutputError(
-            f"{tempfile.gettempdir()}: cannot write what the budget is tried on: {error.strerror}"
-        ) from error
 
 
 def _audible(heard: Listened, rules: Rules) -> int:

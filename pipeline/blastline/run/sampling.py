@@ -1,7 +1,10 @@
 """A sample of a film: a few seconds from every part of it in one short file, and what reading the film takes."""
 
+import errno
 import hashlib
+import tempfile
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
@@ -10,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import dsp
-from ..errors import SoundtrackError
+from ..errors import OutputError, SoundtrackError
 from ..model import Source
 from ..soundtrack import Soundtrack, as_front, write_excerpt
 from ..units import samples_from_ms
@@ -68,6 +71,20 @@ def counted_s(film_s: float) -> float:
     [60, 600, 1200, 800, 360]
     """
     return min(film_s, max(LEAST_COUNTED_S, COUNTED_S * min(1.0, COUNTED_S / film_s)))
+
+
+@contextmanager
+def room_for_samples() -> Iterator[Path]:
+    """Yield a folder for a while; a full disk is told by its name, which the results' disk is not."""
+    try:
+        with tempfile.TemporaryDirectory(prefix="blastline-") as folder:
+            yield Path(folder)
+    except OSError as error:
+        if error.errno != errno.ENOSPC or error.filename is not None:
+            raise
+        raise OutputError(
+            f"{tempfile.gettempdir()}: cannot write what the budget is tried on: {error.strerror}"
+        ) from error
 
 
 def sampled(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> Sampled:
