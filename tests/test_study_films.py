@@ -15,7 +15,7 @@ from blastline.study.courses import FOLD_SEED, FOLDS, by_fold
 from blastline.study.filmlike import CLIP_S, film_mixes, one_shot_clips, stock
 from blastline.study.peer_scores import PeerTally, heard_by, opened, warm
 from blastline.study.peers import PEERS, Peer, installed
-from blastline.study.sources import Source
+from blastline.study.sources import StudySource
 
 RATE_HZ = 48_000
 
@@ -124,14 +124,14 @@ def test_half_of_the_clips_have_one_shot_at_its_level(corpus: Path, tmp_path: Pa
 @pytest.mark.parametrize(
     ("source", "complaint"),
     [
-        (Source(), "either --fixtures or --random, or --corpus"),
-        (Source(fixtures=Path("a"), corpus=(Path("b"),)), "either --fixtures or --random, or --corpus"),
-        (Source(fixtures=Path("a"), clips=True), "give --corpus"),
-        (Source(fixtures=Path("a"), mix_db=(0.0, 6.0)), "give --corpus"),
-        (Source(fixtures=Path("a"), fold=0), "give --corpus"),
+        (StudySource(), "either --fixtures or --random, or --corpus"),
+        (StudySource(fixtures=Path("a"), corpus=(Path("b"),)), "either --fixtures or --random, or --corpus"),
+        (StudySource(fixtures=Path("a"), clips=True), "give --corpus"),
+        (StudySource(fixtures=Path("a"), mix_db=(0.0, 6.0)), "give --corpus"),
+        (StudySource(fixtures=Path("a"), fold=0), "give --corpus"),
     ],
 )
-def test_a_source_that_is_none_is_refused(source: Source, complaint: str, tmp_path: Path) -> None:
+def test_a_source_that_is_none_is_refused(source: StudySource, complaint: str, tmp_path: Path) -> None:
     with pytest.raises(RuleError, match=complaint):
         list(source.cases(tmp_path))
 
@@ -139,10 +139,10 @@ def test_a_source_that_is_none_is_refused(source: Source, complaint: str, tmp_pa
 def test_folds_share_no_source_and_are_those_of_training(corpus: Path, tmp_path: Path) -> None:
     parts = by_fold(read_corpus([corpus]), FOLDS, FOLD_SEED)
     for fold, part in enumerate(parts):
-        cases = list(Source(corpus=(corpus,), fold=fold).cases(tmp_path))
+        cases = list(StudySource(corpus=(corpus,), fold=fold).cases(tmp_path))
         assert [case.path for case in cases] == [recording.path for recording in part]
     with pytest.raises(RuleError, match="--fold 3"):
-        list(Source(corpus=(corpus,), fold=3).cases(tmp_path))
+        list(StudySource(corpus=(corpus,), fold=3).cases(tmp_path))
 
 
 def test_recordings_without_a_shot_make_no_mix(corpus: Path, tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from blastline.study.pareto_files import FILES, markdown, write_pareto
 from blastline.study.pareto_picture import front_svg
 from blastline.study.rendering_sweep import BEST
 from blastline.study.settings import TIERS
-from blastline.study.sources import Source
+from blastline.study.sources import StudySource
 from commands import blastline
 
 SCENE = """
@@ -60,7 +60,7 @@ def study(folder: Path) -> ParetoStudy:
 
 def measured(folder: Path, *, jobs: int = 1) -> ParetoStudy:
     return study_pareto(
-        Source(folder),
+        StudySource(folder),
         jobs=jobs,
         own=["verify.threshold=0.95", "render.tolerance=1e-5"],
         changes={"draft": ("verify.look_from=0.3",), "standard": ("render.solver_rate_hz=4000",)},

@@ -10,7 +10,7 @@ from blastline.errors import RuleError
 from blastline.model import Span
 from blastline.ruleset import load_rules
 from blastline.study.bars import Bar
-from blastline.study.drives import setting_for, windowed_error
+from blastline.study.drives import render_setup, windowed_error
 from blastline.study.rendering import RenderingScore, score
 from blastline.study.truth import true_scenes
 from commands import blastline
@@ -117,8 +117,8 @@ def test_means_are_those_of_the_rows(scored: RenderingScore) -> None:
 def test_a_short_pre_roll_shows(folder: Path) -> None:
     tier = load_rules("standard").tier
     for scene in true_scenes(folder, tier):
-        setting = setting_for(PROFILE, 48_000, "causal", tier.render)
-        errors = [windowed_error(scene, setting, preroll_ms=ms) for ms in (10.0, 100.0, 600.0, 3000.0)]
+        setup = render_setup(PROFILE, 48_000, "causal", tier.render)
+        errors = [windowed_error(scene, setup, preroll_ms=ms) for ms in (10.0, 100.0, 600.0, 3000.0)]
         assert errors == sorted(errors, reverse=True)
         assert errors[0] > 10.0 * errors[2]
         assert errors[-1] == 0.0

@@ -179,12 +179,17 @@ def clock(samples: int, rate_hz: int, *, decimals: int) -> str:
     return clock_text(Fraction(samples, rate_hz), decimals)
 
 
-def clock_text(seconds: Fraction, decimals: int) -> str:
-    """Return a time of day as HH:MM:SS and a fraction, to the nearest step."""
+def clock_text(seconds: Fraction, decimals: int, *, hour_digits: int = 2) -> str:
+    """Return a time as HH:MM:SS and a fraction, to the nearest step; hours have at least so many digits.
+
+    >>> clock_text(Fraction(4500), 0, hour_digits=1)
+    '1:15:00'
+    """
     steps = _nearest(seconds * 10**decimals)
     sign = "-" if steps < 0 else ""
     whole, fraction = divmod(abs(steps), 10**decimals)
-    return f"{sign}{whole // 3600:02}:{whole // 60 % 60:02}:{whole % 60:02}.{fraction:0{decimals}}"
+    tail = f".{fraction:0{decimals}}" if decimals else ""
+    return f"{sign}{whole // 3600:0{hour_digits}}:{whole // 60 % 60:02}:{whole % 60:02}{tail}"
 
 
 @lru_cache(maxsize=64)

@@ -1,10 +1,12 @@
 """`conform`."""
 
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..timecode import clock_text
 from .options import NewMix, NewStream, Overwrite, Quiet, ResultFolder, RulesOption
 from .progress import shown_progress
 from .summary import say_warnings
@@ -83,12 +85,4 @@ def _say_stretches(done: "Conformed") -> None:
 
 
 def _clock(time_s: float) -> str:
-    """Return a time as H:MM:SS.mmm.
-
-    >>> _clock(3723.5)
-    '1:02:03.500'
-    """
-    milliseconds = max(0, round(time_s * 1000.0))
-    hours, rest = divmod(milliseconds, 3_600_000)
-    minutes, rest = divmod(rest, 60_000)
-    return f"{hours}:{minutes:02}:{rest // 1000:02}.{rest % 1000:03}"
+    return clock_text(Fraction(max(0.0, time_s)), 3, hour_digits=1)

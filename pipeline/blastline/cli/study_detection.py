@@ -15,7 +15,7 @@ from .progress import shown_progress
 from .studied import detection_table
 
 if TYPE_CHECKING:
-    from ..study.sources import Source
+    from ..study.sources import StudySource
 
 LISTENING = "What to listen to"
 
@@ -167,12 +167,12 @@ def source_of(
     random: int,
     films: int,
     seed: int,
-) -> "Source":
+) -> "StudySource":
     """Return what the options ask to listen to; RuleError for levels that are none."""
-    from ..study.sources import Source
+    from ..study.sources import StudySource
 
     levels_db = None if mix is None else _levels(mix)
-    return Source(
+    return StudySource(
         fixtures, tuple(corpus or ()), levels_db, clips=clips, fold=fold, random=random, films=films, seed=seed
     )
 

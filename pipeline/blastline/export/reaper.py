@@ -1,9 +1,11 @@
 """REAPER: the table that its Region/Marker Manager imports."""
 
 import csv
+from fractions import Fraction
 from pathlib import Path
 
 from ..model import Timeline
+from ..timecode import clock_text
 from .order import with_ends
 from .words import label
 
@@ -19,12 +21,6 @@ def write_reaper(timeline: Timeline, path: Path) -> None:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["#", "Name", "Start", "End", "Length"])
         for number, (event, stop) in enumerate(with_ends(timeline), start=1):
-            times = (event.onset_sample, stop, stop - event.onset_sample)
-            table.writerow([f"R{number}", label(event), *(_clock(samples, rate_hz) for samples in times)])
-
-
-def _clock(samples: int, rate_hz: int) -> str:
-    """Return samples from the start as h:mm:ss with nine decimals; REAPER cannot take it for bars and beats."""
-    billionths = (2_000_000_000 * samples + rate_hz) // (2 * rate_hz)
-    whole, fraction = divmod(billionths, 1_000_000_000)
-    return f"{whole // 3600}:{whole // 60 % 60:02}:{whole % 60:02}.{fraction:09}"
+            times = (Fraction(samples, rate_hz) for samples in (event.onset_sample, stop, stop - event.onset_sample))
+            # one digit of hours and nine decimals: REAPER cannot take it for bars and beats
+            table.writerow([f"R{number}", label(event), *(clock_text(time, 9, hour_digits=1) for time in times)])

@@ -2,8 +2,10 @@
 
 import html
 import math
+from fractions import Fraction
 
 from ..model import Check
+from ..timecode import clock_text
 from ..units import SILENCE_DB
 
 CHECKS = {
@@ -114,5 +116,4 @@ def duration(seconds: float) -> str:
     """
     if seconds < 60.0:
         return f"{figure(seconds, 1)} s"
-    whole = int(seconds)
-    return f"{whole // 3600}:{whole // 60 % 60:02d}:{whole % 60:02d}"
+    return clock_text(Fraction(int(seconds)), 0, hour_digits=1)

@@ -17,7 +17,7 @@ from .cost import Heard, listened, peak_memory_mb, read_cpu_s
 from .events import ScoredEvent, scored_events
 from .peer_scores import PeerHeard, PeerScore, PeerTally, heard_by, opened, warm
 from .peers import Peer, installed
-from .sources import Source
+from .sources import StudySource
 from .tally import DetectionScore, Spent, Tally
 from .workers import each_of
 
@@ -86,7 +86,7 @@ def _verifier(model: Path, networks: int) -> Verifier:
 
 
 def study_detection(
-    source: Source,
+    source: StudySource,
     into: Path,
     quality: Quality,
     rules: Path | None = None,

@@ -67,7 +67,7 @@ class WindowRow:
 
 
 @dataclass(frozen=True, eq=False)
-class Setting:
+class RenderSetup:
     """How windows are rendered; `undelayed` are the filters of phase zero, `filters` those of the phase in question."""
 
     filters: DriveFilters
@@ -75,10 +75,10 @@ class Setting:
     rules: RenderRules
 
 
-def setting_for(profile: ActuatorProfile, rate_hz: int, phase: Phase, rules: RenderRules) -> Setting:
+def render_setup(profile: ActuatorProfile, rate_hz: int, phase: Phase, rules: RenderRules) -> RenderSetup:
     """Return how windows of a film at this rate are rendered for an actuator."""
     undelayed = drive_filters(profile, rate_hz, "zero")
-    return Setting(undelayed if phase == "zero" else drive_filters(profile, rate_hz, phase), undelayed, rules)
+    return RenderSetup(undelayed if phase == "zero" else drive_filters(profile, rate_hz, phase), undelayed, rules)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,22 +95,22 @@ class Window:
     cpu_s: dict[Drive, float]
 
 
-def windows_of(scene: TrueScene, setting: Setting, wanted: Collection[Drive] = DRIVES) -> Iterator[Window]:
+def windows_of(scene: TrueScene, setup: RenderSetup, wanted: Collection[Drive] = DRIVES) -> Iterator[Window]:
     """Yield each window of a scene with those drives that are wanted."""
     for planned in scene.windows:
-        span = needed_audio(planned, frames=scene.frames, filters=setting.undelayed, rules=setting.rules)
-        yield rendered(scene.track.cut(span), planned, scene.shots, setting, wanted)
+        span = needed_audio(planned, frames=scene.frames, filters=setup.undelayed, rules=setup.rules)
+        yield rendered(scene.track.cut(span), planned, scene.shots, setup, wanted)
 
 
 def rendered(
     audio: Clip,
     planned: PlannedWindow,
     shots: tuple[Shot, ...],
-    setting: Setting,
+    setup: RenderSetup,
     wanted: Collection[Drive] = DRIVES,
 ) -> Window:
     """Return a window with its drives; `audio` covers what phase zero needs, `shots` are all of the film."""
-    filters, window = setting.filters, planned.window
+    filters, window = setup.filters, planned.window
     inside = slice(window.start - audio.start, window.stop - audio.start)
     sound = np.asarray(audio.driving, dtype=np.float64)
     began = time.process_time()
@@ -119,7 +119,7 @@ def rendered(
     spent: dict[Drive, float] = {"clipped": time.process_time() - began}
     steps: tuple[int, ...] = ()
     began = time.process_time()
-    window_heard = hear_window(audio, planned, filters=filters, rules=setting.rules)
+    window_heard = hear_window(audio, planned, filters=filters, rules=setup.rules)
     hearing = time.process_time() - began
     for name, model in _MODELS.items():
         if name not in wanted:
@@ -134,7 +134,7 @@ def rendered(
         planned,
         tuple(shots[index] for index in planned.shots),
         target=in_band(sound, filters)[inside],
-        heard=in_band(sound, setting.undelayed)[inside],
+        heard=in_band(sound, setup.undelayed)[inside],
         needed=float(np.max(np.abs(free))),
         drives=drives,
         steps=steps,
@@ -142,16 +142,16 @@ def rendered(
     )
 
 
-def judged(window: Window, scene: str, setting: Setting) -> WindowRow:
+def judged(window: Window, scene: str, setup: RenderSetup) -> WindowRow:
     """Return what is felt of each shot of a window, from its onset to the lead of the next, to where the decay ends.
 
     Shots that a film's end or the next shot leaves less than 5 ms are left out.
     """
-    rate_hz, start = setting.filters.rate_hz, window.planned.window.start
-    lead = samples_from_ms(setting.rules.lead_ms, rate_hz)
+    rate_hz, start = setup.filters.rate_hz, window.planned.window.start
+    lead = samples_from_ms(setup.rules.lead_ms, rate_hz)
     onsets = [shot.onset - start for shot in window.shots]
     ends = [*(onset - lead for onset in onsets[1:]), window.planned.core.stop - start]
-    vibrations = {name: felt(drive, setting.filters) for name, drive in window.drives.items()}
+    vibrations = {name: felt(drive, setup.filters) for name, drive in window.drives.items()}
     before = window.drives["constrained"][: max(0, onsets[0] - lead)]
     rows = []
     for onset, end, steps in zip(onsets, ends, window.steps, strict=True):
@@ -185,18 +185,18 @@ def _felt_shot(window: Window, name: Drive, vibration: Samples, part: slice, rat
     )
 
 
-def windowed_error(scene: TrueScene, setting: Setting, *, preroll_ms: float | None = None) -> float:
+def windowed_error(scene: TrueScene, setup: RenderSetup, *, preroll_ms: float | None = None) -> float:
     """Return how far the compensator, run window by window, is from the same run over the whole track: the largest
     difference in any window, against the peak there.
     """
-    rules = setting.rules if preroll_ms is None else msgspec.structs.replace(setting.rules, preroll_ms=preroll_ms)
+    rules = setup.rules if preroll_ms is None else msgspec.structs.replace(setup.rules, preroll_ms=preroll_ms)
     track = np.asarray(scene.track.cut(Span(0, scene.frames)).driving, dtype=np.float64)
-    whole = compensated(track, setting.filters)
+    whole = compensated(track, setup.filters)
     errors = [0.0]
     for planned in scene.windows:
-        span = needed_audio(planned, frames=scene.frames, filters=setting.filters, rules=rules)
+        span = needed_audio(planned, frames=scene.frames, filters=setup.filters, rules=rules)
         inside = slice(planned.window.start - span.start, planned.window.stop - span.start)
-        alone = settled_compensated(track[span.start : span.stop], inside, setting.filters, rules)
+        alone = settled_compensated(track[span.start : span.stop], inside, setup.filters, rules)
         along = whole[planned.window.start : planned.window.stop]
         peak = float(np.max(np.abs(along)))
         errors.append(float(np.max(np.abs(alone - along))) / peak if peak > 0.0 else 0.0)

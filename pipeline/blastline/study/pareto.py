@@ -18,7 +18,7 @@ from .peer_scores import PeerScore
 from .peers import installed
 from .rendering_sweep import BEST, RenderingSweep, sweep_rendering
 from .settings import CHANGES, TIERS, settings
-from .sources import Source
+from .sources import StudySource
 from .tally import DetectionScore
 
 CLEAR_F1 = 0.001
@@ -45,7 +45,7 @@ class ParetoStudy(msgspec.Struct, frozen=True):
 
 
 def study_pareto(
-    source: Source,
+    source: StudySource,
     *,
     rules: Path | None = None,
     actuator: str = "crowson-t108sm",
@@ -99,7 +99,7 @@ def _felt_front(rendering: RenderingSweep) -> tuple[str, ...]:
     return tuple(point.name for point, there in zip(points, which, strict=True) if there)
 
 
-def _made(source: Source, into: Path, jobs: int, progress: Progress) -> Iterator[Case]:
+def _made(source: StudySource, into: Path, jobs: int, progress: Progress) -> Iterator[Case]:
     """Yield the films as they are made."""
     for number, case in enumerate(source.cases(into, jobs=jobs)):
         progress("making films", number + 1, None)

@@ -14,7 +14,7 @@ from ..render.filters import settled_compensated
 from ..ruleset import load_actuator, load_rules
 from ..units import SILENCE_DB, db_from_gain, samples_from_ms
 from .bars import Bar
-from .drives import Drive, Setting, ShotRow, Window, WindowRow, judged, setting_for, windowed_error, windows_of
+from .drives import Drive, RenderSetup, ShotRow, Window, WindowRow, judged, render_setup, windowed_error, windows_of
 from .optimum import Optimum, against_optimum
 from .truth import TrueScene, true_scenes
 
@@ -77,16 +77,16 @@ def score(
     optima: list[Optimum] = []
     for scene in true_scenes(fixtures, tier):
         for phase, tally in tallies.items():
-            setting = setting_for(profile, scene.track.rate_hz, phase, tier.render)
-            for window in windows_of(scene, setting):
-                row = judged(window, scene.name, setting)
+            setup = render_setup(profile, scene.track.rate_hz, phase, tier.render)
+            for window in windows_of(scene, setup):
+                row = judged(window, scene.name, setup)
                 tally.windows.append(row)
                 if phase == "causal" and len(optima) < _OPTIMA and _suits(row, window, optima):
-                    optima.append(_optimum(window, row.shots[0], setting))
-            tally.window_error = max(tally.window_error, windowed_error(scene, setting))
+                    optima.append(_optimum(window, row.shots[0], setup))
+            tally.window_error = max(tally.window_error, windowed_error(scene, setup))
             whole_ms = 1000.0 * scene.frames / scene.track.rate_hz
-            tally.full_error = max(tally.full_error, windowed_error(scene, setting, preroll_ms=whole_ms))
-        costs.append(_filter_and_read(scene, setting_for(profile, scene.track.rate_hz, "causal", tier.render)))
+            tally.full_error = max(tally.full_error, windowed_error(scene, setup, preroll_ms=whole_ms))
+        costs.append(_filter_and_read(scene, render_setup(profile, scene.track.rate_hz, "causal", tier.render)))
     # the rate in which a lag of one sample is counted
     rate_hz = scene.track.rate_hz
     weak = {
@@ -167,14 +167,14 @@ def _optimum_bars(optima: Iterable[Optimum]) -> list[Bar]:
     ]
 
 
-def _filter_and_read(scene: TrueScene, setting: Setting) -> tuple[float, float]:
+def _filter_and_read(scene: TrueScene, setup: RenderSetup) -> tuple[float, float]:
     """Return the CPU time of the compensator in all windows, settled, and of soundfile reading them.
 
     Each window is filtered as in a run: just cut from the film, and with what is worked out once for a film at hand.
     """
     import soundfile
 
-    filters, rules, filtering = setting.filters, setting.rules, 0.0
+    filters, rules, filtering = setup.filters, setup.rules, 0.0
     settled_compensated(np.zeros(1), slice(0, 1), filters, rules)
     for planned in scene.windows:
         span = needed_audio(planned, frames=scene.frames, filters=filters, rules=rules)
@@ -197,9 +197,9 @@ def _suits(row: WindowRow, window: Window, optima: Sequence[Optimum]) -> bool:
     return single and row.shots[0].scene not in {each.scene for each in optima}
 
 
-def _optimum(window: Window, shot: ShotRow, setting: Setting) -> Optimum:
+def _optimum(window: Window, shot: ShotRow, setup: RenderSetup) -> Optimum:
     """Return how near the solver comes to the optimum over the first tenth of a second of a shot."""
-    filters, rules = setting.filters, setting.rules
+    filters, rules = setup.filters, setup.rules
     first = max(
         0, window.shots[0].onset - samples_from_ms(rules.lead_ms, filters.rate_hz) - window.planned.window.start
     )

@@ -12,8 +12,7 @@ from ..ruleset import ActuatorProfile, QualityRules
 from .cases import Case
 from .cost import read_cpu_s
 from .detection import Progress, unwatched
-from .drives import DRIVES, Drive, FeltShot, WindowRow, judged, setting_for, windows_of
-from .drives import Setting as RenderedAs
+from .drives import DRIVES, Drive, FeltShot, RenderSetup, WindowRow, judged, render_setup, windows_of
 from .settings import Setting
 from .tally import Cost
 from .truth import TrueScene, true_scene
@@ -147,8 +146,8 @@ class _Rendering:
             done.read_s = read_cpu_s(case.path)
             for name, tier in tiers:
                 wanted: Sequence[Drive] = DRIVES if name == first.name else ("constrained",)
-                setting = setting_for(self.profile, scene.track.rate_hz, "causal", tier.render)
-                rows = _rows(scene, setting, wanted, self.repeats)
+                setup = render_setup(self.profile, scene.track.rate_hz, "causal", tier.render)
+                rows = _rows(scene, setup, wanted, self.repeats)
                 for row in rows:
                     for drive in wanted:
                         tally = done.tallies[drive if drive != "constrained" else name]
@@ -161,13 +160,13 @@ class _Rendering:
         return done
 
 
-def _rows(scene: TrueScene, setting: RenderedAs, wanted: Sequence[Drive], repeats: int) -> list[WindowRow]:
+def _rows(scene: TrueScene, setup: RenderSetup, wanted: Sequence[Drive], repeats: int) -> list[WindowRow]:
     """Return the windows of a scene, each with the least processor time of some repeats for each drive."""
-    for _ in islice(windows_of(scene, setting, wanted), 1):
-        pass  # what is worked out once for a setting is not counted
-    rows = [judged(window, scene.name, setting) for window in windows_of(scene, setting, wanted)]
+    for _ in islice(windows_of(scene, setup, wanted), 1):
+        pass  # what is worked out once for a setup is not counted
+    rows = [judged(window, scene.name, setup) for window in windows_of(scene, setup, wanted)]
     for _ in range(repeats - 1):
-        again = [window.cpu_s for window in windows_of(scene, setting, wanted)]
+        again = [window.cpu_s for window in windows_of(scene, setup, wanted)]
         rows = [
             replace(row, cpu_s={drive: min(spent, other[drive]) for drive, spent in row.cpu_s.items()})
             for row, other in zip(rows, again, strict=True)

@@ -14,7 +14,7 @@ from .mixes import MIX_S
 
 
 @dataclass(frozen=True)
-class Source:
+class StudySource:
     """Scenes of a folder and so many `random` films, or recordings of some corpora: as they are, in mixes, or in clips.
 
     `fold` takes only the part of the recordings' sources that training leaves out with `--hold-out`.

@@ -8,6 +8,7 @@ vibration at its point.
 
 import csv
 import itertools
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model import Span
+from ...timecode import clock_text
 from .curve import Curve, reduced
 from .reels import reel_edges
 from .rounding import Rounding, late_ms, mistuned, off, within
@@ -49,7 +51,7 @@ def write_haptic(track: HapticTrack, folder: Path) -> Rounding:
                 name,
                 start,
                 _seconds(start / track.rate_hz),
-                _clock(start // track.rate_hz),
+                clock_text(Fraction(start // track.rate_hz), 0, hour_digits=1),
                 _seconds(stop / track.rate_hz),
                 len(pulses),
             ]
@@ -149,12 +151,3 @@ def _normalised(frequencies_hz: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _seconds(time_s: float) -> float:
     return round(float(time_s), _DECIMALS)
-
-
-def _clock(time_s: int) -> str:
-    """Return whole seconds as hours, minutes and seconds.
-
-    >>> _clock(4500)
-    '1:15:00'
-    """
-    return f"{time_s // 3600}:{time_s // 60 % 60:02}:{time_s % 60:02}"
