@@ -31,7 +31,8 @@ MAY_IMPORT = (
     | {
         "study": GROUND | STAGES | {"study"},
         "run": GROUND | STAGES | {"run"},
-        "cli": {"cli", "run", "timebase", "study", "ruleset", "model", "errors", "signals", "staging", "__version__"},
+        "cli": {"cli", "run", "study", "ruleset", "model", "errors", "signals", "staging", "timebase", "timecode"}
+        | {"__version__"},
         "__main__": {"cli"},
         "__init__": set(),
     }

@@ -7,6 +7,7 @@ Conventions
 """
 
 from .scene import SceneEvidence
+from .shot import DecayEnd, EvenRow, HeardIn, Index, Ratio, Reflection, Shot, ShotEvidence
 from .sound import Channels, Clip, Cutter, SoundFile, Span
 from .timeline import (
     SCHEMA,
@@ -14,24 +15,16 @@ from .timeline import (
     Background,
     Budget,
     Check,
-    DecayEnd,
     Decision,
     DriveChoice,
     DriveInfo,
     DriveModel,
     Edits,
-    EvenRow,
     Event,
-    HeardIn,
-    Index,
     Origin,
     Phase,
     Quality,
-    Ratio,
-    Reflection,
     Rejection,
-    Shot,
-    ShotEvidence,
     Source,
     Timeline,
     Window,
