@@ -1,5 +1,6 @@
 """The actuator's commands on real files: from two recordings to a profile that renders; refusals in one line."""
 
+import json
 import re
 import tomllib
 from pathlib import Path
@@ -140,15 +141,29 @@ def test_options_of_a_fit_reach_the_profile(run: Path, tmp_path: Path) -> None:
     )
 
 
-def test_a_fitted_profile_renders(run: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("corner_hz", [None, 150.0])
+def test_a_fitted_profile_renders(run: Path, tmp_path: Path, corner_hz: float | None) -> None:
+    """And passes its checks, also where its own low-pass delays by more than the built-in profile's."""
     film = write_film(tmp_path / "film.wav", length_s=3.0, shots_s=(1.0,))
     (tmp_path / "rules" / "quality").mkdir(parents=True)
     (tmp_path / "rules" / "quality" / "draft.toml").write_text(BELIEVE)
     options = ("--quality", "draft", "--rules", tmp_path / "rules", "--no-report", "-q")
-    ended = blastline("render", film, "-o", tmp_path / "out", "--actuator", run / "seat.toml", *options)
-    assert ended.code in (0, 1), ended
-    samples, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    seat = (run / "seat.toml").read_text(encoding="utf-8")
+    if corner_hz is not None:
+        seat = re.sub(r"(\[lowpass\][^[]*corner_hz = )[0-9.e+]+", rf"\g<1>{corner_hz}", seat)
+    (tmp_path / "seat.toml").write_text(seat, encoding="utf-8")
+    own = ("--actuator", tmp_path / "seat.toml")
+    ended = blastline("render", film, "-o", tmp_path / "out", *own, *options)
+    assert ended.code == 0, ended
+    samples, rate_hz = soundfile.read(tmp_path / "out" / "drive.wav")
     assert 0.0 < np.max(np.abs(samples)) <= 1.0
+    lags = [
+        c for c in json.loads((tmp_path / "out" / "timeline.json").read_text())["checks"] if c["name"] == "felt_lag"
+    ]
+    assert lags
+    assert all((lag["measured"] > 0.5) == (corner_hz is not None) for lag in lags)
+    soundfile.write(tmp_path / "late.wav", np.roll(samples, round(0.0005 * rate_hz)), rate_hz, subtype="PCM_24")
+    assert blastline("check", tmp_path / "out", "--drive", tmp_path / "late.wav", *own).code == 1
 
 
 @pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf"])

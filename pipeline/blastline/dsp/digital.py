@@ -19,7 +19,7 @@ _UPPER_POLES = np.array([0.87, 0.975]) * np.exp(1j * math.pi * np.array([0.84, 0
 _MORE_POLES = np.concatenate([_UPPER_POLES, _UPPER_POLES.conj(), [-0.5]])
 _FEW_POLES = np.array([0.87 * np.exp(0.9j * math.pi), 0.87 * np.exp(-0.9j * math.pi), -0.5])
 _LOW, _HIGH = 0.05, 0.402
-_LOW_WEIGHT, _LOW_WEIGHT_IN_FILMS, _FILM_RATE_HZ = 2.0, 15.0, 44_100
+_LOW_WEIGHT, _LOW_WEIGHT_IN_FILMS, _FILM_RATE_HZ = 2.0, 15.0, 44_000  # below 44.1 kHz pulled down
 # extra poles, taps and the weight close to half the rate; the next where one is not near enough
 _FITS: Fits = ((_MORE_POLES, 12, 0.01), (_MORE_POLES, 16, 0.002), (_MORE_POLES, 20, 0.0005))
 _LEAN_FITS: Fits = ((_FEW_POLES, 5, 0.01), *_FITS)

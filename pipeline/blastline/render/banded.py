@@ -14,16 +14,20 @@ Samples = NDArray[np.float64]
 
 _KEPT = 1e-9  # of a response's largest coefficient: below is rounding
 _LEAST_FEEDBACK = 5e-7  # of |A| at any frequency: its square, against 1, is still above rounding
+_LEAST_OF_LARGEST = 2e-8  # and against the largest |A|, which grows with the number of poles
 _LONGEST_STRIDE = 64
 
 
 @dataclass(frozen=True, eq=False)
 class Recursion:
-    """H as a recursive filter: `forward` is B, `feedback` is A with A(0) = 1; `impulse` its response until faded."""
+    """H as a recursive filter, by its poles: A's coefficients at a film's rate would lose slow poles in rounding.
 
-    forward: Samples
-    feedback: Samples
+    `impulse` is its response until it has faded, of which all but the first `free` samples are made of these poles.
+    """
+
+    poles: NDArray[np.complex128]
     impulse: Samples
+    free: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,11 +49,12 @@ def sound_stride(recursion: Recursion, stride: int) -> int:
 
     Poles much slower than the corners make |A| so small that Q + A'DA is lost in rounding.
     """
-    poles = np.roots(recursion.feedback)
+    poles = recursion.poles
     turns = np.concatenate([np.linspace(0.0, np.pi, 512), np.abs(np.angle(poles))])
     while stride < _LONGEST_STRIDE:
         around = np.exp(1j * stride * turns)
-        if np.min(np.prod(np.abs(around[:, None] - poles**stride), axis=1)) >= _LEAST_FEEDBACK:
+        sizes = np.prod(np.abs(around[:, None] - poles**stride), axis=1)
+        if np.min(sizes) >= max(_LEAST_FEEDBACK, _LEAST_OF_LARGEST * np.max(sizes)):
             break
         stride += 1
     return stride
@@ -58,11 +63,10 @@ def sound_stride(recursion: Recursion, stride: int) -> int:
 @lru_cache(maxsize=8)
 def pattern(recursion: Recursion, stride: int) -> Pattern:
     """Return Q for drives with corners so many samples apart, and A for the poles to that power."""
-    poles = np.roots(recursion.feedback) ** stride
-    feedback = np.atleast_1d(np.poly(poles)).real
+    feedback = np.atleast_1d(np.poly(recursion.poles**stride)).real
     bent = np.convolve(recursion.impulse, hat(stride))
     bent = np.pad(bent, (0, -len(bent) % stride))
-    reach = min(len(bent) // stride, 4 * len(feedback) + len(recursion.forward) + 8)
+    reach = min(len(bent) // stride, 5 * len(feedback) + recursion.free + 8)
     # column f holds what is felt f samples after each corner
     forward = np.stack([np.convolve(feedback, phase[:reach])[:reach] for phase in bent.reshape(-1, stride).T], axis=1)
     largest = np.max(np.abs(forward), axis=1)

@@ -18,6 +18,7 @@ from .windows import PlannedWindow
 Samples = NDArray[np.float64]
 
 _LEAN = 1e-3  # of the impulse response's energy may a shorter recursion miss, as amplitude; the solver is faster by it
+_FREE = 3  # samples that a recursion has to itself before its poles ring
 _FADED = 1e-10  # an impulse response is cut where this much of it is left: far below 24-bit audio
 
 _LONGEST_SUMMED_S = 2.0  # a longer pre-roll is run: with all of the film, to the bits of the whole track
@@ -34,7 +35,7 @@ class DriveFilters:
     `band` and `compensator` run forwards. With phase "zero" they hold half of the band's roll-off each, and `band`
     runs backwards over their output as well. After `ring` samples of silence both have faded. `felt` is H, `impulse`
     its impulse response until it has faded, and `recursion` H for the solver: of the actuator's own poles alone where
-    that is close enough.
+    that is close enough, else of all that the sections have.
     """
 
     rate_hz: int
@@ -59,9 +60,8 @@ def drive_filters(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Drive
     felt = dsp.felt_response(profile)
     shape = dsp.band(profile) if phase == "causal" else dsp.half_band(profile)
     sections = dsp.digital(felt, rate_hz)
-    slowest = float(np.min(-felt.poles.real))
-    length = math.ceil(-math.log(_FADED) * 2.0 / slowest * rate_hz)
-    impulse = _until_faded(dsp.run_filter(sections, np.concatenate([[1.0], np.zeros(length)])))
+    # twice, since poles that lie together fade later than one; the sections' own may be slower than a fast actuator's
+    impulse = _until_faded(dsp.run_filter(sections, np.concatenate([[1.0], np.zeros(2 * _ring(sections))])))
     band = dsp.digital(shape, rate_hz, lean=True)
     compensator = dsp.digital(dsp.inverse(profile) * shape, rate_hz, lean=True)
     return DriveFilters(
@@ -169,23 +169,33 @@ def _until_faded(response: Samples) -> Samples:
 
 
 def _recursion(poles: NDArray[np.complex128], sections: Samples, impulse: Samples) -> Recursion:
-    """Return a recursive filter with an impulse response: of these poles if it comes close, else of all the sections'.
+    """Return a recursive filter of an impulse response: of these poles if it comes close, else of all the sections'."""
+    from scipy.signal import sos2zpk
 
-    Its forward coefficients are fitted, a few more than there are poles.
-    """
-    from scipy.signal import lfilter, sos2zpk
-
+    fitted = np.concatenate([impulse[:_FREE], _ringing_in(poles, impulse[_FREE:])])
+    if np.linalg.norm(fitted - impulse) <= _LEAN * np.linalg.norm(impulse):
+        return Recursion(poles, fitted, _FREE)
     every = sos2zpk(sections)[1]
-    for roots in (poles, every[np.abs(every) > 0.0]):
-        feedback = np.atleast_1d(np.poly(roots)).real
-        taps = min(len(roots) + 3, len(impulse))
-        rings = lfilter([1.0], feedback, np.concatenate([[1.0], np.zeros(len(impulse) - 1)]))
-        columns = np.stack([np.concatenate([np.zeros(tap), rings[: len(rings) - tap]]) for tap in range(taps)], axis=1)
-        forward = np.linalg.lstsq(columns, impulse)[0]
-        fitted = columns @ forward
-        if np.linalg.norm(fitted - impulse) <= _LEAN * np.linalg.norm(impulse):
-            break
-    return Recursion(forward, feedback, fitted)
+    every = every[np.abs(every) > 0.0]
+    return Recursion(every, impulse, max(_FREE, 2 * len(sections) + 1 - len(every)))
+
+
+def _ringing_in(poles: NDArray[np.complex128], response: Samples) -> Samples:
+    """Return what of a response the ringing of poles explains, by least squares.
+
+    By the orthonormal functions of these poles (Ninness and Gustafsson 1997), each an all-pass further than the one
+    before: the powers of near or slow poles are too alike to be told apart.
+    """
+    from scipy.signal import lfilter
+
+    explained = np.zeros(len(response))
+    all_passed = np.zeros(len(response), np.complex128)
+    all_passed[:1] = 1.0
+    for pole in poles:
+        base = math.sqrt(1.0 - abs(pole) ** 2) * lfilter([1.0], [1.0, -pole], all_passed)
+        explained += (np.vdot(base, response) * base).real
+        all_passed = lfilter([-np.conj(pole), 1.0], [1.0, -pole], all_passed)
+    return explained
 
 
 def _check_gain(profile: ActuatorProfile, rate_hz: int) -> None:
