@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import soundfile
 
-from commands import RATE_HZ, Ended, blastline, write_film
+from commands import RATE_HZ, Ended, blastline, blastline_alone, write_film
 
 SHOTS_S = (1.0, 3.0, 5.0)
 Edit = Callable[[dict[str, Any]], object]
@@ -196,3 +196,58 @@ def test_an_earlier_result_is_left_as_it_was(tmp_path: Path, made: Path, command
     (tmp_path / "spoilt.json").write_text(json.dumps(plain))
     assert "schema" in run_on(command, made, tmp_path / "spoilt.json", tmp_path / "out", "--overwrite").complaint
     assert {file: hashlib.sha256(file.read_bytes()).digest() for file in (tmp_path / "out").iterdir()} == before
+
+
+NESTED = "seed = " + "[" * 5_000
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "command", "complaint"),
+    [
+        ("rules/scenes.toml", NESTED, "rules check rules", "scenes.toml: not a TOML file that can be read: its arrays"),
+        (
+            "scene.toml",
+            NESTED,
+            "synth scene.toml -o out -q",
+            "scene.toml: not a TOML file that can be read: its arrays",
+        ),
+        ("seat.csv", "frequency_hz,gain_db\n" + "1" * 200_000, "actuator fit seat.csv -o p.toml", "seat.csv: line 2: "),
+        ("seat.csv", "frequency_hz", "actuator fit seat.csv -o p.toml --peak-db nan", "--peak-db"),
+        ("seat.csv", "frequency_hz", "actuator fit seat.csv -o p.toml --peak-db 1e5", "--peak-db"),
+    ],
+)
+def test_a_spoilt_text(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, text: str, command: str, complaint: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / name).parent.mkdir(exist_ok=True)
+    (tmp_path / name).write_text(text)
+    assert complaint in blastline(*command.split()).complaint
+    assert not (tmp_path / "out").exists()
+    assert not (tmp_path / "p.toml").exists()
+
+
+def test_a_name_that_is_no_text_is_refused_before_the_work(tmp_path: Path, made: Path) -> None:
+    edited = tmp_path / "cut\udcff.csv"
+    edited.write_text("onset_s\n1.0\n")
+    ended = blastline_alone("render", made / "film.wav", "-o", tmp_path / "out", "--timeline", edited, "-q")
+    assert "the name is not valid UTF-8; rename the file" in ended.complaint
+    assert not (tmp_path / "out").exists()
+    scene = tmp_path / "scene\udcff.toml"
+    scene.write_text("schema = 1")
+    assert "rename the file" in blastline_alone("synth", scene, "-o", tmp_path / "out", "-q").complaint
+
+
+def test_a_drive_that_is_not_the_timelines_is_told(tmp_path: Path, made: Path) -> None:
+    folder = tmp_path / "result"
+    assert run_on("render", made, made / "out" / "timeline.json", folder).code == 0
+    found = ("detect", made / "film.wav", "-o", folder / "timeline.json", "--overwrite", "--quality", "draft", "-q")
+    assert blastline(*found).code == 0
+    ended = blastline("check", folder, "--audio", made / "film.wav")
+    assert f"not checked: {folder / 'drive.wav'}" in ended.err
+
+
+def test_a_timeline_without_anywhere_to_go_is_refused(made: Path) -> None:
+    ended = blastline_alone("detect", made / "film.wav", prepare=lambda: os.close(1))
+    assert (ended.code, ended.out) == (2, "")
+    assert "standard output is closed" in ended.err

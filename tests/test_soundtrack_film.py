@@ -190,6 +190,26 @@ def test_a_rounded_frame_rate_is_the_one_it_is_meant_to_be(tmp_path: Path) -> No
         assert read(path)[1].frame_rate == meant
 
 
+def test_a_film_in_fragments_keeps_its_frame_rate(tmp_path: Path) -> None:
+    """Its average counts a picture too few in each: 450000/15047 for 30000/1001."""
+    path = write_media(
+        tmp_path / "film.mp4",
+        [impulses(10 * RATE_HZ, SHOTS)],
+        codec="aac",
+        picture_rate=Fraction(30_000, 1001),
+        container_options={"movflags": "frag_keyframe+empty_moov"},
+    )
+    assert read(path)[1].frame_rate == "30000/1001"
+
+
+def test_a_list_of_films_is_no_film(tmp_path: Path) -> None:
+    """Its digest would be that of the list, whatever becomes of the sound."""
+    write_media(tmp_path / "part.flac", [impulses(FRAMES, SHOTS)], codec="flac")
+    (tmp_path / "film.mkv").write_text("ffconcat version 1.0\nfile part.flac\n")
+    with pytest.raises(SoundtrackError, match=r"film\.mkv: is a list of other files"):
+        open_soundtrack(tmp_path / "film.mkv")
+
+
 def test_the_default_track_is_taken_and_any_other_on_request(tmp_path: Path) -> None:
     main, comment = impulses(FRAMES, SHOTS), impulses(FRAMES, [60_000])
     path = write_media(

@@ -2,6 +2,7 @@
 
 import os
 import struct
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from blastline.errors import SoundtrackError
 from blastline.model import Clip, Source, Span
-from blastline.soundtrack import Cue, open_soundtrack, timecode_at, write_drive
+from blastline.soundtrack import Cue, Soundtrack, open_soundtrack, timecode_at, write_drive
 from blastline.soundtrack.recent import Recent
 
 RATE_HZ = 48_000
@@ -330,6 +331,70 @@ def test_source_names_the_file_and_its_digest(tmp_path: Path) -> None:
     assert (source.name, source.channels, source.stream, source.mix) == ("film.wav", 1, 0, "mains")
     assert source.sha256 == read(wav(tmp_path / "copy.wav", np.zeros((480, 1))))[1].sha256
     assert source.sha256 != read(wav(tmp_path / "other.wav", np.ones((480, 1))))[1].sha256
+
+
+def _grow(path: Path) -> None:
+    with path.open("ab") as file:
+        file.write(bytes(1000))
+
+
+def _shrink(path: Path) -> None:
+    os.truncate(path, path.stat().st_size // 2)
+
+
+def _replace(path: Path) -> None:
+    other = path.with_name("other")
+    other.write_bytes(path.read_bytes()[::-1])
+    other.replace(path)
+
+
+def _read_on(track: Soundtrack, path: Path, change: Callable[[Path], None]) -> None:
+    blocks = track.blocks()
+    next(blocks)
+    change(path)
+    list(blocks)
+    track.source()
+
+
+@pytest.mark.parametrize("suffix", [".wav", ".flac"])
+@pytest.mark.parametrize("change", [_grow, _shrink, _replace, Path.unlink])
+def test_a_file_that_changes_while_it_is_read_is_refused(
+    tmp_path: Path, suffix: str, change: Callable[[Path], None]
+) -> None:
+    """Else its digest would be that of another sound than was heard, and its length that of neither."""
+    path = tmp_path / f"film{suffix}"
+    soundfile.write(path, noise(400_000), RATE_HZ, subtype="PCM_16")
+    with open_soundtrack(path) as track, pytest.raises(SoundtrackError, match=f"film{suffix}: "):
+        _read_on(track, path, change)
+
+
+@pytest.mark.parametrize("change", [_grow, _shrink, _replace, Path.unlink])
+def test_a_file_that_changes_before_it_is_read_again_is_refused(tmp_path: Path, change: Callable[[Path], None]) -> None:
+    path = wav(tmp_path / "film.wav", noise())
+    with open_soundtrack(path) as track:
+        list(track.blocks())
+        change(path)
+        with pytest.raises(SoundtrackError, match=r"film\.wav: (was changed|is gone) while it is read"):
+            track.cut(Span(0, 10))
+
+
+@pytest.mark.parametrize("share", [0.05, 0.2, 1.0])
+def test_a_film_that_is_mostly_no_number_is_refused(tmp_path: Path, share: float) -> None:
+    samples = noise()
+    samples[: round(share * FRAMES)] = np.nan
+    path = wav(tmp_path / "film.wav", samples, subtype="FLOAT")
+    if share < 0.1:
+        assert "NaN" in read(path)[1].warnings[0]
+        return
+    with pytest.raises(SoundtrackError, match=r"film\.wav: \d+ of 70000 samples are NaN"):
+        read(path)
+
+
+@pytest.mark.parametrize(("other", "warned"), [(-1.0, True), (-0.999, False), (0.0, False)])
+def test_channels_that_cancel_are_told(tmp_path: Path, other: float, warned: bool) -> None:
+    path = wav(tmp_path / "film.wav", noise() @ [[1.0, other]], subtype="FLOAT")
+    assert any("cancel" in line for line in read(path)[1].warnings) == warned
+    assert not read(wav(tmp_path / "still.wav", np.zeros((1000, 2))))[1].warnings
 
 
 def test_the_order_of_use_is_kept(tmp_path: Path) -> None:

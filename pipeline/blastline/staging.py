@@ -81,12 +81,12 @@ def staged(
                 parent.rmdir()
 
 
-def require_utf_8(folder: Path) -> None:
-    """Raise OutputError for a folder in which the libraries that write and read sound cannot name a file."""
+def require_utf_8(path: Path, *, advice: str = "choose another folder for the results") -> None:
+    """Raise OutputError for a name that no text can hold, and the libraries that write and read sound cannot use."""
     try:
-        str(folder).encode("utf-8")
+        str(path).encode("utf-8")
     except UnicodeEncodeError:
-        raise OutputError(f"{folder}: the name is not valid UTF-8; choose another folder for the results") from None
+        raise OutputError(f"{path}: the name is not valid UTF-8; {advice}") from None
 
 
 def _hidden_folder(folder: Path) -> Path:

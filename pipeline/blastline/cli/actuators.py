@@ -32,6 +32,8 @@ PeakOption = Annotated[
     typer.Option(
         "--peak-db",
         metavar="DB",
+        min=-120.0,
+        max=120.0,
         help="Level of what is felt of a full-scale drive where it is felt best, against full-scale sound.",
         show_default="as measured",
         rich_help_panel=FITTING,

@@ -22,6 +22,7 @@ from .complaints import complaint
 from .interruption import INTERRUPTED, told_interrupted
 
 USAGE, BUG, CLOSED_PIPE = 2, 70, 141
+_UNMAPPED = "failed to map segment"  # what the loader says of a library for which there is no memory
 
 app = typer.Typer(
     name="blastline",
@@ -80,7 +81,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _say(f"{error.filename or 'input or output'}: {error.strerror or error}", USAGE)
     except KeyboardInterrupt:
         code = INTERRUPTED
-    except Exception:
+    except Exception as error:
+        if isinstance(error, MemoryError) or _UNMAPPED in str(error):
+            return _say("there is not enough memory; 500 MB are enough for any film", USAGE)
         traceback.print_exc()
         return _say("this is a bug of blastline; please report it with the lines above", BUG)
     return told_interrupted() if code == INTERRUPTED else code or 0

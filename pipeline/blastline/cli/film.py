@@ -1,10 +1,12 @@
 """`render`, `detect`, `check` and `export`."""
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..errors import OutputError
 from ..model import Timeline, encode
 from ..timebase import parse_timebase
 from .options import (
@@ -156,6 +158,8 @@ def detect(
             )
 
     if output is None:
+        if sys.stdout is None:
+            raise OutputError("standard output is closed, so the timeline has nowhere to go; give -o")
         timeline = found()
         typer.echo(encode(timeline), nl=False)
     else:
@@ -192,6 +196,9 @@ def check(
     with shown_progress(quiet=quiet) as progress:
         timeline = run.check(target, audio=audio, drive=drive, actuator=actuator, rules=rules, progress=progress)
     say_checks(timeline, quiet=quiet, err=False)
+    beside = (target if target.is_dir() else target.parent) / run.DRIVE
+    if timeline.actuator is None and drive is None and beside.is_file():
+        typer.echo(f"not checked: {beside}; the timeline has no drive, so this one is another's", err=True)
     return _code(timeline)
 
 

@@ -10,7 +10,7 @@ def fade(samples: int) -> NDArray[np.float64]:
     """Return the rising half of an equal-gain cross-fade, sin^2 at the middle of each of its samples.
 
     Dry and compensated sound are one signal, so the weights of a fade, not their squares, sum to one:
-    `fade(n) + fade(n)[::-1] == 1`.
+    `fade(n) + fade(n)[::-1]` is 1, to the last bit or two.
     """
     phase = (np.arange(samples) + 0.5) / max(samples, 1) * (math.pi / 2.0)
     return np.asarray(np.sin(phase) ** 2, dtype=np.float64)

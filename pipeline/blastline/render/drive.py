@@ -82,12 +82,11 @@ def _with_effort(info: DriveInfo, effort: Effort | None) -> DriveInfo:
 
 
 def _excess(wet: Samples, gains: Samples) -> float:
-    """Return what a drive is divided by to keep to the limit: it does so without its gains, and then with them.
+    """Return what a drive is divided by to keep to the limit, with its gains and without them.
 
     So a shot that is wanted softer is softer, though scaling to the limit alone would undo its gain.
     """
-    usual = max(1.0, _peak(wet / gains))
-    return usual * max(1.0, _peak(wet) / usual)
+    return max(1.0, _peak(wet / gains), _peak(wet))
 
 
 def _starts(planned: PlannedWindow, shots: Sequence[Shot], filters: DriveFilters, rules: RenderRules) -> list[int]:

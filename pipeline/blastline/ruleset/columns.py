@@ -60,7 +60,10 @@ def _lines(path: Path) -> tuple[dict[str, str], list[tuple[int, list[str]]]]:
             key, _, value = line.lstrip(" #").partition(":")
             notes[key.strip()] = value.strip()
         elif line.strip():
-            lines.append((number, next(csv.reader([line]))))
+            try:
+                lines.append((number, next(csv.reader([line]))))
+            except csv.Error as error:
+                raise RuleError(f"{path}: line {number}: not a line of a CSV file: {error}") from error
     return notes, lines
 
 

@@ -182,6 +182,10 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise RuleError(f"{path}: cannot be read: {error.strerror}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise RuleError(f"{path}: not a TOML file: {error}") from error
+    except RecursionError:
+        raise RuleError(
+            f"{path}: not a TOML file that can be read: its arrays or tables are nested too deeply"
+        ) from None
 
 
 def convert(plain: dict[str, Any], table: type[_T], path: Path) -> _T:

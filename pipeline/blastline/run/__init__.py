@@ -16,12 +16,14 @@ from .conforming import Conformed, conform
 from .exports import exports
 from .files import export, synthesise
 from .listening import detect
+from .names import DRIVE
 from .options import RenderOptions
 from .pictures import actuator_picture
 from .progress import Progress, no_progress
 from .rendering import render
 
 __all__ = [
+    "DRIVE",
     "Allowance",
     "Conformed",
     "FitOptions",

@@ -60,6 +60,8 @@ def render(
 def _place(film: Path, folder: Path, options: RenderOptions) -> AbstractContextManager[Path]:
     """Return the place for the results, from which no file of an earlier film stays where it may be overwritten."""
     require_utf_8(folder)
+    if options.timeline is not None:  # it will be named in the result
+        require_utf_8(options.timeline, advice="rename the file")
     formats, every = known_formats(options.formats), known_formats((*FORMATS, *HAPTIC_FORMATS))
     return staged(
         folder,

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from av.video.stream import VideoStream
 
 _TIMECODE = re.compile(r"(\d\d:\d\d:\d\d)([:;.,])(\d\d\d?)")
+_SAME_RATE = Fraction(1, 200)
 _ESTIMATED = frozenset({"aac", "ac3", "dts", "dtshd", "eac3", "loas", "mlp", "mpeg", "mpegts", "truehd"})
 """Formats that declare no length: FFmpeg guesses one from the size of the file."""
 
@@ -100,8 +101,10 @@ def _frame_rate(picture: "VideoStream") -> str | None:
     measured = picture.average_rate or picture.guessed_rate
     if not measured:
         return None
-    rate = Fraction(measured)
-    return str(standard_rate(rate) or rate)
+    rate, guessed = Fraction(measured), Fraction(picture.guessed_rate or measured)
+    # of fragments, the average counts a picture too few in each
+    meant = guessed if abs(guessed - rate) < _SAME_RATE * rate else rate
+    return str(standard_rate(rate) or standard_rate(meant) or rate)
 
 
 def _declared_frames(container: "InputContainer", stream: "AudioStream", rate_hz: int, origin: Fraction) -> int | None:

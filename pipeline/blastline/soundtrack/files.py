@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import SoundtrackError
@@ -36,3 +37,30 @@ def require_file(path: Path) -> None:
         if isinstance(error, SoundtrackError):
             raise
         raise SoundtrackError(f"cannot be read: {error.strerror}") from error
+
+
+@dataclass(frozen=True)
+class FileState:
+    """Which file a path names, and what tells that somebody writes to it."""
+
+    device: int
+    inode: int
+    bytes: int
+    changed_ns: int
+
+
+def file_state(path: Path) -> FileState:
+    """Return what a path names now; SoundtrackError where that is nothing any more."""
+    try:
+        found = path.stat()
+    except OSError as error:
+        raise SoundtrackError(f"is gone while it is read: {error.strerror}") from error
+    return FileState(found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns)
+
+
+def require_unchanged(path: Path, opened: FileState) -> None:
+    """Raise SoundtrackError where a path no longer names what was opened: the sound heard would not be the file's."""
+    now = file_state(path)
+    if now != opened:
+        sizes = "as long as before" if now.bytes == opened.bytes else f"{opened.bytes} bytes before, {now.bytes} now"
+        raise SoundtrackError(f"was changed while it is read ({sizes}); expected a finished file")

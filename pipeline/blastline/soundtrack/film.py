@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from av.audio.stream import AudioStream
     from av.container import InputContainer
 
+_PLAYLISTS = frozenset({"concat", "dash", "hls", "imf", "sdp"})
 _MAX_UNDECLARED_S = 24 * 3600
 _SLACK_S = 10
 _COMPARED_FRAMES = 24
@@ -159,6 +160,8 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None
     except FFmpegError as error:
         raise SoundtrackError(f"is not a sound file or film that can be read: {error.strerror}") from error
     try:
+        if container.format.name in _PLAYLISTS:
+            raise SoundtrackError("is a list of other files; expected a film or sound file itself")
         is_cut = stops_early(path, container.format.name)
         return FilmTrack(container, _chosen(container, stream), table, is_cut=is_cut)
     except BaseException:

@@ -17,12 +17,12 @@ from ..errors import SoundtrackError
 from ..model import Channels, Clip, Source, Span
 from ..timebase import AS_FILMED, Timebase, with_timebase
 from ..timecode import time_of_start
-from .files import naming
+from .files import file_state, naming, require_unchanged
 from .loudspeakers import azimuths
 from .mix import Matrix, centre_of, mixed, summing_order
 from .pcm import PcmTrack
 from .recent import Recent
-from .repair import mended, repair_warning
+from .repair import mended, repair_warning, require_usable
 from .spool import Spool
 from .track import PIECE, Samples, Track
 
@@ -38,10 +38,12 @@ class Soundtrack:
     ) -> None:
         """Take over an open track; `spool` keeps its mixed sound where the track cannot be read a second time."""
         self._path, self._track, self._matrix, self._mix, self._spool = path, track, matrix, mix, spool
+        self._opened = file_state(path)
         self._timebase = timebase
         self._frames: int | None = None
         self._started = False
         self._mended, self._first_mended = 0, 0
+        self._heard, self._sounding = False, False
         layout, channels = track.facts.layout, track.facts.channels
         self._order = summing_order(layout, channels)
         self._centre = centre_of(layout, channels, mix)
@@ -126,7 +128,7 @@ class Soundtrack:
         """Return the exact samples of a span inside the track, float64, once all blocks have been taken.
 
         With `sides`, a film with a centre channel is also given without it, if the file can be read twice. Raises
-        ValueError where the span leaves the track.
+        ValueError where the span leaves the track, SoundtrackError where a file that is read twice has changed.
         """
         if self._frames is None or span.start < 0 or span.stop > self._frames:
             raise ValueError(f"{span} is not inside what was decoded: {self._frames} frames")
@@ -142,11 +144,19 @@ class Soundtrack:
         self._recent = None
 
     def source(self) -> Source:
-        """Return what was read, with the digest of the whole file, once all blocks have been taken."""
+        """Return what was read, with the digest of the whole file, once all blocks have been taken.
+
+        Raises SoundtrackError where the file is no longer what was opened: the digest would be of another sound; and
+        where so many samples are no numbers that what is left is no sound.
+        """
         if self._frames is None:
             raise ValueError("the source is known once all blocks have been taken")
-        with self._path.open("rb") as file:
-            digest = hashlib.file_digest(file, "sha256").hexdigest()
+        with naming(self._path):
+            require_usable(self._mended, self._frames * self.channels)
+            require_unchanged(self._path, self._opened)
+            with self._path.open("rb") as file:
+                digest = hashlib.file_digest(file, "sha256").hexdigest()
+            require_unchanged(self._path, self._opened)
         return self.described(sha256=digest, frames=self._frames, warnings=tuple(self._warnings(self._frames)))
 
     def close(self) -> None:
@@ -167,6 +177,7 @@ class Soundtrack:
 
     def _read(self, track: PcmTrack, span: Span) -> Samples:
         with naming(self._path):
+            require_unchanged(self._path, self._opened)
             raw = track.read(span.start, len(span))
         return raw if track.facts.is_integer else mended(raw)[0]
 
@@ -181,6 +192,7 @@ class Soundtrack:
             for raw in self._track.pieces():
                 samples = raw if self._track.facts.is_integer else self._mend(raw, start)
                 columns = self._mixed(samples, sides=sides)
+                self._note_silence(samples, columns)
                 if self._spool is not None:
                     self._spool.append(np.ascontiguousarray(columns[:, : self.columns]))
                 if self._recent is not None:
@@ -189,6 +201,11 @@ class Soundtrack:
                 start += raw.shape[0]
         if self._spool is not None:
             self._spool.finish()
+
+    def _note_silence(self, samples: Samples, columns: Samples) -> None:
+        """Remember whether the channels sound and whether the mix does, up to the first sound of each."""
+        self._heard = self._heard or bool(columns[:, : self.columns].any())
+        self._sounding = self._sounding or self._heard or bool(samples.any())
 
     def _mixed(self, samples: Samples, *, sides: bool) -> Samples:
         """Return the columns of the mix; with sides, where the film has any, these are a further one."""
@@ -213,6 +230,8 @@ class Soundtrack:
         yield from self._track.warnings()
         if self._mended:
             yield repair_warning(self._mended, self._first_mended)
+        if self._sounding and not self._heard:
+            yield f"the mix {self._mix} is silent, though channels are not: they cancel; --mix 0 hears the first alone"
         declared = self.expected_frames or 0
         if declared - frames > min(max(0.01 * declared, _MIN_MISSING_S * self.rate_hz), 0.5 * self.rate_hz):
             lasts, found = declared / self.rate_hz, frames / self.rate_hz

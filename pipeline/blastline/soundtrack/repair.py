@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from ..errors import SoundtrackError
+from .decode import MAX_FAILED_SHARE
 from .track import Samples
 
 LIMIT = 1e9
@@ -18,6 +20,12 @@ def mended(samples: Samples) -> tuple[Samples, int, int]:
     usable = np.abs(samples) < LIMIT  # False for NaN
     first = int(np.argmin(usable.all(axis=1)))
     return np.where(usable, samples, np.float32(0.0)), int(usable.size - np.count_nonzero(usable)), first
+
+
+def require_usable(count: int, samples: int) -> None:
+    """Raise SoundtrackError where more of a file's samples had to be set to 0 than packets may be lost."""
+    if count > MAX_FAILED_SHARE * samples:
+        raise SoundtrackError(f"{count} of {samples} samples are NaN, infinite or beyond 1e9; expected sound")
 
 
 def repair_warning(count: int, first: int) -> str:

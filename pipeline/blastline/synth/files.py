@@ -31,6 +31,7 @@ def synthesise(scene_path: Path, folder: Path, *, overwrite: bool = False) -> Tr
     Raises RuleError for a scene that does not fit, OutputError where a file exists or cannot be written.
     """
     require_utf_8(folder)
+    require_utf_8(scene_path, advice="rename the file")  # the sound is named after it
     scene = load_scene(scene_path)
     names = [f"{scene.name}.wav", f"{scene.name}.truth.json"]
     with staged(folder, names=names, overwrite=overwrite) as hidden:
