@@ -156,10 +156,14 @@ def _settlings(filters: DriveFilters, roll: int) -> tuple[dsp.Settling, dsp.Sett
 
 def _ring(sections: Samples) -> int:
     """Return the samples after which what sections ring is negligible."""
-    from scipy.signal import sos2zpk
-
-    slowest = min(float(np.max(np.abs(sos2zpk(sections)[1]))), _SLOWEST)
+    slowest = min(float(np.max(np.abs(_poles(sections)))), _SLOWEST)
     return math.ceil(math.log(_FADED) / math.log(slowest))
+
+
+def _poles(sections: Samples) -> NDArray[np.complex128]:
+    """Return the poles of sections, but for those at 0, which only delay."""
+    poles = np.concatenate([np.roots(section[3:]) for section in sections]).astype(np.complex128)
+    return poles[np.abs(poles) > 0.0]
 
 
 def _until_faded(response: Samples) -> Samples:
@@ -170,13 +174,10 @@ def _until_faded(response: Samples) -> Samples:
 
 def _recursion(poles: NDArray[np.complex128], sections: Samples, impulse: Samples) -> Recursion:
     """Return a recursive filter of an impulse response: of these poles if it comes close, else of all the sections'."""
-    from scipy.signal import sos2zpk
-
     fitted = np.concatenate([impulse[:_FREE], _ringing_in(poles, impulse[_FREE:])])
     if np.linalg.norm(fitted - impulse) <= _LEAN * np.linalg.norm(impulse):
         return Recursion(poles, fitted, _FREE)
-    every = sos2zpk(sections)[1]
-    every = every[np.abs(every) > 0.0]
+    every = _poles(sections)
     return Recursion(every, impulse, max(_FREE, 2 * len(sections) + 1 - len(every)))
 
 
