@@ -13,6 +13,7 @@ PACKAGE = Path(blastline.__file__).parent
 
 GROUND = {
     "__version__",
+    "abandoned",
     "correlate",
     "dsp",
     "errors",

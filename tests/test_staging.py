@@ -2,6 +2,8 @@
 
 import errno
 import os
+import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -333,3 +335,46 @@ def test_what_an_earlier_run_left_goes_when_it_is_overwritten_and_nothing_else(t
         (tmp_path / f"{overwrite}.json").unlink()
         assert state(tmp_path) == there
     assert (tmp_path / "folder.otio").is_dir()
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from blastline.staging import staged
+with staged(Path(sys.argv[1]), names=["a.wav"], overwrite=True) as hidden:
+    (hidden / "a.wav").write_text("half")
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="no locks that end with their process")
+def test_what_a_killed_run_left_goes_with_the_next_and_what_a_living_one_writes_stays(tmp_path: Path) -> None:
+    def grow_old() -> list[Path]:
+        folders = sorted(tmp_path.glob(".blastline-*"))
+        for folder in folders:
+            os.utime(folder, (time.time() - 3600.0,) * 2)
+        return folders
+
+    subprocess.run([sys.executable, "-c", KILLED, str(tmp_path)], check=False)
+    [left] = grow_old()
+    with staged(tmp_path, names=NAMES, overwrite=True) as living:
+        assert not left.exists()
+        write_all(living, "first")
+        [left] = grow_old()
+        assert left == living
+        run_into(tmp_path, "second")
+        assert living.exists()
+        (living / "c.csv").unlink()
+        (living / "b.json").unlink()
+        (living / "a.wav").unlink()
+    assert state(tmp_path) == {name: f"second {name}" for name in NAMES}
+
+
+@pytest.mark.skipif(os.name != "posix", reason="no locks that end with their process")
+def test_earlier_results_in_what_a_killed_run_left_stay(tmp_path: Path) -> None:
+    left = tmp_path / ".blastline-left"
+    (left / "earlier-1").mkdir(parents=True)
+    (left / "earlier-1" / "a.wav").write_text("mine")
+    os.utime(left, (time.time() - 3600.0,) * 2)
+    run_into(tmp_path)
+    assert (left / "earlier-1" / "a.wav").read_text() == "mine"

@@ -16,10 +16,10 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from .abandoned import EARLIER, HIDDEN, LOCK, clear_abandoned, hold
 from .errors import BlastlineError, OutputError
 from .signals import heed_interruption
 
-_LOCK = ".blastline-moving"
 _LONGEST_WAIT_S = 20.0
 _FULL = {errno.ENOSPC, errno.EFBIG, errno.EDQUOT}
 
@@ -62,7 +62,9 @@ def staged(
     made = _missing_parents(folder)
     try:
         hidden = _hidden_folder(folder)
+        held = hold(hidden)
         try:
+            clear_abandoned(folder)
             yield hidden
             heed_interruption()
             with _alone_in(folder):
@@ -75,6 +77,8 @@ def staged(
             raise told from error
         finally:
             shutil.rmtree(hidden, ignore_errors=True)
+            if held is not None:
+                os.close(held)
     finally:
         for parent in made:
             with suppress(OSError):  # another run may be writing there by now
@@ -92,7 +96,7 @@ def require_utf_8(path: Path, *, advice: str = "choose another folder for the re
 def _hidden_folder(folder: Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        return Path(tempfile.mkdtemp(prefix=".blastline-", dir=folder))
+        return Path(tempfile.mkdtemp(prefix=HIDDEN, dir=folder))
     except OSError as error:
         raise OutputError(f"{folder}: cannot write here: {error.strerror}") from error
 
@@ -103,7 +107,7 @@ def _alone_in(folder: Path) -> Iterator[None]:
 
     A folder that is made for it is a lock on every system; moving takes milliseconds, so that waiting is short.
     """
-    lock, until_s = folder / _LOCK, time.monotonic() + _LONGEST_WAIT_S
+    lock, until_s = folder / LOCK, time.monotonic() + _LONGEST_WAIT_S
     while True:
         try:
             lock.mkdir()
@@ -122,7 +126,7 @@ def _alone_in(folder: Path) -> Iterator[None]:
 
 def _refuse_locked(folder: Path) -> None:
     """Raise OutputError where a run that was killed left its lock: better now than when all the work is done."""
-    lock = folder / _LOCK
+    lock = folder / LOCK
     if lock.exists() and time.time() - lock.stat().st_mtime > _LONGEST_WAIT_S:
         raise _locked(lock)
 
@@ -195,7 +199,7 @@ def _move_all(hidden: Path, wanted: _Results) -> None:
     folder = wanted.folder
     files = sorted(path.relative_to(hidden) for path in hidden.rglob("*") if path.is_file())
     _refuse_existing(wanted, [*wanted.names, *map(str, files)])
-    earlier = Path(tempfile.mkdtemp(prefix="earlier-", dir=hidden))
+    earlier = Path(tempfile.mkdtemp(prefix=EARLIER, dir=hidden))
     left = sorted(_left_by_earlier_runs(wanted) - set(files))
     done: list[Path] = []
     try:
