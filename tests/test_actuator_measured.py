@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from blastline.actuator import MeasuredResponse, read_measured, written
+from blastline.actuator.measured import unbiased
 from blastline.errors import RuleError
 from blastline.ruleset import load_perception
 
@@ -19,6 +20,16 @@ def table(tmp_path: Path, text: str) -> Path:
     path = tmp_path / "seat.csv"
     path.write_text(text, encoding="utf-8")
     return path
+
+
+@pytest.mark.parametrize("averages", [4, 10, 40])
+def test_coherence_of_pure_chance_is_unbiased_to_nothing(averages: int) -> None:
+    """Two noises that have nothing in common: |sum x y*|^2 over sum |x|^2 sum |y|^2 is 1 / averages in the mean."""
+    random = np.random.default_rng(averages)
+    x, y = random.standard_normal((2, 20_000, averages, 2)).view(np.complex128)[..., 0]
+    coherence = np.abs((x * y.conj()).sum(axis=1)) ** 2 / ((np.abs(x) ** 2).sum(axis=1) * (np.abs(y) ** 2).sum(axis=1))
+    assert np.mean(coherence) == pytest.approx(1.0 / averages, rel=0.03)
+    assert unbiased(np.array([1.0 / averages, 1.0]), averages) == pytest.approx([0.0, 1.0], abs=1e-12)
 
 
 def test_what_is_written_is_read_again(tmp_path: Path) -> None:

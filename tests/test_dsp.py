@@ -55,6 +55,9 @@ def test_half_band_twice_is_3_db_down_at_the_same_corners(order: int) -> None:
     np.testing.assert_allclose(np.abs(dsp.half_band(profile).at(corners)) ** 2, math.sqrt(0.5), rtol=1e-4)
     steep = np.abs(dsp.half_band(profile).at(np.array([4000.0, 8000.0]))) ** 2
     assert 20.0 * math.log10(steep[0] / steep[1]) >= 6.0 * order - 0.5, "falls at least as fast as the band"
+    driving = np.abs((dsp.inverse(profile) * dsp.half_band(profile)).at(np.array([2e5, 4e5])))
+    fall_db = 20.0 * math.log10(driving[0] / driving[1])
+    assert fall_db >= 11.5, "two orders steeper than the compensator rises, or its digital filter is off by 25 dB"
 
 
 @pytest.mark.parametrize("rate_hz", RATES_HZ)

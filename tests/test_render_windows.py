@@ -94,3 +94,16 @@ def test_windows_are_sorted_disjoint_inside_and_hold_every_shot(
             assert min(shot.span.stop, 2000) <= each.core.stop
         onsets = [found[index].onset for index in each.shots]
         assert onsets == sorted(onsets)
+
+
+@given(st.lists(st.tuples(st.integers(60, 160), st.integers(0, 60), st.integers(0, 60)), min_size=2, max_size=5))
+def test_no_fade_reaches_into_an_onset_however_windows_join(drawn: list[tuple[int, int, int]]) -> None:
+    """Of windows that somebody has set, one that begins later may be an earlier shot's."""
+    found = shots(*((onset, onset + length) for onset, length, _ in drawn))
+    own = {
+        index: Window(onset - before, onset + length + 40, before, 0)
+        for index, (onset, length, before) in enumerate(drawn)
+    }
+    for planned in plan_windows(found, frames=1000, rate_hz=RATE_HZ, rules=RULES, given=own):
+        first = min(found[index].onset for index in planned.shots)
+        assert planned.window.start + planned.window.fade_in_samples <= first

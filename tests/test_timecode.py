@@ -112,6 +112,8 @@ def test_rates_that_are_measured_or_shortened_are_the_standard_ones() -> None:
     for rate in STANDARD_RATES:
         assert standard_rate(rate) == rate
     assert standard_rate(Fraction(27, 2)) is None
+    for off in (Fraction(1, 2000), Fraction(-1, 2000)):  # halfway from 24 to 23.976 neither is meant
+        assert standard_rate(24 * (1 + off)) is None
 
 
 def test_a_start_that_its_rate_does_not_have_still_counts_on() -> None:
