@@ -58,8 +58,10 @@ def file_state(path: Path) -> FileState:
     return FileState(found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns)
 
 
-def require_unchanged(path: Path, opened: FileState) -> None:
+def require_unchanged(path: Path, opened: FileState | None) -> None:
     """Raise SoundtrackError where a path no longer names what was opened: the sound heard would not be the file's."""
+    if opened is None:
+        return
     now = file_state(path)
     if now != opened:
         sizes = "as long as before" if now.bytes == opened.bytes else f"{opened.bytes} bytes before, {now.bytes} now"

@@ -5,7 +5,7 @@ from pathlib import Path
 from ..errors import SoundtrackError
 from ..timebase import AS_FILMED, Timebase
 from .chunks import chunk_table
-from .files import naming, require_file
+from .files import file_state, naming, require_file
 from .mix import mix_matrix
 from .pcm import PcmTrack, open_pcm
 from .reader import Soundtrack
@@ -32,6 +32,7 @@ def open_soundtrack(
     """
     with naming(path):
         require_file(path)
+        state = file_state(path)
         track = _open_track(path, stream)
         try:
             facts = track.facts
@@ -40,7 +41,7 @@ def open_soundtrack(
                 raise SoundtrackError(f"the sample rate is {facts.rate_hz} Hz; expected {limits}")
             matrix = mix_matrix(facts.layout, facts.channels, mix)
             spool = None if isinstance(track, PcmTrack) else Spool(spool_folder, columns=matrix.shape[1])
-            opened = Soundtrack(path, track, matrix=matrix, mix=mix, spool=spool, timebase=timebase)
+            opened = Soundtrack(path, track, matrix=matrix, mix=mix, spool=spool, timebase=timebase, opened=state)
             opened.described()
         except BaseException:
             track.close()

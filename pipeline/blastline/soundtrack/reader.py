@@ -17,7 +17,7 @@ from ..errors import SoundtrackError
 from ..model import Channels, Clip, Source, Span
 from ..timebase import AS_FILMED, Timebase, with_timebase
 from ..timecode import time_of_start
-from .files import file_state, naming, require_unchanged
+from .files import FileState, naming, require_unchanged
 from .loudspeakers import azimuths
 from .mix import Matrix, centre_of, mixed, summing_order
 from .pcm import PcmTrack
@@ -34,11 +34,22 @@ class Soundtrack:
     """A sound track that is open for reading; made by `open_soundtrack`, closed by `close` or a `with` block."""
 
     def __init__(
-        self, path: Path, track: Track, *, matrix: Matrix, mix: str, spool: Spool | None, timebase: Timebase = AS_FILMED
+        self,
+        path: Path,
+        track: Track,
+        *,
+        matrix: Matrix,
+        mix: str,
+        spool: Spool | None,
+        timebase: Timebase = AS_FILMED,
+        opened: FileState | None = None,
     ) -> None:
-        """Take over an open track; `spool` keeps its mixed sound where the track cannot be read a second time."""
+        """Take over an open track; `spool` keeps its mixed sound where the track cannot be read a second time.
+
+        `opened` is what the path named then, which it has to name to the end; None for a track that comes from no file.
+        """
         self._path, self._track, self._matrix, self._mix, self._spool = path, track, matrix, mix, spool
-        self._opened = file_state(path)
+        self._opened = opened
         self._timebase = timebase
         self._frames: int | None = None
         self._started = False
