@@ -14,7 +14,7 @@ from blastline import dsp
 from blastline.model import Quality
 from blastline.render import DriveFilters, drive_filters
 from blastline.render.banded import Recursion, sound_stride
-from blastline.render.constrained import between_corners, constrained_drive, corner_rhs, full_problem, minimise
+from blastline.render.constrained import Effort, between_corners, constrained_drive, corner_rhs, full_problem, minimise
 from blastline.render.filters import compensated, felt, in_band
 from blastline.render.interior import SHORTEST, solve_inside
 from blastline.ruleset import ActuatorProfile, load_rules
@@ -64,6 +64,22 @@ def shot(filters: DriveFilters, *, peak: float = 0.9, frames: int = 0) -> tuple[
     film, found = film_with_shot(KINDS[1], peak=peak, rate_hz=filters.rate_hz)
     inside = slice(found.onset, found.onset + frames if frames else len(film))
     return in_band(film, filters)[inside], compensated(film, filters)[inside]
+
+
+def whole_drive(
+    target: Samples, warm: Samples, filters: DriveFilters, *, start: int, quality: Quality
+) -> tuple[Samples, Effort]:
+    """Return the drive of a single shot that may begin at `start`, and what it took."""
+    drive, (effort,) = constrained_drive(
+        target,
+        starts=[start],
+        impulse=filters.impulse,
+        recursion=filters.recursion,
+        rate_hz=filters.rate_hz,
+        warm=warm,
+        rules=load_rules(quality).tier.render,
+    )
+    return drive, effort
 
 
 def dense(recursion: Recursion, frames: int) -> Samples:
@@ -201,15 +217,7 @@ def test_larger_limit_is_never_worse_and_costs_no_more_steps_than_it_may() -> No
 def test_whole_drive_beats_clipping_at_any_rate_with_any_actuator(name: str, rate_hz: int, quality: Quality) -> None:
     filters = drive_filters(EVERY[name], rate_hz, "causal")
     target, warm = shot(filters, frames=rate_hz // 8)
-    drive, (effort,) = constrained_drive(
-        target,
-        starts=[7],
-        impulse=filters.impulse,
-        recursion=filters.recursion,
-        rate_hz=rate_hz,
-        warm=warm,
-        rules=load_rules(quality).tier.render,
-    )
+    drive, effort = whole_drive(target, warm, filters, start=7, quality=quality)
     assert not np.any(drive[:7])
     assert np.max(np.abs(drive)) <= 1.0
     clipped = np.clip(np.where(np.arange(len(warm)) < 7, 0.0, warm), -1.0, 1.0)
@@ -225,15 +233,7 @@ def test_drive_of_a_seat_that_remembers_much_is_still_the_best_one(name: str, ra
     """By thousands of plain gradient steps on the problem itself: corners wide apart alone lose 2 to 4 % of energy."""
     filters = drive_filters(MANY[name], rate_hz, "causal")
     target, warm = shot(filters, frames=rate_hz // 8)
-    drive, _ = constrained_drive(
-        target,
-        starts=[0],
-        impulse=filters.impulse,
-        recursion=filters.recursion,
-        rate_hz=rate_hz,
-        warm=warm,
-        rules=load_rules("standard").tier.render,
-    )
+    drive, _ = whole_drive(target, warm, filters, start=0, quality="standard")
     guess = np.clip(warm, -1.0, 1.0)
     rung = fftconvolve(guess, filters.impulse)[len(guess) :]  # what it may ring on, as `constrained_drive` allows
     wanted = np.concatenate([target, rung])

@@ -144,13 +144,11 @@ def _shot_checks(shared: Comparison, event: Event, figures: ShotFigures | None, 
     rules, rate_hz = shared.rules, shared.rate_hz
     subject = "drive" if is_direct(event) else "felt"
     allowed_ms = rules.lag_causal_ms if shared.phase == "causal" else ms_from_samples(rules.lag_zero_samples, rate_hz)
-    late_ms, delay_ms = None, 0.0 if figures is None else ms_from_samples(figures.delay, rate_hz)
-    if lag is not None and figures is not None:
-        late_ms = ms_from_samples(lag, rate_hz) + delay_ms
-    # a profile whose own band delays by more, such as one with a low corner, is held to that delay
-    as_meant = shared.phase == "causal" and late_ms is not None and abs(late_ms - delay_ms) <= REFINE_MS
-    limit_ms = max(allowed_ms, delay_ms + REFINE_MS) if as_meant else allowed_ms
-    yield Check(f"{subject}_lag", event.id, _within(late_ms, limit_ms), late_ms, limit_ms, "ms")
+    late_ms = None if lag is None or figures is None else ms_from_samples(lag + figures.delay, rate_hz)
+    delay_ms = 0.0 if figures is None else ms_from_samples(figures.delay, rate_hz)
+    if late_ms is not None and delay_ms > allowed_ms and abs(late_ms - delay_ms) <= REFINE_MS:
+        allowed_ms = delay_ms + REFINE_MS  # late as it is meant to be: the profile's own band delays by more
+    yield Check(f"{subject}_lag", event.id, _within(late_ms, allowed_ms), late_ms, allowed_ms, "ms")
     likeness, wanted = figures.match.correlation if figures else 0.0, likeness_limit(shared, event)
     yield Check(f"{subject}_correlation", event.id, likeness >= wanted, likeness, wanted, "ratio")
     if figures is None:

@@ -82,8 +82,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         code = INTERRUPTED
     except Exception as error:
-        if isinstance(error, MemoryError) or _UNMAPPED in str(error):
-            return _say("there is not enough memory; 500 MB are enough for any film", USAGE)
+        if isinstance(error, MemoryError) or (isinstance(error, ImportError) and _UNMAPPED in str(error)):
+            return _say("there is not enough memory", USAGE)
         traceback.print_exc()
         return _say("this is a bug of blastline; please report it with the lines above", BUG)
     return told_interrupted() if code == INTERRUPTED else code or 0

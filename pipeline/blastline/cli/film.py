@@ -197,7 +197,7 @@ def check(
         timeline = run.check(target, audio=audio, drive=drive, actuator=actuator, rules=rules, progress=progress)
     say_checks(timeline, quiet=quiet, err=False)
     beside = (target if target.is_dir() else target.parent) / run.DRIVE
-    if timeline.actuator is None and drive is None and beside.is_file():
+    if not quiet and timeline.actuator is None and drive is None and beside.is_file():
         typer.echo(f"not checked: {beside}; the timeline has no drive, so this one is another's", err=True)
     return _code(timeline)
 

@@ -24,7 +24,7 @@ Samples = NDArray[np.float64]
 
 _UNAIDED = 300
 """Gradient steps where the interior-point method cannot do it all: for a few samples, where rounding has ended it, or
-where H remembers so much that its corners are wider apart than asked: by themselves they would lose 2 to 5 % of energy.
+where H remembers so much that its corners are wider apart than asked: by themselves they would lose 2 to 4 % of energy.
 """
 
 _ALREADY = 0.1

@@ -7,7 +7,6 @@ only sort and filter the table of shots.
 from .bode import BodeCurve, write_bode
 from .choice import MOST_PICTURES
 from .exports import ExportRow
-from .figures import ShotPictures
 from .overview import Overview, OverviewMeter
 from .page import write_report
 
@@ -17,7 +16,6 @@ __all__ = [
     "ExportRow",
     "Overview",
     "OverviewMeter",
-    "ShotPictures",
     "write_bode",
     "write_report",
 ]

@@ -19,7 +19,7 @@ import numpy as np
 from ..detect import Detection, audio_around, find_shots, load_verifier, shot_at
 from ..model import Clip, Quality, Shot, Span
 from ..render import plan_windows
-from ..report import MOST_PICTURES, OverviewMeter, ShotPictures
+from ..report import MOST_PICTURES, OverviewMeter
 from ..ruleset import Rules, rules_path
 from ..soundtrack import Soundtrack, open_soundtrack
 from . import names
@@ -31,7 +31,7 @@ from .progress import Progress, no_note, no_progress
 from .rendering import write_formats, write_report_of
 from .sampling import TIMED_FRAMES, Sampled, room_for_samples, sampled
 
-FEW_SHOTS, FEW_PICTURES = 6, 2
+FEW_SHOTS, FEW_PICTURES = 6, 3
 """About so many shots of the sample are rendered in each tier, from all over it, and so many pictures drawn.
 
 The longer a window, the longer its picture takes: those nearest to the mean length stand for all.
@@ -57,10 +57,16 @@ class FilmCost:
 
 @dataclass(frozen=True)
 class _After:
-    """The CPU seconds of what follows detection: the drive and its checks, and the report."""
+    """The CPU seconds of what follows detection: the drive, its checks and the timeline's files, and the report."""
 
-    made_s: float
+    drive_s: float
+    checks_s: float
     report_s: float
+
+    @property
+    def made_s(self) -> float:
+        """Return what all of it takes but the report."""
+        return self.drive_s + self.checks_s
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,17 +119,20 @@ class Gauge:
     def _per_shot(self, known: _Known, setup: Setup) -> tuple[float, float]:
         """Return what a drive and its checks take as soon as there is any shot, and what each shot adds to that.
 
-        A few are rendered, so what they take is that of as many seconds of window; all in the sample tell how long
-        windows are.
+        A few are rendered: a drive takes so much for each second of window, and all in the sample tell how long
+        windows are; the checks take so much for each shot.
         """
         shots = self._shots(known.heard, setup.rules, FEW_SHOTS)
         few, one = (_with_shots(known.heard, some, setup.rules) for some in (shots, shots[:1]))
-        one_s, longer_s = self._after(one, setup, report=False).made_s, _windows_s(few) - _windows_s(one)
+        self._after(few, setup, report=False)  # what is imported, or worked out once for a tier
+        first, last = (self._after(each, setup, report=False) for each in (one, few))
+        longer_s, others = _windows_s(few) - _windows_s(one), len(shots) - 1
         if longer_s <= 0.0:  # a single shot, or all in the window of the first
-            return 0.0, max(0.0, one_s - known.empty.made_s) / len(shots)
-        per_window_s = max(0.0, self._after(few, setup, report=False).made_s - one_s) / longer_s
-        per_shot = per_window_s * _windows_s(known.heard) / len(known.heard.found.shots)
-        return max(0.0, one_s - per_window_s * _windows_s(one) - known.empty.made_s), per_shot
+            return 0.0, max(0.0, last.made_s - known.empty.made_s) / len(shots)
+        drive_per_s = max(0.0, last.drive_s - first.drive_s) / longer_s
+        check_s = max(0.0, last.checks_s - first.checks_s) / others
+        once_s = first.made_s - known.empty.made_s - drive_per_s * _windows_s(one) - check_s
+        return max(0.0, once_s), check_s + drive_per_s * _windows_s(known.heard) / len(known.heard.found.shots)
 
     def _same_for_all(self, setup: Setup) -> _Known:
         """Return what is heard in the whole sample, and what a film without shots and a picture take.
@@ -132,17 +141,19 @@ class Gauge:
         """
         heard, report = listen(self._track, setup.rules, no_progress, self._meter), self._meter is not None
         if not self._drives:
-            return _Known(heard, _After(0.0, 0.0), 0.0, 0.0)
+            return _Known(heard, _After(0.0, 0.0, 0.0), 0.0, 0.0)
         some = _with_shots(heard, self._typical(heard, setup.rules), setup.rules)
         self._after(_with_shots(heard, some.found.shots[:1], setup.rules), setup, report=report)
         empty = self._after(_with_shots(heard, (), setup.rules), setup, report=report)
         if not report:
             return _Known(heard, empty, 0.0, 0.0)
-        began = process_time()
-        ShotPictures()
-        axes_s = process_time() - began
-        pictures_s = max(0.0, self._after(some, setup, report=True).report_s - empty.report_s - axes_s)
-        return _Known(heard, empty, axes_s, pictures_s / len(some.found.shots))
+        first_s, all_s = (
+            self._after(_with_shots(heard, shots, setup.rules), setup, report=True).report_s
+            for shots in (some.found.shots[:1], some.found.shots)
+        )
+        others = len(some.found.shots) - 1
+        picture_s = max(0.0, all_s - first_s) / others if others else max(0.0, first_s - empty.report_s)
+        return _Known(heard, empty, max(0.0, first_s - empty.report_s - picture_s), picture_s)
 
     def _detecting(self, rules: Rules) -> tuple[float, float]:
         """Return the CPU seconds of reading the verifier, and of finding the shots in a second of film."""
@@ -191,20 +202,21 @@ class Gauge:
 
     def _after(self, heard: Listened, setup: Setup, *, report: bool) -> _After:
         """Do all that follows detection and return what it took."""
-        with tempfile.TemporaryDirectory(prefix="blastline-") as made:
-            folder, began = Path(made), process_time()
+        with tempfile.TemporaryDirectory(prefix="blastline-") as place:
+            folder, began = Path(place), process_time()
             drives = write_drive_of(heard, folder / names.DRIVE, setup)
+            driven = process_time()
             source = msgspec.structs.replace(self._sample.source, frames=heard.source.frames)
             timeline = assemble(replace(heard, source=source), setup.rules, drives, setup.actuator)
             with open_drive(folder / names.DRIVE) as drive:
                 profile, read, track = setup.profile, setup.rules, self._track
                 timeline = checked(timeline, track, drive, profile=profile, rules=read, progress=no_progress)
                 written = write_formats(timeline, folder, drive, setup, no_note)
-                made_s = process_time() - began
+                made = process_time()
                 if report and self._meter is not None:
                     meter = self._meter
                     write_report_of(timeline, folder, written, track=track, drive=drive, meter=meter, setup=setup)
-                return _After(made_s, process_time() - began - made_s)
+            return _After(driven - began, made - driven, process_time() - made)
 
 
 @contextmanager

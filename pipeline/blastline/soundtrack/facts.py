@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from av.video.stream import VideoStream
 
 _TIMECODE = re.compile(r"(\d\d:\d\d:\d\d)([:;.,])(\d\d\d?)")
-_SAME_RATE = Fraction(1, 200)
+_AVERAGE_OFF = Fraction(1, 200)  # so much less than the rate the average of a fragmented film may be
 _ESTIMATED = frozenset({"aac", "ac3", "dts", "dtshd", "eac3", "loas", "mlp", "mpeg", "mpegts", "truehd"})
 """Formats that declare no length: FFmpeg guesses one from the size of the file."""
 
@@ -102,8 +102,7 @@ def _frame_rate(picture: "VideoStream") -> str | None:
     if not measured:
         return None
     rate, guessed = Fraction(measured), Fraction(picture.guessed_rate or measured)
-    # of fragments, the average counts a picture too few in each
-    meant = guessed if abs(guessed - rate) < _SAME_RATE * rate else rate
+    meant = guessed if abs(guessed - rate) < _AVERAGE_OFF * rate else rate
     return str(standard_rate(rate) or standard_rate(meant) or rate)
 
 

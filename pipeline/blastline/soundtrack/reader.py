@@ -242,7 +242,7 @@ class Soundtrack:
         if self._mended:
             yield repair_warning(self._mended, self._first_mended)
         if self._sounding and not self._heard:
-            yield f"the mix {self._mix} is silent, though channels are not: they cancel; --mix 0 hears the first alone"
+            yield f"the mix {self._mix} is silent, though the film is not: its channels cancel, or others sound"
         declared = self.expected_frames or 0
         if declared - frames > min(max(0.01 * declared, _MIN_MISSING_S * self.rate_hz), 0.5 * self.rate_hz):
             lasts, found = declared / self.rate_hz, frames / self.rate_hz
