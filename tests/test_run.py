@@ -1,5 +1,6 @@
 """The main job from end to end: what must hold whatever the film, to the bit where it can."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -74,6 +75,34 @@ def test_a_right_file_passes_every_check(result: tuple[Timeline, NDArray[np.int3
     assert len(timeline.events) >= 4
     assert [check for check in timeline.checks if not check.passed] == []
     assert drive.size == timeline.source.frames == 12 * RATE_HZ
+
+
+@pytest.mark.parametrize(("resonance_hz", "q", "level_db"), [(40.0, 10.0, 0.0), (60.0, 30.0, 0.0), (60.0, 3.0, 12.0)])
+def test_a_right_drive_of_a_seat_that_rings_on_passes_every_check(
+    film: Path, tmp_path: Path, resonance_hz: float, q: float, level_db: float
+) -> None:
+    """What rings on from before a window, or from the shot before the last, is no fault of a drive."""
+    w = 2.0 * math.pi * resonance_hz
+    tip = [-w / (2.0 * q), w * math.sqrt(1.0 - 1.0 / (4.0 * q * q))]
+    seat = tmp_path / "seat.toml"
+    seat.write_text(
+        f"""schema = 1
+name = "seat"
+source = "a test"
+lowpass = {{ source = "as the built-in one", corner_hz = 1000.0, order = 3 }}
+highpass = {{ source = "as the built-in one", corner_hz = 5.0, order = 1 }}
+[response]
+source = "a resonance"
+gain = {w / q**0.5}
+zeros_rad_s = [[-20.0, 0.0]]
+poles_rad_s = [{tip}, {[tip[0], -tip[1]]}]
+"""
+    )
+    timeline, _ = rendered(film, tmp_path / "out", actuator=str(seat), drive="constrained", level_db=level_db)
+    assert [check for check in timeline.checks if not check.passed] == []
+    early = [check.measured for check in timeline.checks if check.name == "pre_echo" and check.measured is not None]
+    assert len(early) >= 4
+    assert max(early) < -70.0
 
 
 def test_every_choice_follows_from_its_evidence(result: tuple[Timeline, NDArray[np.int32]]) -> None:

@@ -1,5 +1,7 @@
 """Whether a shot's drive is under way when its attack begins, and at rest or with the shot before until then."""
 
+from functools import partial
+
 import numpy as np
 
 from .. import dsp
@@ -63,7 +65,8 @@ def preecho(
     """
     onset, lead = heard.core.start, shared.samples(shared.lead_ms)
     peak = _peak(felt.vibration[heard.core])
-    first = max(0, onset - shared.samples(_BEFORE_MS), part.since - heard.span.start)
+    since = part.since - heard.span.start
+    first = max(0, onset - shared.samples(_BEFORE_MS), since)
     before = slice(first, onset - shared.samples(shared.rules.preecho_guard_ms))
     if peak == 0.0 or before.stop <= first:
         return SILENCE_DB, SILENCE_DB
@@ -72,7 +75,8 @@ def preecho(
     if part.opens:
         dues = [due_before_window(heard, readings[0] if readings else None)]
     else:
-        dues = [due_before_next(shared, heard, felt, reading, stop=onset - lead) for reading in readings]
+        due = partial(due_before_next, shared, heard, felt, since=since, stop=onset - lead)
+        dues = [due(reading) for reading in readings]
     beyond = [_peak(dsp.run_filter(shared.felt, (felt.drive - due)[before])) for due in dues]
     return db_from_gain(min(beyond) / peak) if beyond else None, SILENCE_DB
 

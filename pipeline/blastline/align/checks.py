@@ -45,6 +45,7 @@ def check_files(
         lead_ms=lead_ms,
         phase=phase,
         background=background,
+        level_db=timeline.level_db,
     )
     parts = parts_of(timeline.events, lead=shared.samples(shared.lead_ms)) if timeline.events else ()
     telling = [is_telling(shared, event, part) for event, part in zip(timeline.events, parts, strict=True)]

@@ -36,9 +36,10 @@ _LOWEST_HZ = 1.0
 class Comparison:
     """Films, rules, and the actuator's filters at the soundtrack's rate.
 
-    `compensated` makes of a sound the drive that is felt like it where nothing limits it. `step` is 1 / max |H|^2: so
-    long a step down the slope of |H u - t|^2 / 2 never overshoots. `settle` is how many samples the filters run before
-    what is compared, `memory` how many H remembers.
+    `level_db` is how much stronger than usual every shot was asked to be. `compensated` makes of a sound the drive
+    that is felt like it where nothing limits it. `step` is 1 / max |H|^2: so long a step down the slope of
+    |H u - t|^2 / 2 never overshoots. `settle` is how many samples the filters run before what is compared, `memory` how
+    many H remembers.
     """
 
     audio: Sound
@@ -47,6 +48,7 @@ class Comparison:
     lead_ms: float
     phase: Phase
     background: Background
+    level_db: float
     felt: Samples
     band: Samples
     band_gains: Callable[[int], Samples]
@@ -78,6 +80,7 @@ def compare(
     lead_ms: float,
     phase: Phase,
     background: Background,
+    level_db: float,
 ) -> Comparison:
     """Return what the checks of every shot share."""
     rate_hz = audio.rate_hz
@@ -93,6 +96,7 @@ def compare(
         lead_ms,
         phase,
         background,
+        level_db,
         felt=dsp.digital(response, rate_hz),
         band=dsp.digital(dsp.band(profile), rate_hz),
         band_gains=_band_gains(profile, rate_hz, phase),

@@ -78,17 +78,22 @@ def due_before_window(heard: Heard, reading: Reading | None) -> Samples:
     return _opening(heard, np.zeros(len(heard.span)) if heard.solved or reading is None else reading.due)
 
 
-def due_before_next(shared: Comparison, heard: Heard, felt: Felt, reading: Reading, *, stop: int) -> Samples:
+def due_before_next(
+    shared: Comparison, heard: Heard, felt: Felt, reading: Reading, *, since: int, stop: int
+) -> Samples:
     """Return the drive that is due up to sample `stop` of a span, where that of a further shot of the window begins.
 
-    A solver does not know what comes: it expects its drive to ring on as the compensator's would.
+    A solver does not know what comes: it expects its drive to ring on as the compensator's would, which it was given
+    from where the drive of the shot before begins, `since`.
     """
     if not heard.solved or heard.wet is None:
         return reading.due
-    limit, early = shared.rules.peak, np.arange(len(heard.span)) < stop
-    drive, first_guess = np.where(early, felt.drive, 0.0), np.where(early, reading.level * heard.wet, 0.0)
+    at = np.arange(len(heard.span))
+    limit, early = shared.rules.peak, at < stop
+    first_guess = np.where(early & (at >= since), reading.level * heard.wet, 0.0)
     rings = dsp.run_filter(shared.felt, np.clip(first_guess, -limit, limit))
     wanted = np.where(early, reading.level * heard.intended, rings)
+    drive = np.where(early, felt.drive, 0.0)
     vibration = felt.vibration - dsp.run_filter(shared.felt, felt.drive - drive)
     return np.clip(drive + shared.step * shared.shown_to_actuator(wanted - vibration), -limit, limit)
 

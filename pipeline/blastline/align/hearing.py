@@ -38,9 +38,9 @@ class Heard:
     """The sound of a shot in the band of vibration, over `span`, of which `core` holds the shot itself.
 
     `intended` has the delay that the drive is meant to have, `undelayed` none; `direct` is what direct conversion
-    would make felt. `wet` is the drive of an open window if nothing limited it, None where nothing asks for it: in the
-    window of a `solved` drive before the second shot. `weights` blends it with the drive of the `background`. `gain` is
-    how much stronger than usual the shot was asked to be.
+    would make felt of the window alone, from rest. `wet` is the drive of an open window if nothing limited it, None
+    where nothing asks for it: in the window of a `solved` drive before the second shot. `weights` blends it with the
+    drive of the `background`. `gain` is how much stronger than usual the shot was asked to be.
     """
 
     span: Span
@@ -60,11 +60,13 @@ class Felt:
     """The drive of a shot over a span: its vibration as felt, and what of it is to follow the sound.
 
     They are the same but for a `direct` drive, which does not compensate: there the drive itself is to follow, in
-    the band of vibration. `free` marks the samples at which the drive is not at the actuator's limit.
+    the band of vibration. `own` is what is felt of the shot's window alone, from rest: a seat that rings for long still
+    moves with what was before. `free` marks the samples at which the drive is not at the actuator's limit.
     """
 
     drive: Samples
     vibration: Samples
+    own: Samples
     following: Samples
     free: NDArray[np.bool_]
     peak: float
@@ -104,12 +106,12 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
         slice(margin, margin + len(part.span)),
         intended,
         undelayed,
-        direct=dsp.run_filter(shared.felt, dry[: kept.stop])[kept],
+        direct=dsp.run_filter(shared.felt, _of_window(dry, event, span.start - settle)[: kept.stop])[kept],
         background=dry[kept] if shared.background == "direct" else np.zeros(len(span)),
         wet=wet,
         weights=_weights(event, span),
         solved=is_solved(event),
-        gain=gain_from_db(event.gain_db),
+        gain=gain_from_db(event.gain_db + shared.level_db),
     )
 
 
@@ -135,9 +137,17 @@ def feel(shared: Comparison, event: Event, span: Span, *, place: Place) -> Felt:
     drive, written = drive_at(shared.drive, wide, rate_hz=shared.rate_hz, place=place)
     kept = slice(settle, settle + len(span))
     vibration = dsp.run_filter(shared.felt, drive[: kept.stop])[kept]
+    alone = _of_window(drive, event, wide.start)
+    own = dsp.run_filter(shared.felt, alone[: kept.stop])[kept] if alone is not drive else vibration
     following = _without_delay(shared, drive)[kept] if is_direct(event) else vibration
     free = np.abs(drive[kept]) < _AT_LIMIT * shared.rules.peak
-    return Felt(drive[kept], vibration, following, free, float(np.abs(written).max(initial=0.0)))
+    return Felt(drive[kept], vibration, own, following, free, float(np.abs(written).max(initial=0.0)))
+
+
+def _of_window(samples: Samples, event: Event, start: int) -> Samples:
+    """Return samples that begin at sample `start` of the film, at rest until the event's window opens."""
+    before = event.window.start - start
+    return np.concatenate([np.zeros(before), samples[before:]]) if before > 0 else samples
 
 
 def _without_delay(shared: Comparison, samples: Samples) -> Samples:

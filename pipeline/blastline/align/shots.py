@@ -96,7 +96,7 @@ def measure(shared: Comparison, event: Event, part: Part, *, place: Place) -> Sh
         delay=_delay(heard, pattern, search),
         peak=felt.peak,
         late_start=late_start(shared, heard, felt, known),
-        level_db=db_from_gain(_rms(felt.vibration[core])) - db_from_gain(_rms(heard.direct[core])),
+        level_db=db_from_gain(_rms(felt.own[core])) - db_from_gain(_rms(heard.direct[core])),
         preecho_db=early_db,
         due_preecho_db=due_early_db,
     )
