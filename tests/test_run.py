@@ -77,9 +77,17 @@ def test_a_right_file_passes_every_check(result: tuple[Timeline, NDArray[np.int3
     assert drive.size == timeline.source.frames == 12 * RATE_HZ
 
 
-@pytest.mark.parametrize(("resonance_hz", "q", "level_db"), [(40.0, 10.0, 0.0), (60.0, 30.0, 0.0), (60.0, 3.0, 12.0)])
+@pytest.mark.parametrize(
+    ("resonance_hz", "q", "options"),
+    [
+        (40.0, 10.0, {}),
+        (60.0, 30.0, {}),
+        (60.0, 3.0, {"level_db": 12.0}),
+        (120.0, 30.0, {"phase": "zero", "level_db": 6.0}),
+    ],
+)
 def test_a_right_drive_of_a_seat_that_rings_on_passes_every_check(
-    film: Path, tmp_path: Path, resonance_hz: float, q: float, level_db: float
+    film: Path, tmp_path: Path, resonance_hz: float, q: float, options: dict[str, Any]
 ) -> None:
     """What rings on from before a window, or from the shot before the last, is no fault of a drive."""
     w = 2.0 * math.pi * resonance_hz
@@ -98,7 +106,7 @@ zeros_rad_s = [[-20.0, 0.0]]
 poles_rad_s = [{tip}, {[tip[0], -tip[1]]}]
 """
     )
-    timeline, _ = rendered(film, tmp_path / "out", actuator=str(seat), drive="constrained", level_db=level_db)
+    timeline, _ = rendered(film, tmp_path / "out", actuator=str(seat), drive="constrained", **options)
     assert [check for check in timeline.checks if not check.passed] == []
     early = [check.measured for check in timeline.checks if check.name == "pre_echo" and check.measured is not None]
     assert len(early) >= 4
