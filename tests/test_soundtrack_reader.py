@@ -390,13 +390,19 @@ def test_a_film_that_is_mostly_no_number_is_refused(tmp_path: Path, share: float
         read(path)
 
 
+def test_a_film_that_is_silent_throughout_is_told(tmp_path: Path) -> None:
+    still = np.zeros((70_000, 2))
+    assert read(wav(tmp_path / "still.wav", still))[1].warnings == ("sound stream 0 is silent from beginning to end",)
+    still[-1, 1] = 1e-4
+    assert not read(wav(tmp_path / "last.wav", still))[1].warnings
+
+
 @pytest.mark.parametrize(("other", "warned"), [(-1.0, True), (-0.999, False), (0.0, False)])
 def test_a_mix_that_is_silent_though_the_film_is_not_is_told(tmp_path: Path, other: float, warned: bool) -> None:
     """Since its channels cancel, or since the one that is asked for does not sound."""
     path = wav(tmp_path / "film.wav", noise() @ [[1.0, other]], subtype="FLOAT")
     assert any("mix mains is silent" in line for line in read(path)[1].warnings) == warned
     assert any("mix 1 is silent" in line for line in read(path, mix="1")[1].warnings) == (other == 0.0)
-    assert not read(wav(tmp_path / "still.wav", np.zeros((1000, 2))))[1].warnings
 
 
 def test_the_order_of_use_is_kept(tmp_path: Path) -> None:

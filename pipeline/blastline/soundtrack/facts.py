@@ -30,6 +30,11 @@ def origin_of(first: "AudioFrame", stream: "AudioStream", tally: Tally) -> Fract
     return min(time, max(tally.first_time, declared))
 
 
+def sound_streams(container: "InputContainer") -> list[str]:
+    """Return the sound streams of a file in words, each with its number."""
+    return [f"{place} ({_description(stream)})" for place, stream in enumerate(container.streams.audio)]
+
+
 def film_facts(
     container: "InputContainer",
     stream: "AudioStream",
@@ -55,17 +60,19 @@ def film_facts(
     timecode = _start_timecode(container)
     if timecode is None and reference is not None:
         timecode = clock(reference, first.sample_rate, decimals=6)
+    index, streams = container.streams.audio.index(stream), sound_streams(container)
     return TrackFacts(
         rate_hz=first.sample_rate,
         channels=len(names),
         layout=names if len(set(names)) == len(names) and "NONE" not in names else None,
         declared_frames=declared,
-        stream=container.streams.audio.index(stream),
+        stream=index,
         start_timecode=timecode,
         frame_rate=None if picture is None else _frame_rate(picture),
         start_offset_s=float(offset),
         time_reference=reference,
         guessed_s=container.duration / 1_000_000 if container.duration else None,
+        beside=(*streams[:index], *streams[index + 1 :]),
     )
 
 
@@ -77,6 +84,14 @@ def header_frames(container: "InputContainer", stream: "AudioStream", rate_hz: i
     if container.format.name != "avi" or not stream.frames or not stream.time_base:
         return None
     return int(stream.frames * stream.time_base * rate_hz)
+
+
+def _description(stream: "AudioStream") -> str:
+    if stream.codec_context is None:
+        return "a format that cannot be decoded"
+    channels = stream.codec_context.channels
+    words = [stream.codec_context.name, f"{channels} channel{'s' if channels != 1 else ''}"]
+    return ", ".join(words + [tag for key in ("language", "title") if (tag := stream.metadata.get(key))])
 
 
 def _is_cover(stream: "VideoStream") -> bool:

@@ -10,7 +10,7 @@ from ..errors import SoundtrackError
 from .chunks import ChunkTable, overflow_warning
 from .decode import Tally, check_sums, decoded, packed
 from .ending import stops_early
-from .facts import film_facts, header_frames, origin_of
+from .facts import film_facts, header_frames, origin_of, sound_streams
 from .placement import Placement, origin_by_others
 from .track import Samples, TrackFacts
 
@@ -180,16 +180,7 @@ def _chosen(container: "InputContainer", index: int | None) -> "AudioStream":
     elif 0 <= index < len(streams):
         stream = streams[index]
     else:
-        there = "; ".join(f"{place} ({_description(s)})" for place, s in enumerate(streams))
-        raise SoundtrackError(f"has no sound stream {index}; it has {there}")
+        raise SoundtrackError(f"has no sound stream {index}; it has {'; '.join(sound_streams(container))}")
     if stream.codec_context is None:
         raise SoundtrackError(f"sound stream {streams.index(stream)} is in a format that cannot be decoded")
     return stream
-
-
-def _description(stream: "AudioStream") -> str:
-    if stream.codec_context is None:
-        return "a format that cannot be decoded"
-    channels = stream.codec_context.channels
-    words = [stream.codec_context.name, f"{channels} channel{'s' if channels != 1 else ''}"]
-    return ", ".join(words + [tag for key in ("language", "title") if (tag := stream.metadata.get(key))])

@@ -17,17 +17,15 @@ from ..errors import SoundtrackError
 from ..model import Channels, Clip, Source, Span
 from ..timebase import AS_FILMED, Timebase, with_timebase
 from ..timecode import time_of_start
+from .condition import Condition
 from .files import FileState, naming, require_unchanged
 from .loudspeakers import azimuths
 from .mix import Matrix, centre_of, mixed, summing_order
 from .pcm import PcmTrack
 from .recent import Recent
-from .repair import mended, repair_warning, require_usable
+from .repair import mended
 from .spool import Spool
 from .track import PIECE, Samples, Track
-
-_MIN_MISSING_S = 0.1
-"""What a lossy codec may round its length by, and more: less than this is not called missing."""
 
 
 class Soundtrack:
@@ -53,8 +51,7 @@ class Soundtrack:
         self._timebase = timebase
         self._frames: int | None = None
         self._started = False
-        self._mended, self._first_mended = 0, 0
-        self._heard, self._sounding = False, False
+        self._condition = Condition(track.facts, mix)
         layout, channels = track.facts.layout, track.facts.channels
         self._order = summing_order(layout, channels)
         self._centre = centre_of(layout, channels, mix)
@@ -76,7 +73,7 @@ class Soundtrack:
     @property
     def damaged(self) -> int:
         """Return how many samples of the blocks taken so far were no number, or beyond any sound, and were set to 0."""
-        return self._mended
+        return self._condition.damaged
 
     @property
     def has_sides(self) -> bool:
@@ -163,12 +160,13 @@ class Soundtrack:
         if self._frames is None:
             raise ValueError("the source is known once all blocks have been taken")
         with naming(self._path):
-            require_usable(self._mended, self._frames * self.channels)
+            self._condition.require_usable()
             require_unchanged(self._path, self._opened)
             with self._path.open("rb") as file:
                 digest = hashlib.file_digest(file, "sha256").hexdigest()
             require_unchanged(self._path, self._opened)
-        return self.described(sha256=digest, frames=self._frames, warnings=tuple(self._warnings(self._frames)))
+        warnings = (*self._track.warnings(), *self._condition.warnings())
+        return self.described(sha256=digest, frames=self._frames, warnings=warnings)
 
     def close(self) -> None:
         """Release the file and the spool."""
@@ -198,25 +196,18 @@ class Soundtrack:
         return None if self._recent is None else self._recent.read(span)
 
     def _mixed_pieces(self, *, sides: bool) -> Iterator[Samples]:
-        start = 0
         with naming(self._path):
             for raw in self._track.pieces():
-                samples = raw if self._track.facts.is_integer else self._mend(raw, start)
+                samples = self._condition.usable(raw)
                 columns = self._mixed(samples, sides=sides)
-                self._note_silence(samples, columns)
+                self._condition.hear(samples, columns[:, : self.columns])
                 if self._spool is not None:
                     self._spool.append(np.ascontiguousarray(columns[:, : self.columns]))
                 if self._recent is not None:
                     self._recent.append(samples)
                 yield columns
-                start += raw.shape[0]
         if self._spool is not None:
             self._spool.finish()
-
-    def _note_silence(self, samples: Samples, columns: Samples) -> None:
-        """Remember whether the channels sound and whether the mix does, up to the first sound of each."""
-        self._heard = self._heard or bool(columns[:, : self.columns].any())
-        self._sounding = self._sounding or self._heard or bool(samples.any())
 
     def _mixed(self, samples: Samples, *, sides: bool) -> Samples:
         """Return the columns of the mix; with sides, where the film has any, these are a further one."""
@@ -229,24 +220,6 @@ class Soundtrack:
         """Return the columns as a clip; what is beyond those of the mix are the sides."""
         mix, beside = columns[:, : self.columns], columns[:, self.columns :]
         return Clip(mix, self.rate_hz, start, beside[:, 0] if beside.shape[1] else None)
-
-    def _mend(self, raw: Samples, start: int) -> Samples:
-        samples, count, first = mended(raw)
-        if count and not self._mended:
-            self._first_mended = start + first
-        self._mended += count
-        return samples
-
-    def _warnings(self, frames: int) -> Iterator[str]:
-        yield from self._track.warnings()
-        if self._mended:
-            yield repair_warning(self._mended, self._first_mended)
-        if self._sounding and not self._heard:
-            yield f"the mix {self._mix} is silent, though the film is not: its channels cancel, or others sound"
-        declared = self.expected_frames or 0
-        if declared - frames > min(max(0.01 * declared, _MIN_MISSING_S * self.rate_hz), 0.5 * self.rate_hz):
-            lasts, found = declared / self.rate_hz, frames / self.rate_hz
-            yield f"the file declares {lasts:.3f} s of sound but only {found:.3f} s could be read: the end is missing"
 
     def described(self, *, sha256: str = "", frames: int = 0, warnings: tuple[str, ...] = ()) -> Source:
         """Return what is known before the sound is decoded, with what is given."""

@@ -19,7 +19,7 @@ class TrackFacts:
 
     `layout` is None where the file does not name its channels; `declared_frames` is None where it does not say how
     long the track is, and then `guessed_s` is what its size suggests, if anything. `is_integer` tells that no sample
-    can be NaN. The rest is as in `model.Source`.
+    can be NaN. `beside` names the file's other sound streams. The rest is as in `model.Source`.
     """
 
     rate_hz: int
@@ -33,6 +33,7 @@ class TrackFacts:
     start_offset_s: float = 0.0
     time_reference: int | None = None
     guessed_s: float | None = None
+    beside: tuple[str, ...] = ()
 
 
 class Track(Protocol):

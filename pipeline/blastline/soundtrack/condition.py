@@ -1,0 +1,61 @@
+"""In which condition the samples of a track were found, block by block: what had to be set to 0, and what sounds."""
+
+from collections.abc import Iterator
+
+from .repair import mended, repair_warning, require_usable
+from .track import Samples, TrackFacts
+
+_MIN_MISSING_S = 0.1
+"""What a lossy codec may round its length by, and more: less than this is not called missing."""
+
+
+class Condition:
+    """What has been seen of one track so far."""
+
+    def __init__(self, facts: TrackFacts, mix: str) -> None:
+        """Begin before the first sample of a track that is heard as the mix of that name."""
+        self._facts, self._mix = facts, mix
+        self._frames, self._mended, self._first_mended = 0, 0, 0
+        self._mix_sounds, self._track_sounds = False, False
+
+    @property
+    def damaged(self) -> int:
+        """Return how many samples were no number, or beyond any sound."""
+        return self._mended
+
+    def usable(self, raw: Samples) -> Samples:
+        """Return the next samples, shape (frames, channels), with those set to 0 that are no sound."""
+        if self._facts.is_integer:
+            samples = raw
+        else:
+            samples, count, first = mended(raw)
+            if count and not self._mended:
+                self._first_mended = self._frames + first
+            self._mended += count
+        self._frames += raw.shape[0]
+        return samples
+
+    def hear(self, samples: Samples, mix: Samples) -> None:
+        """Note whether the track sounds and whether its mix does, up to the first sound of each."""
+        self._mix_sounds = self._mix_sounds or bool(mix.any())
+        self._track_sounds = self._track_sounds or self._mix_sounds or bool(samples.any())
+
+    def require_usable(self) -> None:
+        """Raise SoundtrackError where so many samples are no numbers that what is left is no sound."""
+        require_usable(self._mended, self._frames * self._facts.channels)
+
+    def warnings(self) -> Iterator[str]:
+        """Yield what a user has to know, a line each, once all samples have been seen."""
+        if self._mended:
+            yield repair_warning(self._mended, self._first_mended)
+        if self._frames and not self._track_sounds:
+            beside = "; ".join(self._facts.beside)
+            yield f"sound stream {self._facts.stream} is silent from beginning to end" + (
+                f"; --stream chooses another: {beside}" if beside else ""
+            )
+        elif self._frames and not self._mix_sounds:
+            yield f"the mix {self._mix} is silent, though the film is not: its channels cancel, or others sound"
+        declared, rate_hz = self._facts.declared_frames or 0, self._facts.rate_hz
+        if declared - self._frames > min(max(0.01 * declared, _MIN_MISSING_S * rate_hz), 0.5 * rate_hz):
+            lasts, found = declared / rate_hz, self._frames / rate_hz
+            yield f"the file declares {lasts:.3f} s of sound but only {found:.3f} s could be read: the end is missing"
