@@ -25,7 +25,15 @@ from blastline.actuator import (
 from blastline.actuator.rational import PAPER_FORM, fitted, general_form, start_from_roots
 from blastline.dsp import compensator, felt_response
 from blastline.errors import RuleError
-from blastline.ruleset import PerceptionCurve, load_actuator, load_measuring, load_perception, perception_names
+from blastline.ruleset import (
+    SLOWEST_RAD_S,
+    PerceptionCurve,
+    check_stable,
+    load_actuator,
+    load_measuring,
+    load_perception,
+    perception_names,
+)
 
 MEASURING = load_measuring()
 RULES = MEASURING.fit
@@ -256,6 +264,25 @@ def test_skin_and_actuator_are_fitted_where_both_are_known(name: str) -> None:
     profile = fitted_profile(found, name="both", source="a test", origin="a test", rules=RULES)
     assert profile.lowpass.corner_hz <= high_hz * 1.001
     assert profile.highpass.corner_hz >= low_hz * 0.999
+
+
+@pytest.mark.parametrize(("resonance_hz", "q"), [(42.0, 3.0), (58.0, 2.0)])
+def test_an_accelerometers_response_is_fitted_by_roots_that_a_profile_may_hold(resonance_hz: float, q: float) -> None:
+    """Acceleration falls steeply below the resonance, and ISO's curve from 4 Hz down: slow zeros nearly fit there."""
+    w = 2.0 * math.pi * resonance_hz
+
+    def level(frequencies_hz: np.ndarray) -> np.ndarray:
+        s = 2j * math.pi * frequencies_hz
+        return np.asarray(20.0 * np.log10(np.abs(s * s / (s * s + w / q * s + w * w))))
+
+    curve = load_perception("iso-2631-wk")
+    found = fit_of(measured_as(level, np.geomspace(2.0, 2000.0, 300)), curve)
+    felt = analogue(found.best.model)
+    assert max(root.real for root in [*felt.zeros.tolist(), *felt.poles.tolist()]) <= SLOWEST_RAD_S
+    assert found.best.error_db < 0.1
+    check_stable(
+        fitted_profile(found, name="seat", source="a test", origin="a test", rules=RULES, peak_db=-7.0), "seat"
+    )
 
 
 def test_what_has_nothing_in_common_is_refused() -> None:

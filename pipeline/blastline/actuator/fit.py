@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RuleError
-from ..ruleset import FitRules
+from ..ruleset import SLOWEST_RAD_S, FitRules
 from .inverse import inversion_db
 from .rational import PAPER_FORM, Form, Model, analogue, fitted, general_form, level_db, start_from_roots
 from .target import FitTarget
@@ -74,7 +74,7 @@ class BandError:
 def fit(target: FitTarget, *, rules: FitRules, name: str) -> FittedResponse:
     """Return the best model of a felt response.
 
-    Raises RuleError where no model keeps the bound of the inverse, give or take 1 dB.
+    Raises RuleError where no model keeps the bound of the inverse, give or take 1 dB, and decays in time.
     """
     trust = _trust(target, rules)
     papers = _judged(_fit_papers(target, trust), target, rules)
@@ -101,8 +101,8 @@ def fit(target: FitTarget, *, rules: FitRules, name: str) -> FittedResponse:
     if not fits:
         raise RuleError(
             f"{name}: no stable model with an inverse of at most {rules.largest_gain_db + _SPARE_DB:g} dB was found, "
-            f"{_SPARE_DB:g} dB over the bound of {rules.largest_gain_db:g} that the response was held to; "
-            "expected a smoother response"
+            f"{_SPARE_DB:g} dB over the bound of {rules.largest_gain_db:g} that the response was held to, "
+            f"whose zeros and poles decay at {-SLOWEST_RAD_S:g} rad/s or faster; expected a smoother response"
         )
     return FittedResponse(min(fits, key=_score), papers, target)
 
@@ -182,12 +182,24 @@ def _score(candidate: Fit) -> float:
 
 
 def _judged(model: Model, target: FitTarget, rules: FitRules) -> Fit | None:
-    """Return a model with its score; None where its inverse exceeds the bound by more than a fit may be off."""
+    """Return a model with its score.
+
+    None where its inverse exceeds the bound by more than a fit may be off, and where no profile may hold it, because a
+    zero or pole rings on for too long: a slow pair costs little below what was measured, so a fit does choose one.
+    """
+    if _slowest_rad_s(model) > SLOWEST_RAD_S:
+        return None
     if inversion_db(model, target, rules=rules) > rules.largest_gain_db + _SPARE_DB:
         return None
     points, free = len(target.frequencies_hz), len(model.parameters)
     score = points * math.log1p(_misfit(model, target, _trust(target, rules))) + free * math.log(points)
     return Fit(model, math.sqrt(_misfit(model, target, np.ones(points))), score)
+
+
+def _slowest_rad_s(model: Model) -> float:
+    """Return the real part of the zero or pole that decays most slowly."""
+    felt = analogue(model)
+    return float(np.max(np.concatenate([felt.zeros, felt.poles]).real))
 
 
 def _misfit(model: Model, target: FitTarget, trust: Values) -> float:

@@ -8,6 +8,7 @@ from .aligning import AlignRules
 from .columns import FREQUENCY, Columns, read_columns
 from .conforming import ConformRules
 from .files import (
+    SLOWEST_RAD_S,
     Rules,
     actuator_names,
     check_rules,
@@ -42,6 +43,7 @@ from .toml_text import toml_lines
 __all__ = [
     "FREQUENCY",
     "LARGEST_LEVEL_DB",
+    "SLOWEST_RAD_S",
     "ActuatorProfile",
     "AlignRules",
     "BurstRules",
