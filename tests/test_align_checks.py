@@ -9,7 +9,7 @@ import pytest
 
 from align_films import RATE_HZ, RULES, Film, Held, Samples, checks_of, failed, figure, make_film
 from blastline.align import check_timeline
-from blastline.model import Background, DriveModel, Phase, Window
+from blastline.model import Background, Check, DriveModel, Phase, Window
 
 
 @cache
@@ -326,3 +326,36 @@ def test_without_a_drive_the_onsets_are_sought_in_the_sound() -> None:
     )
     moved = right.with_events(right.timeline.events[0], wrong, *right.timeline.events[2:])
     assert failed(check_timeline(moved.timeline, audio=moved.audio, rules=RULES)) >= {"audio_rise"}
+
+
+def rises_of(film: Film) -> list[Check]:
+    """Return the checks of how the sound rises at each onset, of the timeline without its drive."""
+    checks = check_timeline(film.timeline, audio=film.audio, rules=RULES)
+    return [check for check in checks if check.name == "audio_rise"]
+
+
+@pytest.mark.parametrize("after_ms", [3.0, 20.0, 60.0])
+def test_without_a_drive_a_shot_of_a_burst_need_not_rise_over_the_one_before_it(after_ms: float) -> None:
+    film = make_film(onsets_s=(0.7,), peaks=(0.5,), seconds=1.5)
+    (first,) = film.timeline.events
+    onset = first.onset_sample + round(after_ms * RATE_HZ / 1000.0)
+    softer = msgspec.structs.replace(first, id="shot-0002", onset_sample=onset, onset_s=onset / RATE_HZ)
+    opening, following = rises_of(film.with_events(first, softer))
+    assert following.measured is not None
+    assert following.measured < RULES.rise_db
+    assert (following.passed, following.limit) == (True, None)
+    assert (opening.passed, opening.limit) == (True, RULES.rise_db)
+    window = msgspec.structs.replace(softer.window, start=onset - 48)
+    _, alone = rises_of(film.with_events(first, msgspec.structs.replace(softer, window=window)))
+    assert (alone.passed, alone.limit) == (False, RULES.rise_db)
+
+
+@pytest.mark.parametrize("rate_hz", [44_100, 48_000])
+def test_without_a_drive_a_shot_at_the_films_beginning_need_not_rise_over_itself(rate_hz: int) -> None:
+    film = make_film(onsets_s=(0.0,), peaks=(0.5,), seconds=1.0, rate_hz=rate_hz)
+    (first,) = film.timeline.events
+    told = []
+    for onset in (0, 3, rate_hz // 100 - 1, rate_hz // 100):
+        [rise] = rises_of(film.with_events(msgspec.structs.replace(first, onset_sample=onset)))
+        told.append((rise.passed, rise.limit))
+    assert told == [(True, None)] * 3 + [(False, RULES.rise_db)]

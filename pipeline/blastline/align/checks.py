@@ -10,7 +10,7 @@ from ..ruleset import ActuatorProfile, AlignRules
 from ..units import ms_from_samples, samples_from_ms
 from .comparison import Comparison, compare
 from .hearing import is_direct
-from .sanity import fade_margin, heard_rise_db, order_faults
+from .sanity import fade_margin, heard_rise_db, is_rise_owed, order_faults
 from .shots import REFINE_MS, ShotFigures, likeness_limit, parts_of
 from .sounds import Sound, stretch_of
 from .telling import is_telling
@@ -61,13 +61,16 @@ def check_files(
 
 
 def check_timeline(timeline: Timeline, *, audio: Cutter, rules: AlignRules) -> tuple[Check, ...]:
-    """Return the checks of a timeline without a drive: of its order, its windows, and its onsets in the sound."""
+    """Return the checks of a timeline without a drive: of its order, its windows, and its onsets in the sound.
+
+    A rise that a right shot need not have is listed without a limit.
+    """
     heard = Sound(audio, timeline.source.frames)
     checks = list(_order_check(timeline))
-    for event in timeline.events:
+    for before, event in zip((None, *timeline.events), timeline.events, strict=False):
         checks += _window_checks(event, heard.rate_hz)
         rise_db = heard_rise_db(event, heard)
-        limit_db = rules.rise_db if event.origin == "found" else None
+        limit_db = rules.rise_db if is_rise_owed(event, before, heard.rate_hz) else None
         rises = limit_db is None or rise_db is None or rise_db >= limit_db
         checks.append(Check("audio_rise", event.id, rises, rise_db, limit_db, "dB"))
     return tuple(checks)

@@ -52,6 +52,16 @@ def heard_rise_db(event: Event, audio: Sound) -> float | None:
     return None if heard is None else _rise_db(heard, onset - inside.start)
 
 
+def is_rise_owed(event: Event, before: Event | None, rate_hz: int) -> bool:
+    """Return whether the sound of a right shot has to rise at its onset; `before` is the event before it, if any.
+
+    In a burst the shot before still sounds, and may be the louder; and where the film has just begun there is nothing
+    before to rise from but the shot's own first samples. A shot that was set by hand is where somebody wants it.
+    """
+    in_burst = before is not None and before.window == event.window
+    return event.origin == "found" and not in_burst and event.onset_sample >= samples_from_ms(_AROUND_MS, rate_hz)
+
+
 def _rise_db(samples: NDArray[np.float64], onset: int) -> float:
     before, after = (float(np.abs(part).max(initial=0.0)) for part in (samples[:onset], samples[onset:]))
     return float(20.0 * np.log10(max(after, 1e-12) / max(before, 1e-12)))

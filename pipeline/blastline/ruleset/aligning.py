@@ -20,9 +20,9 @@ class AlignRules(Table, frozen=True):
     `preecho_db` of its peak or, if more, `preecho_margin_db` over what is due there. No sample exceeds `peak`, 1 being
     the actuator's limit.
 
-    The film's sound has to rise by `rise_db` at a shot that was found; one set by hand is held to its sound where that
-    rises by `hand_rise_db`. From the first shot to the last the drive is within `shift_samples` of its place, and
-    drifts by no more than `drift_samples`.
+    Without a drive, the film's sound has to rise by `rise_db` at a shot that was found and is the first of its window;
+    with one, a shot set by hand is held to its sound where that rises by `hand_rise_db`. From the first shot to the
+    last the drive is within `shift_samples` of its place, and drifts by no more than `drift_samples`.
     """
 
     schema: Literal[1]
