@@ -291,6 +291,32 @@ def test_a_row_that_lost_its_id_is_the_event_at_its_time(tmp_path: Path) -> None
     ]
 
 
+@SHARED_FOLDER
+@given(films(), st.data(), st.sampled_from(["json", "csv", "audacity", "reaper"]))
+def test_an_event_with_another_id_is_the_same_event(
+    tmp_path: Path, before: Timeline, data: st.DataObject, name: str
+) -> None:
+    """Who gives shots names of their own has deleted and added nothing, whatever tool wrote the file."""
+    new = {
+        event.id: f"shot-9{index:03d}" if data.draw(st.booleans()) else event.id
+        for index, event in enumerate(before.events)
+    }
+    renamed = tuple(msgspec.structs.replace(event, id=new[event.id]) for event in before.events)
+    [file] = export_timeline(msgspec.structs.replace(before, events=renamed), tmp_path, formats=[name])
+    originals = {event.id: event for event in before.events}
+    wanted = match(read_edits(file), originals, rate_hz=before.source.sample_rate_hz)
+    assert [(wish.id, wish.was) for wish in wanted.wishes] == [(new[event.id], event) for event in before.events]
+    assert all(wish.unmoved and not wish.changed for wish in wanted.wishes)
+    assert [wish.window for wish in wanted.wishes] == [event.window for event in before.events]
+    assert wanted.deleted == ()
+
+
+def test_a_new_id_takes_no_event_that_another_row_names(tmp_path: Path) -> None:
+    wanted = table(tmp_path, "id,onset_s\nmine,1.00002\nshot-0001,3.0\nother,1.20002\n", EVENT, MATE)
+    assert [(wish.id, wish.was) for wish in wanted.wishes] == [("mine", None), ("other", MATE), ("shot-0001", EVENT)]
+    assert wanted.deleted == ()
+
+
 def test_a_new_id_is_none_that_was_ever_used(tmp_path: Path) -> None:
     wanted = table(tmp_path, "id,onset_s\n,3.0\nshot-0007,4.0\n,5.0\n", EVENT, MATE)
     assert [wish.id for wish in wanted.wishes] == ["shot-0008", "shot-0007", "shot-0009"]

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 import soundfile
@@ -105,6 +106,23 @@ def test_moved_deleted_and_added_is_what_the_drive_does(tmp_path: Path, film: Pa
     assert not np.any(drive[round(2.4 * RATE_HZ) : round(3.9 * RATE_HZ)])
     deleted = [r for r in after.rejections if r.reason == "deleted by hand"]
     assert [r.at_sample for r in deleted] == [before["shot-0002"].onset_sample]
+
+
+def test_a_shot_with_another_id_is_the_same_shot_and_drives_the_same(tmp_path: Path, film: Path, result: Path) -> None:
+    names = ["door", "shot-0002", "last but one", "shot-0077"]
+
+    def edit(rows: list[Row]) -> None:
+        for row, name in zip(rows, names, strict=True):
+            row["id"] = name
+
+    ended, after, drive = rendered(film, edited(result, tmp_path, edit))
+    assert "edits: edited.csv: 4 kept\n" in ended.err
+    before = read_timeline(result / "timeline.json")
+    assert after.events == tuple(
+        msgspec.structs.replace(event, id=name) for event, name in zip(before.events, names, strict=True)
+    )
+    assert [r for r in after.rejections if r.reason == "deleted by hand"] == []
+    assert np.array_equal(drive, soundfile.read(result / "drive.wav", dtype="int32")[0])
 
 
 @pytest.mark.parametrize("stop_ms", [8, 16, 30, 41, 70])

@@ -1,7 +1,7 @@
 """What became of each event: edited rows beside the events that they were exported from.
 
-A row is an original event by its id, or, where it has none, by its time. As long as the digits of the file allow it, an
-event is where it was; otherwise it was moved. What no row names any more was deleted.
+A row is an original event by its id, or, where it has none or a new one, by its time. As long as the digits of the file
+allow it, an event is where it was; otherwise it was moved. An original that no row is any more was deleted.
 """
 
 import re
@@ -55,7 +55,7 @@ class Wish:
 
 @dataclass(frozen=True)
 class Wanted:
-    """All events that are wanted, by onset, and the originals that no row names any more."""
+    """All events that are wanted, by onset, and the originals that none of them was."""
 
     wishes: tuple[Wish, ...]
     deleted: tuple[Event, ...]
@@ -75,27 +75,30 @@ def match(edited: EditedFile, originals: Mapping[str, Event] | None, *, rate_hz:
     fresh = _free_ids({*known, *(pair.id for pair in pairs if pair.id is not None)})
     wishes = [_wish(edited, pair, next(fresh) if pair.id is None else pair.id, rate_hz) for pair in pairs]
     _refuse_repeats(edited.path, ((wish.place, wish.onset) for wish in wishes), "onset_sample")
-    named = {wish.id for wish in wishes}
-    deleted = tuple(event for event in known.values() if event.id not in named)
+    taken = {wish.was.id for wish in wishes if wish.was is not None}
+    deleted = tuple(event for event in known.values() if event.id not in taken)
     kept = _with_whole_windows(wishes, known.values())
     return Wanted(tuple(sorted(kept, key=lambda wish: wish.onset)), deleted)
 
 
 def _paired(edited: EditedFile, known: Mapping[str, Event], rate_hz: int) -> Iterator[Pair]:
-    """Yield each row with its original: by id, and of those without one by time."""
+    """Yield each row with its original: by id, and of those that have none or a new one by time.
+
+    An event that somebody gave another id keeps it, and is the same event still.
+    """
     ids = [edit.id or _id_in(edit.text, known) for edit in edited.edits]
     named = set(ids)
     free = {event.onset_sample: event for event in known.values() if event.id not in named}
     onsets = sorted(free)
     for edit, identity in zip(edited.edits, ids, strict=True):
-        if identity is not None:
-            yield Pair(edit, known.get(identity), identity)
+        if identity is not None and identity in known:
+            yield Pair(edit, known[identity], identity)
             continue
         place = edit.onset.nearest(rate_hz)
         after = bisect_left(onsets, place)
         near = [onset for onset in onsets[max(0, after - 1) : after + 1] if edit.onset.may_be(onset, rate_hz)]
         was = free.pop(min(near, key=lambda onset: abs(onset - place)), None) if near else None
-        yield Pair(edit, was, was.id if was else None)
+        yield Pair(edit, was, was.id if was is not None and identity is None else identity)
 
 
 def _id_in(text: str, known: Mapping[str, Event]) -> str | None:
@@ -164,7 +167,9 @@ def _with_whole_windows(wishes: Iterable[Wish], originals: Iterable[Event]) -> I
     """
     listed = list(wishes)
     untouched = {
-        wish.id for wish in listed if wish.was is not None and wish.unmoved and wish.start is None and wish.stop is None
+        wish.was.id
+        for wish in listed
+        if wish.was is not None and wish.unmoved and wish.start is None and wish.stop is None
     }
     mates: dict[Window, set[str]] = {}
     for event in originals:
