@@ -1,6 +1,7 @@
 """Whatever a designer does to a table or a label track, exactly that comes back, and nothing else has changed."""
 
 import csv
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -309,6 +310,28 @@ def test_an_event_with_another_id_is_the_same_event(
     assert all(wish.unmoved and not wish.changed for wish in wanted.wishes)
     assert [wish.window for wish in wanted.wishes] == [event.window for event in before.events]
     assert wanted.deleted == ()
+
+
+@pytest.mark.parametrize("identity", ["", "mine"])
+@pytest.mark.parametrize("column", ["onset_sample", "onset_s"])
+@pytest.mark.parametrize("suffix", [".csv", ".json"])
+def test_a_copied_row_with_another_onset_is_added(tmp_path: Path, identity: str, column: str, suffix: str) -> None:
+    """Whatever else the copy says, "found" among it, nobody had found it there."""
+    before = timeline(EVENT)
+    [file] = export_timeline(before, tmp_path, formats=[suffix[1:]])
+    onset = 144_000
+    said = onset if column == "onset_sample" else onset / RATE_HZ
+    if suffix == ".csv":
+        with file.open(newline="") as text:
+            [row] = csv.DictReader(text)
+        _write(file, [row, row | {"id": identity, column: str(said)}])
+    else:
+        plain = json.loads(file.read_bytes())
+        plain["events"].append(plain["events"][0] | {"id": identity or None, column: said})
+        file.write_text(json.dumps(plain))
+    original, copy = match(read_edits(file), {EVENT.id: EVENT}, rate_hz=RATE_HZ).wishes
+    assert (original.was, original.unmoved, original.origin) == (EVENT, True, "found")
+    assert (copy.id, copy.onset, copy.was, copy.origin) == (identity or "shot-0002", onset, None, "added")
 
 
 def test_a_new_id_takes_no_event_that_another_row_names(tmp_path: Path) -> None:

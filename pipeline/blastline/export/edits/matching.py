@@ -73,7 +73,8 @@ def match(edited: EditedFile, originals: Mapping[str, Event] | None, *, rate_hz:
         pairs = without_ends_at_the_next(pairs, known.values(), rate_hz=rate_hz)
     _refuse_repeats(edited.path, ((pair.edit.place, pair.id) for pair in pairs if pair.id is not None), "id")
     fresh = _free_ids({*known, *(pair.id for pair in pairs if pair.id is not None)})
-    wishes = [_wish(edited, pair, next(fresh) if pair.id is None else pair.id, rate_hz) for pair in pairs]
+    told = originals is not None or bool(known)
+    wishes = [_wish(edited, pair, next(fresh) if pair.id is None else pair.id, rate_hz, known=told) for pair in pairs]
     _refuse_repeats(edited.path, ((wish.place, wish.onset) for wish in wishes), "onset_sample")
     taken = {wish.was.id for wish in wishes if wish.was is not None}
     deleted = tuple(event for event in known.values() if event.id not in taken)
@@ -130,26 +131,19 @@ def _refuse_repeats(path: Path, values: Iterable[tuple[str, object]], name: str)
         first[value] = place
 
 
-def _wish(edited: EditedFile, pair: Pair, identity: str, rate_hz: int) -> Wish:
+def _wish(edited: EditedFile, pair: Pair, identity: str, rate_hz: int, *, known: bool) -> Wish:
     edit, was = pair.edit, pair.was
     before = was.onset_sample if was else edit.blast_start
     onset = settled(edited, edit, "onset", edit.onset, before, rate_hz)
     moved = was is not None and was.onset_sample != onset
     if was is None and edit.blast_start is not None:
         moved = edit.blast_start != onset
-    if was is not None:
-        origin: Origin = "moved" if moved and was.origin == "found" else was.origin
-    elif edit.origin is not None:
-        origin = "moved" if moved and edit.origin == "found" else edit.origin
-    else:
-        rated = edit.confidence is not None or WITH_CONFIDENCE.match(edit.text)
-        origin = "added" if not rated or pair.id is None else "moved" if moved else "found"
     start, stop = ends(edited, edit, was, onset, moved=moved, rate_hz=rate_hz)
     return Wish(
         edit.place,
         identity,
         onset,
-        origin,
+        _origin(pair, moved=moved, known=known),
         was,
         window=None,
         start=start,
@@ -157,6 +151,21 @@ def _wish(edited: EditedFile, pair: Pair, identity: str, rate_hz: int) -> Wish:
         confidence=confidence(edited, edit, was),
         gain_db=gain_db(edited, edit, was),
     )
+
+
+def _origin(pair: Pair, *, moved: bool, known: bool) -> Origin:
+    """Return where an event comes from; `known` says that originals are.
+
+    What was none of them is new, whatever its row says: a copied row still says "found".
+    """
+    edit, was = pair.edit, pair.was
+    if was is None and known:
+        return "added"
+    said = edit.origin if was is None else was.origin
+    if said is None:
+        rated = edit.confidence is not None or WITH_CONFIDENCE.match(edit.text)
+        said = "found" if rated and pair.id is not None else "added"
+    return "moved" if moved and said == "found" else said
 
 
 def _with_whole_windows(wishes: Iterable[Wish], originals: Iterable[Event]) -> Iterator[Wish]:
