@@ -1,3 +1,4 @@
+import re
 from typing import get_args
 
 import msgspec
@@ -213,6 +214,15 @@ def test_filter_beyond_the_limit_is_scaled_not_clipped_and_says_so() -> None:
     unlimited = compensated(film, CAUSAL)[core.start : core.stop]
     found = done.clip.cut(core).driving
     np.testing.assert_allclose(found, unlimited / np.max(np.abs(unlimited)), atol=1e-3)
+
+
+def test_filter_just_beyond_the_limit_says_a_peak_that_is_beyond_it() -> None:
+    film, shot = film_with_shot(peak=0.05, bed=0.0)
+    (within,) = rendered(film, [shot], "filter")
+    (beyond,) = rendered(film * (1.0004 / within.drives[0].peak), [shot], "filter")
+    said = re.search(r"peak is (\S+) of the limit, so the window is scaled", beyond.drives[0].reason)
+    assert said is not None
+    assert float(said[1]) == pytest.approx(1.0004, abs=5e-5)
 
 
 @pytest.mark.parametrize("model", ["direct", "filter"])

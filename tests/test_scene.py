@@ -1,10 +1,11 @@
 import math
+import re
 from typing import get_args
 
 import msgspec
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from blastline.detect.segment import segment
@@ -51,6 +52,17 @@ def test_cheapest_model_that_is_good_enough(found: SceneEvidence, model: str) ->
 def test_reason_says_the_figures() -> None:
     _, reason = choose(evidence(-12.34, 0.712, 4.2), RULES, "auto")
     assert all(figure in reason for figure in ("-12.3 dB", "0.712", "4.2 of the limit"))
+
+
+@given(st.floats(0.0, 2.0) | st.integers(1, 2**20).map(lambda steps: 1.0 + steps * 2.0**-52) | st.floats(1.0, 1e30))
+@example(1.0 + 2.0**-52)
+@example(1.0)
+@example(math.inf)
+def test_the_peak_that_a_reason_gives_is_too_much_where_it_says_so(peak: float) -> None:
+    _, reason = choose(evidence(-12.0, 0.7, peak), RULES, "auto")
+    said = re.search(r"peak is (\S+) of the limit", reason)
+    assert said is not None
+    assert (float(said[1]) > 1.0) == reason.endswith("which is too much") == (peak > 1.0)
 
 
 @given(st.floats(-240, 240), st.floats(-1, 1), st.floats(0, 1e30), st.sampled_from(get_args(DriveChoice)))

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 from .model import DecayEnd, Decision, DriveChoice, DriveModel, Reflection, SceneEvidence, Shot, ShotEvidence
 from .ruleset import QualityRules, SceneRules
-from .units import ms_from_samples
+from .units import ms_from_samples, share_text
 
 _ENDED: dict[DecayEnd, str] = {
     "fallen": "its level has fallen by {decay_db:g} dB by then",
@@ -39,7 +39,7 @@ def choose(evidence: SceneEvidence, rules: SceneRules, choice: DriveChoice) -> t
     near = abs(evidence.direct_level_db) <= rules.direct_level_db
     if near and evidence.direct_fidelity >= rules.direct_fidelity:
         return "direct", f"{level} {alike}, which is close enough"
-    peak = f"the compensator's peak is {evidence.filter_peak:.3g} of the limit"
+    peak = f"the compensator's peak is {share_text(evidence.filter_peak)} of the limit"
     if evidence.filter_peak <= 1.0:
         return "filter", f"{level} {alike}; {peak}"
     return "constrained", f"{level} {alike}; {peak}, which is too much"

@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 SILENCE_DB = -240.0
 """What a level of exactly zero is called: below the quietest step of 32-bit audio, and finite, so JSON holds it."""
 
+_ALL_DIGITS = 17
+"""So many tell any number from every other."""
+
 
 def samples_from_s(duration_s: float, rate_hz: int) -> int:
     """Return the nearest whole number of samples, halves upwards (Python's `round` goes to even).
@@ -61,3 +64,13 @@ def levels_db(gains: NDArray[np.floating]) -> NDArray[np.float64]:
     """Return the level of each amplitude ratio, as `db_from_gain` does for one."""
     floor = 10.0 ** (SILENCE_DB / 20.0)
     return np.asarray(20.0 * np.log10(np.maximum(gains, floor)), dtype=np.float64)
+
+
+def share_text(peak: float) -> str:
+    """Return a share of the limit, with as many digits as it takes to see that it is more than all of it.
+
+    >>> share_text(4.1812), share_text(0.9996), share_text(1.0004)
+    ('4.18', '1', '1.0004')
+    """
+    texts = (f"{peak:.{digits}g}" for digits in range(3, _ALL_DIGITS))
+    return next((text for text in texts if peak <= 1.0 or float(text) > 1.0), f"{peak:.{_ALL_DIGITS}g}")

@@ -9,7 +9,7 @@ import numpy as np
 from .. import dsp
 from ..model import Background, Clip, DriveInfo, DriveModel, SceneEvidence, Shot, Span
 from ..ruleset import RenderRules
-from ..units import SILENCE_DB, db_from_gain, samples_from_ms
+from ..units import SILENCE_DB, db_from_gain, samples_from_ms, share_text
 from .constrained import Effort, constrained_drive
 from .filters import DriveFilters, Samples, felt
 from .heard import HeardWindow
@@ -56,7 +56,9 @@ def render_window(
     wet = _limited(heard.asked) if model == "direct" else heard.unlimited
     if model == "filter" and (peak := _excess(wet, heard.gains)) > 1.0:
         wet = wet / peak
-        reason = f"{reason}; the compensator's peak is {peak:.3g} of the limit, so the window is scaled down by it"
+        reason = (
+            f"{reason}; the compensator's peak is {share_text(peak)} of the limit, so the window is scaled down by it"
+        )
     efforts: Sequence[Effort | None] = [None] * len(own)
     if model == "constrained":
         wet, efforts = constrained_drive(
