@@ -2,8 +2,9 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import lfilter
 
-from blastline.detect.backdrop import BITS, backdrops, bits_apart
+from blastline.detect.backdrop import BITS, LEVELS, backdrops, bits_apart, sounds
 from blastline.detect.picture import pictures
 
 RATE_HZ = 48_000
@@ -56,3 +57,31 @@ def test_silence_has_none() -> None:
     assert of(np.zeros(LENGTH)) is None
     assert of(noise(1, level=1e-6)) is None
     assert backdrops(pictures(np.zeros(LENGTH, np.float32), np.zeros(0, np.intp), RATE_HZ)) == []
+
+
+def test_a_hum_has_none() -> None:
+    """It is the same at any time, so that whoever fires in time with it would turn with a loop."""
+    seconds = np.arange(LENGTH) / RATE_HZ
+    for hum_hz in (50.0, 60.0, 100.0):
+        hum = np.sum([np.sin(2.0 * np.pi * hum_hz * k * seconds + k) / k for k in (1, 2, 3, 5, 7)], axis=0)
+        assert of(0.05 * hum) is None
+        assert of(0.05 * hum + noise(1, level=3e-5)) is None
+
+
+def test_a_sound_is_like_itself_over_any_bed_and_unlike_another() -> None:
+    """A softer one over the same bed is a little less like itself."""
+
+    def levels(bang: int, bed: int, gain: float = 1.0) -> NDArray[np.float64]:
+        film = noise(bed, level=3e-3)
+        tail = np.random.default_rng([7, bang]).standard_normal(LENGTH - AT)
+        length, pole = 200.0 * 3.0**bang, 0.3 * bang
+        film[AT:] += gain * lfilter([1.0 - pole], [1.0, -pole], tail * np.exp(-np.arange(LENGTH - AT) / length))
+        (sound,) = sounds(pictures(film.astype(np.float32), np.array([AT]), RATE_HZ))
+        assert len(sound) == LEVELS
+        return np.array(sound, np.float64)
+
+    for bang in (0, 1, 2):
+        for gain in (1.0, 0.5):
+            assert np.abs(levels(bang, 1) - levels(bang, 2, gain)).mean() < 1.5
+    for other in (1, 2):
+        assert np.abs(levels(0, 1) - levels(other, 1)).mean() > 2.5

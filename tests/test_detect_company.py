@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from blastline.detect.backdrop import LEVELS
 from blastline.detect.company import in_company, worth_parting
 from blastline.detect.fire import Looked
 from blastline.detect.verify import Verdicts, odds_of
@@ -258,8 +259,13 @@ ELSEWHERE = (
 )
 
 
-def at(at_ms: float, confidence: float, backdrop: int | None, peak_dbfs: float = -6.0) -> Shot:
-    evidence = ShotEvidence(0.5, 2, None, "background", backdrop)
+SOUND = tuple(range(0, -LEVELS, -1))
+
+
+def at(
+    at_ms: float, confidence: float, backdrop: int | None, peak_dbfs: float = -6.0, sound: tuple[int, ...] = SOUND
+) -> Shot:
+    evidence = ShotEvidence(0.5, 2, None, "background", backdrop, sound)
     return msgspec.structs.replace(shot(at_ms, confidence, peak_dbfs), evidence=evidence)
 
 
@@ -297,6 +303,22 @@ def test_a_backdrop_is_the_same_up_to_some_bits() -> None:
     more = [BED ^ (1 << (TIER.rows.backdrop_bits + 1) * n) - 1 for n in range(3)]
     assert believed_ms(SURE_SHOT, *loop(3, 2000.0, few)) == [20_111]
     assert len(believed_ms(SURE_SHOT, *loop(3, 2000.0, more))) == 4
+
+
+def test_several_guns_over_a_loop_are_none_of_it() -> None:
+    """A bed may turn, and a tester fire a gun in each turn: what comes again is another sound each time."""
+    step = 2 * round(TIER.rows.loop_sound_db) + 1
+    guns = [at(20_777 + n * 2000.0, UNSURE, BED, sound=tuple(each - step * n for each in SOUND)) for n in range(5)]
+    assert len(believed_ms(SURE_SHOT, *guns)) == 6
+    assert believed_ms(SURE_SHOT, *loop(6), *guns) == [20_111, *(each.onset * 1000 / RATE_HZ for each in guns)]
+
+
+def test_a_slow_row_that_is_fire_is_no_row_of_steps() -> None:
+    gap_ms = TIER.rows.shortest_gap_ms + 1.0
+    row = [shot(20_000 + n * gap_ms, UNSURE) for n in range(TIER.rows.fewest)]
+    assert believed_ms(shot(15_000, SURE), *row) == [15_000]
+    fire = [in_row(each, "fire") for each in row]
+    assert len(believed_ms(*fire)) == len(fire)
 
 
 def test_what_is_not_worth_parting_makes_no_loop() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import expit, logit
 
-from blastline.detect.fire import Looked, even_rows, rows_of_fire, worth_a_look
+from blastline.detect.fire import Looked, automatic, even_rows, rows_at, worth_a_look
 from blastline.detect.verify import SCREEN_SHARE, Verdicts, odds_of
 from blastline.model import EvenRow
 from blastline.ruleset import load_rules
@@ -31,7 +31,7 @@ def told(
 def rows(onsets_ms: list[float], peaks_dbfs: list[float] | None = None, rate_hz: int = RATE_HZ) -> list[list[int]]:
     onsets = np.array([samples_from_ms(at_ms, rate_hz) for at_ms in onsets_ms], np.intp)
     peaks = np.zeros(onsets.size) if peaks_dbfs is None else np.array(peaks_dbfs)
-    return [row.tolist() for row in rows_of_fire(onsets, peaks, rate_hz=rate_hz, rules=BURSTS)]
+    return [row.tolist() for row in rows_at(onsets, peaks, automatic(BURSTS), rate_hz=rate_hz)]
 
 
 @pytest.mark.parametrize("gap_ms", [BURSTS.shortest_gap_ms, FAST_MS, BURSTS.longest_gap_ms])
@@ -128,6 +128,18 @@ def test_a_long_row_is_fire_or_none_and_a_short_one_may_be_anything() -> None:
     assert told([0.2] * fewest) == ["no fire"] * fewest
     assert told([0.2] * (fewest - 1)) == [None] * (fewest - 1)
     assert told([0.2] * fewest, gap_ms=BURSTS.longest_gap_ms + 1.0) == [None] * fewest
+
+
+@pytest.mark.parametrize("gap_ms", [BURSTS.longest_gap_ms + 1.0, 500.0, TIER.rows.longest_gap_ms])
+def test_a_slow_row_is_fire_where_the_networks_alone_are_as_sure_of_it_as_of_a_shot(gap_ms: float) -> None:
+    """Somebody pulls the trigger at a pace at which steps and hammers come as well; the screen doubts all of them."""
+    enough, by_screen = float(logit(VERIFY.threshold)), -4.0
+    for above, row in ((0.1, "fire"), (-0.1, None)):
+        surety = float(expit((1.0 - SCREEN_SHARE) * (enough + above) + SCREEN_SHARE * by_screen))
+        assert surety < VERIFY.threshold
+        assert told([surety] * 4, [float(expit(by_screen))] * 4, gap_ms=gap_ms) == [row] * 4
+    assert told([0.99] * (TIER.rows.fewest - 1), gap_ms=gap_ms) == [None] * (TIER.rows.fewest - 1)
+    assert told([0.99] * 4, gap_ms=TIER.rows.longest_gap_ms + 1.0) == [None] * 4
 
 
 def test_what_the_screen_doubts_is_looked_at_where_it_makes_a_row_with_what_it_does_not() -> None:

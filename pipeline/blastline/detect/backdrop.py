@@ -1,8 +1,12 @@
-"""What is heard just before a candidate, as a number of 50 bits: in a loop it comes again, elsewhere it does not.
+"""What is heard just before a candidate and of itself, in short: in a loop both come again, elsewhere they do not.
 
-A bit says whether the step from one band to the next one above grows from one frame to the next (Haitsma and Kalker
-2002, who recognise recordings so). Noise is another one each time: two backdrops of different moments differ by half of
-their bits, 25 and seldom fewer than 13; of one moment in two turns of a loop they differ by few, whatever their levels.
+What is before it is a number of 50 bits. A bit says whether the step from one band to the next one above grows from one
+frame to the next (Haitsma and Kalker 2002, who recognise recordings so). Noise is another one each time: two backdrops
+of different moments differ by half of their bits, 25 and seldom fewer than 13; of one moment in two turns of a loop
+they differ by few, whatever their levels.
+
+Its own sound are 25 levels of its first 15 ms. Two turns of a loop, with noise 10 dB below, are 1.4 dB apart in the
+median and in nine of ten cases less than 2.4; different guns are 4 dB and more, but for one pair in ten.
 """
 
 import numpy as np
@@ -13,16 +17,36 @@ from .picture import Pictures
 BITS = 50
 _FRAMES, _BANDS, _JOINED = 11, 6, 5  # until 10 ms before the onset; the bands of the wide picture five by five
 _STILL_DB = 0.05
+_OWN, _OWN_FRAMES, _OWN_BANDS = slice(5, 20), 5, 5  # the near picture's first 15 ms from the onset, three by four
+LEVELS = _OWN_FRAMES * _OWN_BANDS
+_LONGEST_PERIOD, _PERIODIC = 5, 0.2
+"""In frames: a hum of 50 or 60 Hz repeats itself after 20 or 50 ms, and up to so much of its bits is something else."""
 
 
 def backdrops(shown: Pictures) -> list[int | None]:
-    """Return the backdrop of each candidate, and None where half of it and more is silence or does not change."""
+    """Return the backdrop of each candidate; None where it tells nothing.
+
+    That is where half of it and more is silence or does not change, and where it repeats itself: a hum is the same at
+    any time, with no loop.
+    """
     before = shown.wide[:, :_FRAMES, : _BANDS * _JOINED]
     levels = before.reshape(-1, _FRAMES, _BANDS, _JOINED).mean(axis=3)
-    growth = np.diff(np.diff(levels, axis=2), axis=1).reshape(-1, BITS)
-    numbers = (growth > 0.0) @ (1 << np.arange(BITS, dtype=np.int64))
-    told = 2 * (np.abs(growth) > _STILL_DB).sum(axis=1) > BITS
+    growth = np.diff(np.diff(levels, axis=2), axis=1)
+    bits = growth > 0.0
+    numbers = bits.reshape(-1, BITS) @ (1 << np.arange(BITS, dtype=np.int64))
+    told = 2 * (np.abs(growth) > _STILL_DB).sum(axis=(1, 2)) > BITS
+    for period in range(1, _LONGEST_PERIOD + 1):
+        told &= (bits[:, period:] != bits[:, :-period]).mean(axis=(1, 2)) > _PERIODIC
     return [number if known else None for number, known in zip(numbers.tolist(), told.tolist(), strict=True)]
+
+
+def sounds(shown: Pictures) -> list[tuple[int, ...]]:
+    """Return the sound of each candidate itself: levels in dB against its attack, `_OWN_BANDS` at each moment."""
+    own = shown.near[:, _OWN]
+    count, frames, bands = own.shape
+    parts = own.reshape(count, _OWN_FRAMES, frames // _OWN_FRAMES, _OWN_BANDS, bands // _OWN_BANDS)
+    levels = np.round(parts.mean(axis=(2, 4))).reshape(count, LEVELS)
+    return [tuple(each) for each in levels.astype(int).tolist()]
 
 
 def bits_apart(first: NDArray[np.int64], second: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -19,8 +19,10 @@ from numpy.typing import NDArray
 from ..model import EvenRow, Rejection, Shot, Span
 from ..ruleset import BurstRules, QualityRules
 from ..units import samples_from_ms, samples_from_s
+from .backdrop import LEVELS
 from .fire import Looked
-from .rows import in_endless_fire, in_even_rows, in_loops, runs_of
+from .loops import Returning, in_loops
+from .rows import in_endless_fire, in_even_rows, runs_of
 from .verify import log_odds_of
 
 _ROUNDING = 2  # samples that a gap may gain on its way to another rate
@@ -33,11 +35,14 @@ _LOOP = "one of a loop: it comes again with all that is around it, and again"
 
 @dataclass(frozen=True, eq=False)
 class _Belief:
-    """Of n candidates: which are believed, would be so by themselves, in company, or are refused with their row."""
+    """Of n candidates: which are believed, would be so by themselves or in company, are rounds of even fire, or are
+    refused with their row.
+    """
 
     believed: NDArray[np.bool_]
     by_itself: NDArray[np.bool_]
     likely: NDArray[np.bool_]
+    fire: NDArray[np.bool_]
     unlike: NDArray[np.bool_]
 
 
@@ -85,21 +90,22 @@ def _belief(shots: Sequence[Shot], *, rate_hz: int, tier: QualityRules) -> _Beli
     believed = sure | (likely & _near(onsets, onsets[sure], samples_from_s(rules.company_s, rate_hz)))
     peaks_dbfs = np.array([shot.peak_dbfs for shot in shots])
     rows = [shot.evidence.even_row if shot.evidence else None for shot in shots]
-    believed |= np.array([row == "fire" for row in rows], bool)
+    fire = np.array([row == "fire" for row in rows], bool)
+    believed |= fire
     believed = _with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=bursts)
-    return _Belief(believed, by_itself, likely, np.array([row == "no fire" for row in rows], bool) & ~by_itself)
+    return _Belief(believed, by_itself, likely, fire, np.array([row == "no fire" for row in rows], bool) & ~by_itself)
 
 
 def _rows(shots: Sequence[Shot], belief: _Belief, *, rate_hz: int, tier: QualityRules) -> list[str]:
     """Return of each candidate why it is refused as one of a row, and nothing of those that are not."""
     believed = np.flatnonzero(belief.believed)
     onsets, by_itself = _onsets(shots), belief.by_itself
-    steps = in_even_rows(onsets[believed], by_itself[believed], rate_hz=rate_hz, rules=tier.rows)
+    vouched = by_itself | belief.fire
+    steps = in_even_rows(onsets[believed], vouched[believed], rate_hz=rate_hz, rules=tier.rows)
     machines = in_endless_fire(onsets[believed], by_itself[believed], rate_hz=rate_hz, rules=tier.bursts)
     returning = np.flatnonzero(belief.likely)  # a turn may be out of all company; what is less is not always parted
-    peaks_dbfs = np.array([shots[place].peak_dbfs for place in returning.tolist()])
-    before = np.array([_backdrop(shots[place]) for place in returning.tolist()], np.int64)
-    loops = in_loops(onsets[returning], peaks_dbfs, by_itself[returning], before, rate_hz=rate_hz, rules=tier.rows)
+    likely = _returning([shots[place] for place in returning.tolist()], by_itself[returning])
+    loops = in_loops(likely, rate_hz=rate_hz, rules=tier.rows)
     why = [""] * len(shots)
     for refused, reason in (
         (returning[loops], _LOOP),
@@ -112,9 +118,18 @@ def _rows(shots: Sequence[Shot], belief: _Belief, *, rate_hz: int, tier: Quality
     return why
 
 
-def _backdrop(shot: Shot) -> int:
-    """Return what is heard just before a shot, and -1 where that is not known."""
-    return -1 if shot.evidence is None or shot.evidence.backdrop is None else shot.evidence.backdrop
+def _returning(shots: Sequence[Shot], by_itself: NDArray[np.bool_]) -> Returning:
+    """Return what tells of candidates whether they turn with a loop; of those that nobody looked at, nothing does."""
+    known = [shot.evidence for shot in shots]
+    backdrops = [-1 if each is None or each.backdrop is None else each.backdrop for each in known]
+    sounds = [each.sound if each and each.sound else (np.nan,) * LEVELS for each in known]
+    return Returning(
+        _onsets(shots),
+        np.array([shot.peak_dbfs for shot in shots]),
+        by_itself,
+        np.array(backdrops, np.int64),
+        np.array(sounds, np.float64).reshape(len(shots), LEVELS),
+    )
 
 
 def _onsets(shots: Sequence[Shot]) -> NDArray[np.intp]:

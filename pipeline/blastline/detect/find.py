@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..model import Channels, Clip, EvenRow, HeardIn, Rejection, Shot
 from ..ruleset import QualityRules
 from ..units import levels_db, samples_from_ms
-from .backdrop import backdrops
+from .backdrop import backdrops, sounds
 from .bandshape import band_levels, bandshape
 from .bursts import group_bursts, keep_apart, part_from_echoes, without_echoes
 from .company import in_company, unlike_a_shot, worth_parting
@@ -209,7 +209,7 @@ def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier
 
     found = described(stretch, grid, tier, gate=lambda rows, _: verifier.gate.lets_pass(rows), screen=screen)
     shown = pictures(stretch.samples, found.onsets, grid.rate_hz)
-    verdicts, before = verifier.verdicts(found.rows, shown), backdrops(shown)
+    verdicts, before, own = verifier.verdicts(found.rows, shown), backdrops(shown), sounds(shown)
     at = found.onsets + stretch.start
     peaks_dbfs = np.array([peak_dbfs(stretch.samples, onset, grid.rate_hz) for onset in found.onsets.tolist()])
     looked = Looked(at, peaks_dbfs, odds_of(verdicts))
@@ -227,6 +227,7 @@ def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier
             screen=float(verdicts.screened[index]),
             networks=int(verdicts.networks[index]),
             backdrop=before[index],
+            sound=own[index],
         )
         for index in np.flatnonzero(worth)
     ]

@@ -1,9 +1,11 @@
-"""Even fire: sounds at a gun's pace, as even and as loud as a weapon's action makes them, judged together.
+"""Even fire: sounds at a gun's pace, or at that of a finger, even and equally loud, judged together.
 
     |   |   |   |   |      one pace, within a few percent from gap to gap, peaks within 3 dB
       .       .            what sounds between, an echo or something else, does not break the row
 
-A row is as many looks at one gun, or at one machine, so its mean odds say more than each sound's own.
+A row is as many looks at one gun, or at one machine, so its mean odds say more than each sound's own. Somebody who
+fires shot by shot keeps a slower pace, at which steps and hammers come as well: there the networks alone are asked, and
+have to be as sure as of a single shot. The screen, which hears what is around, takes any such row for a machine.
 """
 
 from bisect import bisect_left, bisect_right
@@ -41,34 +43,53 @@ class Looked:
         )
 
 
-def rows_of_fire(
-    onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], *, rate_hz: int, rules: BurstRules
-) -> list[NDArray[np.intp]]:
-    """Return the rows among onsets, ascending, that are as even and fast as automatic fire and as loud throughout.
+@dataclass(frozen=True)
+class Pace:
+    """What makes sounds one row: `fewest` of them, gaps in ms in a range and as even, peaks within `within_db`."""
 
-    `fewest_even` sounds and more, the longest row first; no sound is in two.
-    """
+    shortest_gap_ms: float
+    longest_gap_ms: float
+    unevenness: float
+    fewest: int
+    within_db: float
+
+
+def automatic(rules: BurstRules) -> Pace:
+    """Return the pace of a weapon that reloads itself and goes on."""
+    return Pace(rules.shortest_gap_ms, rules.longest_gap_ms, rules.unevenness, rules.fewest_even, rules.echo_drop_db)
+
+
+def shot_by_shot(tier: QualityRules) -> Pace:
+    """Return the pace of somebody who pulls the trigger each time: slower than a burst, up to that of steps."""
+    bursts, rows = tier.bursts, tier.rows
+    return Pace(bursts.longest_gap_ms, rows.longest_gap_ms, rows.unevenness, rows.fewest, bursts.echo_drop_db)
+
+
+def rows_at(
+    onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], pace: Pace, *, rate_hz: int
+) -> list[NDArray[np.intp]]:
+    """Return the rows at a pace among onsets, ascending, the longest row first; no sound is in two."""
     at, loud_db = onsets.tolist(), peaks_dbfs.tolist()  # a few at a time: lists are faster than arrays
-    shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
+    shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (pace.shortest_gap_ms, pace.longest_gap_ms))
     told: set[tuple[int, int]] = set()
     rows = []
     for first, place in enumerate(at):
         for second in range(bisect_left(at, place + shortest), bisect_right(at, place + longest)):
             if (first, second) not in told:
-                row = _row_on(at, loud_db, first, second, gaps=(shortest, longest), rules=rules)
+                row = _row_on(at, loud_db, first, second, gaps=(shortest, longest), pace=pace)
                 told.update(pairwise(row))
                 rows.append(row)
     free = np.ones(onsets.size, bool)
     chosen = []
     for row in sorted(rows, key=len, reverse=True):
-        if len(row) >= rules.fewest_even and free[row].all():
+        if len(row) >= pace.fewest and free[row].all():
             free[row] = False
             chosen.append(np.array(row, np.intp))
     return chosen
 
 
 def _row_on(
-    at: list[int], loud_db: list[float], first: int, second: int, *, gaps: tuple[int, int], rules: BurstRules
+    at: list[int], loud_db: list[float], first: int, second: int, *, gaps: tuple[int, int], pace: Pace
 ) -> list[int]:
     """Return the row that goes on from two sounds at their pace, each next one where it is due, if it is as loud.
 
@@ -78,33 +99,34 @@ def _row_on(
     while True:
         earliest, latest = (at[row[-1]] + gap for gap in gaps)
         near = range(bisect_left(at, max(due - late, earliest)), bisect_right(at, min(due + late, latest)))
-        alike = [place for place in near if abs(loud_db[place] - loud_db[first]) <= rules.echo_drop_db]
+        alike = [place for place in near if abs(loud_db[place] - loud_db[first]) <= pace.within_db]
         if not alike:
             return row
         row.append(min(alike, key=lambda place: abs(at[place] - due)))
         gap = at[row[-1]] - at[row[-2]]
-        due, late = at[row[-1]] + gap, rules.unevenness * gap
+        due, late = at[row[-1]] + gap, pace.unevenness * gap
 
 
 def even_rows(looked: Looked, *, rate_hz: int, tier: QualityRules) -> list[EvenRow | None]:
     """Return of each candidate, ascending, whether it is a round of even fire or one of a long row that is none."""
     told: list[EvenRow | None] = [None] * looked.onsets.size
     rounds = looked.odds.by_networks >= log_odds_of(tier.verify.round_threshold)
-    for row in rows_of_fire(looked.onsets, looked.peaks_dbfs, rate_hz=rate_hz, rules=tier.bursts):
+    for row in rows_at(looked.onsets, looked.peaks_dbfs, automatic(tier.bursts), rate_hz=rate_hz):
         if _sounds_like_fire(looked.odds, row, tier.verify):
             for place in row[rounds[row]].tolist():
                 told[place] = "fire"
         elif row.size >= tier.bursts.fewest_as_one:
             for place in row.tolist():
                 told[place] = "no fire"
+    for row in rows_at(looked.onsets, looked.peaks_dbfs, shot_by_shot(tier), rate_hz=rate_hz):
+        if looked.odds.by_networks[row].mean() >= log_odds_of(tier.verify.threshold):
+            for place in row[rounds[row]].tolist():
+                told[place] = told[place] or "fire"
     return told
 
 
 def _sounds_like_fire(odds: Odds, row: NDArray[np.intp], rules: VerifyRules) -> bool:
-    """Return whether a row is likely enough in the mean.
-
-    The screen, which hears what is around, takes some fire for a machine; the networks alone may settle it.
-    """
+    """Return whether a row at the pace of automatic fire is likely enough in the mean, or so by the networks alone."""
     return bool(
         odds.by_all[row].mean() >= log_odds_of(rules.even_threshold)
         or odds.by_networks[row].mean() >= log_odds_of(rules.even_networks_threshold)
@@ -126,6 +148,6 @@ def worth_a_look(
     """
     passed = likely >= max(least, tier.verify.look_from)
     perhaps = np.flatnonzero(likely >= least)
-    for row in rows_of_fire(onsets[perhaps], peaks_dbfs[perhaps], rate_hz=rate_hz, rules=tier.bursts):
+    for row in rows_at(onsets[perhaps], peaks_dbfs[perhaps], automatic(tier.bursts), rate_hz=rate_hz):
         passed[perhaps[row]] |= passed[perhaps[row]].any()
     return passed

@@ -37,8 +37,9 @@ class ShotEvidence(msgspec.Struct, frozen=True):
     else found the shot. No later stretch as long as the blast is louder than `echo_room_db` against it, in the
     sound's difference over a sample or a sixth of a millisecond; None where no reflections are looked for.
     `decay_end` says what ended the decay. `backdrop` is what is heard just before (`detect.backdrop`); None where that
-    is silence, or somebody else found the shot. `even_row` says of one of a row, as even and fast as automatic fire,
-    that the row as a whole sounds like that, or, of a long one, that it does not.
+    is silence, or somebody else found the shot. `sound` are levels of the shot itself (`detect.backdrop`). `even_row`
+    says of one of a row, as even as fire, that the row as a whole sounds like that, or, of a long one as fast as
+    automatic fire, that it does not.
     """
 
     screen: Ratio | None
@@ -46,6 +47,7 @@ class ShotEvidence(msgspec.Struct, frozen=True):
     echo_room_db: float | None
     decay_end: DecayEnd
     backdrop: int | None = None
+    sound: tuple[int, ...] = ()
     even_row: EvenRow | None = None
 
 

@@ -175,7 +175,7 @@ class RowRules(Table, frozen=True):
     The gaps are `shortest_gap_ms` to `longest_gap_ms`. Steps, hammers and drums come so. A row of which fewer than half
     are sure by themselves has no shots. Nor has a loop: what comes `fewest_turns` times, each time after the same time
     of up to `longest_loop_s` and with the same before it, up to `backdrop_bits` of 50, tells how long it is. All that
-    turns with it is its, peaks within `loop_level_db`.
+    turns with it is its, peaks within `loop_level_db` and sounds, in the mean, within `loop_sound_db`.
     """
 
     fewest: Annotated[int, Meta(ge=3, le=10_000)]
@@ -186,6 +186,7 @@ class RowRules(Table, frozen=True):
     longest_loop_s: Annotated[float, Meta(gt=0.0, le=60.0)]
     backdrop_bits: Annotated[int, Meta(ge=0, le=20)]
     loop_level_db: Difference
+    loop_sound_db: Difference
 
     def __post_init__(self) -> None:
         """Refuse gaps that no row can have, and loops that are none: what turns faster than a row's pace is a row."""
