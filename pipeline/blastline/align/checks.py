@@ -11,7 +11,7 @@ from ..units import ms_from_samples, samples_from_ms
 from .comparison import Comparison, compare
 from .hearing import is_direct
 from .sanity import fade_margin, heard_rise_db, is_rise_owed, order_faults
-from .shots import REFINE_MS, ShotFigures, likeness_limit, parts_of
+from .shots import ShotFigures, likeness_limit, parts_of
 from .sounds import Sound, stretch_of
 from .telling import is_telling
 from .timing import Timing, time_film
@@ -121,7 +121,7 @@ def _timing_checks(shared: Comparison, events: Sequence[Event], timing: Timing |
     if timing is None or not events:
         yield Check("drive_shift", None, True, None, rules.shift_samples, "samples")
         return
-    bend = 0.0 if timing.exact else shared.rate_hz * REFINE_MS / 1000.0
+    bend = 0.0 if timing.exact else shared.rate_hz * shared.bend_ms / 1000.0
     shift_limit, drift_limit = max(rules.shift_samples, bend), max(rules.drift_samples, 2.0 * bend)
     place, first, last = timing.place, events[0].onset_sample, events[-1].onset_sample
     drift = place.lag(last) - place.lag(first) if place else None
@@ -150,10 +150,10 @@ def _shot_checks(shared: Comparison, event: Event, figures: ShotFigures | None, 
     allowed_ms = rules.lag_causal_ms if shared.phase == "causal" else ms_from_samples(rules.lag_zero_samples, rate_hz)
     late_ms = None if lag is None or figures is None else ms_from_samples(lag + figures.delay, rate_hz)
     delay_ms = 0.0 if figures is None else ms_from_samples(figures.delay, rate_hz)
-    if late_ms is not None and delay_ms > allowed_ms and abs(late_ms - delay_ms) <= REFINE_MS:
-        allowed_ms = delay_ms + REFINE_MS  # late as it is meant to be: the profile's own band delays by more
+    if late_ms is not None and delay_ms > allowed_ms and abs(late_ms - delay_ms) <= shared.bend_ms:
+        allowed_ms = delay_ms + shared.bend_ms  # late as it is meant to be: the profile's own band delays by more
     if figures is not None and not figures.exact:
-        allowed_ms = max(allowed_ms, REFINE_MS)  # so much the actuator's limit alone may bend a lag of nothing
+        allowed_ms = max(allowed_ms, shared.bend_ms)  # so much the actuator's limit alone may bend a lag of nothing
     yield Check(f"{subject}_lag", event.id, _within(late_ms, allowed_ms), late_ms, allowed_ms, "ms")
     likeness, wanted = figures.match.correlation if figures else 0.0, likeness_limit(shared, event)
     yield Check(f"{subject}_correlation", event.id, likeness >= wanted, likeness, wanted, "ratio")
@@ -180,12 +180,11 @@ def _noted(shared: Comparison, event: Event, figures: ShotFigures | None, lag: f
 
 def _onset_check(shared: Comparison, event: Event, figures: ShotFigures, lag: float | None) -> Check:
     """Return the check of the attack; one of which nothing can be told passes, with nothing measured."""
-    rules = shared.rules
-    late = figures.late_start
+    late, allowed_ms = figures.late_start, max(shared.rules.onset_error_ms, shared.bend_ms)
     error_ms = None if late is None else ms_from_samples(late + (lag or 0.0), shared.rate_hz)
-    in_time = error_ms is None or -shared.lead_ms - rules.onset_error_ms <= error_ms <= rules.onset_error_ms
+    in_time = error_ms is None or -shared.lead_ms - allowed_ms <= error_ms <= allowed_ms
     name = "drive_onset" if is_direct(event) else "felt_onset"
-    return Check(name, event.id, in_time, error_ms, rules.onset_error_ms, "ms")
+    return Check(name, event.id, in_time, error_ms, allowed_ms, "ms")
 
 
 def _level_check(shared: Comparison, event: Event, figures: ShotFigures) -> Iterator[Check]:

@@ -49,7 +49,7 @@ def show(shared: Comparison, heard: Heard, felt: Felt) -> Shown:
     """Return what a drive can do about: not what the opening of its window leaves ringing, which no drive makes up."""
     wet = _unsolved(heard, 1.0 if heard.solved else _level_of_wet(shared, heard, felt))
     left = _opening(heard, wet) - wet
-    vibration = felt.vibration - dsp.run_filter(shared.felt, left) if left.any() else felt.vibration
+    vibration = felt.own - dsp.run_filter(shared.felt, left) if left.any() else felt.own
     return Shown(shared.shown_to_actuator(heard.intended), shared.shown_to_actuator(vibration))
 
 
@@ -94,7 +94,7 @@ def due_before_next(
     rings = dsp.run_filter(shared.felt, np.clip(first_guess, -limit, limit))
     wanted = np.where(early, reading.level * heard.intended, rings)
     drive = np.where(early, felt.drive, 0.0)
-    vibration = felt.vibration - dsp.run_filter(shared.felt, felt.drive - drive)
+    vibration = felt.own - dsp.run_filter(shared.felt, felt.drive - drive)
     return np.clip(drive + shared.step * shared.shown_to_actuator(wanted - vibration), -limit, limit)
 
 

@@ -15,9 +15,6 @@ from .due import Shown, readings, show
 from .hearing import Felt, Heard, Part, feel, hear, is_direct
 from .sounds import Place
 
-REFINE_MS = 0.1
-"""How far the actuator's limit can bend the plain correlation's peak aside: 1.1 samples at 48 kHz was the most seen."""
-
 _EXACT = 0.98
 """Where the drive is free of its limit, a right one follows the sound at least this well (0.99 in what we rendered)."""
 
@@ -143,7 +140,7 @@ def _refined(
         bend = _bend(shared, shown, felt, slice(pattern.start, stop))
         if bend is not None:
             match, exact = Match(late + bend, match.correlation), True
-    settled = round(match.lag) if believed and (exact or abs(match.lag) > shared.samples(REFINE_MS)) else 0
+    settled = round(match.lag) if believed and (exact or abs(match.lag) > shared.samples(shared.bend_ms)) else 0
     if settled != late:
         felt, shown = read(settled)
     return match, exact, felt, shown
@@ -156,7 +153,7 @@ def _bend(shared: Comparison, shown: Shown, felt: Felt, pattern: slice) -> float
     H'(H u - t) = 0. So H'H u and H't are one and the same at these samples, and only at the right lag. The pattern
     ends before H is asked for what the drive does not know or do: the next shot, and what follows the film's end.
     """
-    reach = max(4, shared.samples(REFINE_MS))
+    reach = max(4, shared.samples(shared.bend_ms))
     if pattern.stop - pattern.start < shared.samples(_LEAST_MS):
         return None
     around = slice(pattern.start - reach, pattern.stop + reach)

@@ -9,7 +9,7 @@ import numpy as np
 from ..model import Event
 from .comparison import Comparison, Samples
 from .hearing import Part
-from .shots import REFINE_MS, ShotFigures, likeness_limit, locate, measure
+from .shots import ShotFigures, likeness_limit, locate, measure
 from .sounds import Place
 from .whole_drive import moving_spans
 
@@ -89,7 +89,7 @@ def _measure_all(
             found.append((event.onset_sample, lag))
         if tells and figure.exact:
             exact.append(found[-1])
-    line = _exact_line(exact, found, bend=shared.rate_hz * REFINE_MS / 1000.0)
+    line = _exact_line(exact, found, bend=shared.rate_hz * shared.bend_ms / 1000.0)
     if line is not None:
         return Timing(line, True, read, figures, tuple(lags), len(found))
     return Timing(_line(found) if found else None, False, read, figures, tuple(lags), len(found))
