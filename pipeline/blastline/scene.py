@@ -63,7 +63,7 @@ def _verifier(measured: ShotEvidence, confidence: float, tier: QualityRules) -> 
     evidence = {"screen": measured.screen, "confidence": confidence}
     said = f"the screen gives it {measured.screen:.4g}"
     if measured.even_row == "fire":
-        said += ", and all of its even row together sound like automatic fire"
+        said += ", and all of its even row together sound like gunfire"
     if measured.networks == 1:
         left = "one network is all that this quality asks" if tier.verify.networks == 1 else "a network left no doubt"
         yield Decision("verifier", "one network", f"{said}; {left}", evidence)

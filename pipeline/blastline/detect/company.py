@@ -5,7 +5,8 @@ run of likely ones, as fast as a gun fires ──► sure        guns do what no
 even row, likely in the mean               ──► believed    a weapon keeps its pace, and is heard so many times
 long even row, unlikely in the mean        ──► none        so do machines
 believed ──► the next as fast as a gun fires, unlikely     one round is followed by another
-even row, at a walking pace, half of it unsure ──► none    so come steps and blows
+even row, slower, half of it unsure, and   ──► none        so come steps and blows
+    unlikely in the mean
 even run without an end, half of it unsure     ──► none    so do machines as well
 again and again with what is heard before it   ──► none    so do loops of ambience
 """
