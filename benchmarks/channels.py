@@ -1,9 +1,10 @@
 """What a film's channels tell beyond its mix: `python benchmarks/channels.py [--quality standard] [--scenes 20]`.
 
-Synthesises 5.1 and 7.1 scenes, finds their shots as `detect` does, once in the mains and once more without the centre,
-and prints what was found and how far the azimuths are off. Three families:
+Synthesises scenes in 5.1, 7.1 and stereo, finds their shots as `detect` does, once in the mains and once more in the
+sides, and prints what was found and how far the azimuths are off. Three families:
 
-    drowned   a minute of loud dialogue in the centre, shots 25 to 155 degrees aside, 4 dB under to 24 dB over the sound
+    drowned   a minute of loud dialogue in the middle, shots 25 to 155 degrees aside (8 to 30 in stereo), 4 dB under to
+              24 dB over the sound
     film      two minutes of changing beds, shots and other sounds anywhere
     no gun    three minutes of the same without shots
 """
@@ -75,11 +76,12 @@ def drowned(seed: int, layout: Layout) -> Scene:
     ]
     if rng.random() < 0.5:
         beds.append(BedItem(kind="music", level_dbfs=float(rng.uniform(-44.0, -28.0))))
+    aside = (8.0, 30.0) if layout == "stereo" else (25.0, 155.0)
     shots = [
-        msgspec.structs.replace(shot, azimuth_deg=float(rng.choice([-1.0, 1.0]) * rng.uniform(25.0, 155.0)))
+        msgspec.structs.replace(shot, azimuth_deg=float(rng.choice([-1.0, 1.0]) * rng.uniform(*aside)))
         for shot in draw_shots(rng, 10, (-4.0, 24.0))
     ]
-    others = [anywhere(rng, each) for each in draw_negatives(rng, 10, (-4.0, 30.0), kinds=NEGATIVE_KINDS)]
+    others = [anywhere(rng, each, layout) for each in draw_negatives(rng, 10, (-4.0, 30.0), kinds=NEGATIVE_KINDS)]
     shots, others = spread(rng, shots, others, start_s=1.0, stop_s=59.0, spacing_s=0.3)
     return Scene(
         schema=1,
@@ -101,14 +103,17 @@ def film(seed: int, layout: Layout, *, minutes: float, gun_free: bool = False) -
     return msgspec.structs.replace(
         plain,
         layout=layout,
-        shots=tuple(anywhere(rng, each) for each in plain.shots),
-        negatives=tuple(anywhere(rng, each) for each in plain.negatives),
+        shots=tuple(anywhere(rng, each, layout) for each in plain.shots),
+        negatives=tuple(anywhere(rng, each, layout) for each in plain.negatives),
     )
 
 
-def anywhere(rng: np.random.Generator, item: Item) -> Item:
-    """Return a sound from any side, or, half of the time, somewhere in the picture."""
-    return item if rng.random() < 0.5 else msgspec.structs.replace(item, azimuth_deg=float(rng.uniform(-180.0, 180.0)))
+def anywhere(rng: np.random.Generator, item: Item, layout: Layout) -> Item:
+    """Return a sound from any side that the layout has, or, half of the time, somewhere in the picture."""
+    if rng.random() < 0.5:
+        return item
+    widest_deg = 30.0 if layout == "stereo" else 180.0
+    return msgspec.structs.replace(item, azimuth_deg=float(rng.uniform(-widest_deg, widest_deg)))
 
 
 def measured(scenes: list[Scene], quality: Quality) -> dict[str, Tally]:
@@ -131,6 +136,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quality", default="standard")
     parser.add_argument("--scenes", type=int, default=20)
+    parser.add_argument("--only", default="", help="the families with this in their names")
     options = parser.parse_args()
     seeds = range(options.scenes)
     half = seeds[: (len(seeds) + 1) // 2]
@@ -140,10 +146,13 @@ def main() -> None:
         "film, 5.1": [film(8100 + seed, "5.1", minutes=2.0) for seed in seeds],
         "film, 7.1": [film(8130 + seed, "7.1", minutes=2.0) for seed in half],
         "no gun, 5.1": [film(8200 + seed, "5.1", minutes=3.0, gun_free=True) for seed in seeds],
+        "drowned, stereo": [drowned(8300 + seed, "stereo") for seed in seeds],
+        "film, stereo": [film(8330 + seed, "stereo", minutes=2.0) for seed in seeds],
+        "no gun, stereo": [film(8360 + seed, "stereo", minutes=3.0, gun_free=True) for seed in seeds],
     }
     print("| scenes | heard | shots | precision | recall | F1 | false | azimuth off: median / 90 %, deg | not told |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
-    for name, scenes in families.items():
+    for name, scenes in ((name, scenes) for name, scenes in families.items() if options.only in name):
         for heard, tally in measured(scenes, options.quality).items():
             print(f"| {name} | {heard} | {tally.row()} |", flush=True)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from blastline.detect.tracks import Grid, Piece, pieces
+from blastline.detect.tracks import Grid, Piece, _Before, pieces
 from blastline.model import Clip
 
 RATE_HZ = 48_000
@@ -52,3 +52,22 @@ def test_bands_are_the_same_wherever_pieces_are_cut(frequency_hz: float, hops: i
     here, there = joined(samples, "bands"), joined(later, "bands")[hops:]
     assert here[GRID.piece // GRID.hop, 0] > 1e3 * here[:400, 0].max()
     np.testing.assert_allclose(np.sqrt(here), np.sqrt(there[: here.shape[0]]), rtol=1e-3, atol=1e-7)
+
+
+@pytest.mark.parametrize("with_bands", [True, False])
+def test_silence_that_is_not_measured_has_the_tracks_that_it_would_have(
+    monkeypatch: pytest.MonkeyPatch, with_bands: bool
+) -> None:
+    """Sound that ends anywhere in a piece, some pieces of silence, sound again, and a short end."""
+    samples = np.zeros(5 * GRID.piece + 777, np.float32)
+    rng = np.random.default_rng(5)
+    for start, stop in ((0, GRID.piece - 3), (3 * GRID.piece + 5, 4 * GRID.piece), (5 * GRID.piece + 10, samples.size)):
+        samples[start:stop] = rng.standard_normal(stop - start)
+    clip = Clip(samples[:, None], RATE_HZ)
+    quick = list(pieces([clip], RATE_HZ, with_bands=with_bands))
+    monkeypatch.setattr(_Before, "is_silent", False)
+    slow = list(pieces([clip], RATE_HZ, with_bands=with_bands))
+    for one, other in zip(quick, slow, strict=True):
+        assert one.frames == other.frames
+        for name in ("samples", "peak", "slope", "bands"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from blastline.errors import SoundtrackError
-from blastline.soundtrack.mix import LFE_GAIN, as_front, centre_of, is_identity, mix_matrix, mixed
+from blastline.soundtrack.mix import LFE_GAIN, as_front, centre_of, is_identity, mix_matrix, mixed, sides_matrix
 
 SIDE_5_1 = ("FL", "FR", "FC", "LFE", "SL", "SR")
 FILM_5_1 = ("FL", "FC", "FR", "SL", "SR", "LFE")
@@ -44,10 +44,47 @@ def test_three_channels_are_heard_as_asked_for_with_their_centre_and_without() -
     heard, sides = np.random.default_rng(3).uniform(-1.0, 1.0, (2, 1000)).astype(np.float32)
     front = as_front(heard, sides)
     (mains,) = mixed(front, mix_matrix(None, 3, "mains")).T
-    centre = centre_of(None, 3, "mains")
-    assert centre is not None
+    matrix = sides_matrix(None, 3, "mains")
+    assert matrix is not None
     np.testing.assert_allclose(mains, heard, atol=1e-6)
-    np.testing.assert_allclose(mains - front[:, centre], sides, atol=1e-6)
+    np.testing.assert_allclose(mixed(front, matrix)[:, 0], sides, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("layout", "without"),
+    [
+        (("FL", "FR", "FC"), {"FC"}),
+        (("FL", "FR", "FC", "LFE", "SL", "SR"), {"FC"}),
+        (("FL", "FR", "FC", "BL", "BR", "DL", "DR"), {"FC"}),
+    ],
+)
+def test_sides_are_the_mains_without_the_centre(layout: tuple[str, ...], without: set[str]) -> None:
+    expected = mix_matrix(layout, len(layout), "mains").copy()
+    expected[[layout.index(name) for name in without]] = 0.0
+    matrix = sides_matrix(layout, len(layout), "mains")
+    assert matrix is not None
+    np.testing.assert_array_equal(matrix, expected)
+    assert centre_of(layout, len(layout)) == layout.index("FC")
+
+
+@pytest.mark.parametrize("layout", [("FL", "FR"), ("FL", "FR", "LFE"), None])
+def test_what_a_pair_plays_against_each_other_is_its_sides_and_nothing_else(layout: tuple[str, ...] | None) -> None:
+    count = len(layout) if layout else 2
+    matrix = sides_matrix(layout, count, "mains")
+    assert matrix is not None
+    assert centre_of(layout, count) is None
+    there = np.random.default_rng(4).uniform(-1, 1, 1000).astype(np.float32)
+    low = [np.ones_like(there)] * (count - 2)
+    np.testing.assert_array_equal(mixed(np.stack([there, -there, *low], axis=1), matrix)[:, 0], there)
+    assert not mixed(np.stack([there, there, *low], axis=1), matrix).any()
+
+
+@pytest.mark.parametrize(
+    ("layout", "mix"),
+    [(("FC",), "mains"), (("FL", "FR", "BL", "BR"), "mains"), (("FL", "FR"), "0,1"), (("FL", "FR", "FC"), "center")],
+)
+def test_others_have_no_sides(layout: tuple[str, ...], mix: str) -> None:
+    assert sides_matrix(layout, len(layout), mix) is None
 
 
 @pytest.mark.parametrize("layout", [("FL", "FR"), ("FL", "FR", "LFE")])

@@ -9,7 +9,7 @@ from .. import dsp
 from ..model import Event, Span
 from ..units import gain_from_db
 from .comparison import Comparison, Samples
-from .sounds import Place, drive_at, stretch_of
+from .sounds import Place, drive_at, made_of, stretch_of
 
 _FFT_GRAIN = 15 * 2**10
 """Transforms come in few sizes, so that the band's response is computed a few times in a film."""
@@ -86,7 +86,7 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
     """Return the sound of a shot over its part and `margin` samples on either side."""
     settle = shared.settle
     span = Span(part.span.start - margin, part.span.stop + margin)
-    audio = stretch_of(shared.audio, Span(span.start - settle, span.stop + settle))
+    audio = stretch_of(shared.audio, Span(span.start - settle, span.stop + settle), made_of(event))
     kept = slice(settle, settle + len(span))
     undelayed = _without_delay(shared, audio)[kept]
     intended = undelayed

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..model import Event, Span
 from ..units import samples_from_ms
-from .sounds import Sound, stretch_of
+from .sounds import Sound, made_of, stretch_of
 
 _AROUND_MS = 10.0
 
@@ -36,14 +36,13 @@ def audio_rise_db(event: Event, audio: Sound) -> float:
     """Return how much higher the peak of what becomes the drive is just after the onset than before it, in decibels."""
     around = samples_from_ms(_AROUND_MS, audio.rate_hz)
     onset = event.onset_sample
-    return _rise_db(stretch_of(audio, Span(onset - around, onset + around)), around)
+    return _rise_db(stretch_of(audio, Span(onset - around, onset + around), made_of(event)), around)
 
 
 def heard_rise_db(event: Event, audio: Sound) -> float | None:
     """Return the same of the sound in which the shot was found; None where that cannot be read again.
 
-    Where a film drives the seat from other channels than detection listens to, or a shot was found without the centre,
-    what becomes the drive need not rise.
+    Where a film drives the seat from other channels than detection listens to, what becomes the drive need not rise.
     """
     onset, around = event.onset_sample, samples_from_ms(_AROUND_MS, audio.rate_hz)
     inside = Span(onset - around, onset + around) & Span(0, audio.frames)

@@ -9,12 +9,14 @@ from .bursts import group_bursts, part_from_echoes
 from .direction import placed
 from .find import LATENCY_S, Detection, find_shots
 from .given import audio_around, shot_at
+from .sides import as_heard
 from .verify import Verifier, load_verifier
 
 __all__ = [
     "LATENCY_S",
     "Detection",
     "Verifier",
+    "as_heard",
     "audio_around",
     "find_shots",
     "group_bursts",

@@ -42,7 +42,7 @@ def placed(
 ) -> list[Shot]:
     """Return the shots with their azimuths, as far as their channels can be read and tell one.
 
-    `beside` are the onsets that were heard without the centre: what rises there at the same time may be a voice.
+    `beside` are the onsets that were heard in the sides: what rises there at the same time may be a voice.
     """
     if channels is None:
         return list(shots)

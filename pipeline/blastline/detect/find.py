@@ -1,11 +1,9 @@
 """The detector's story: stretches of the film go by, and what is a shot in each one's core is kept."""
 
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import chain
-from typing import TypeVar
+from itertools import chain, tee
 
 import msgspec
 import numpy as np
@@ -13,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..model import Channels, Clip, EvenRow, HeardIn, Rejection, Shot
 from ..ruleset import QualityRules
-from ..units import levels_db, samples_from_ms
+from ..units import samples_from_ms
 from .backdrop import backdrops, sounds
 from .bandshape import band_levels, bandshape
 from .bursts import group_bursts, keep_apart, part_from_echoes, without_echoes
@@ -26,15 +24,14 @@ from .onset import farthest_ms, refine_onsets
 from .picture import pictures
 from .rate import LISTENING_HZ, film_sample, in_film, resampled
 from .scan import candidate_steps
-from .segment import PEAK_MS, peak_dbfs, segment
-from .sides import as_heard, beside, joined
+from .segment import peak_dbfs, segment
+from .sides import are_audible, as_heard, beside, joined
 from .sparse import bands_near
-from .stretches import Stretch, side_by_side, stretches
+from .stretches import Stretch, side_by_side, stretches, track_peaks_dbfs
 from .tracks import Grid, pieces
 from .verify import Verifier, odds_of
 
 _SAME_ONSET_MS = 3.0
-_T = TypeVar("_T")
 
 LATENCY_S = 40.0
 """A shot is found at the latest so long after it has gone by: a core with what follows it, and some blocks."""
@@ -131,26 +128,14 @@ def searched(
         for mains in map(search, stretches(cut(film))):
             yield Searched(place(mains.shots), mains.refused, mains.looked)
         return
-    clips: deque[Clip] = deque()
+    once, again = tee(film)
     search_beside = partial(search, tier=beside(tier))
-    for stretch, sides in side_by_side(cut(_kept_in(clips, film)), cut(map(as_heard, _taken_from(clips)))):
-        mains, there = search(stretch), search_beside(sides)
+    for stretch, sides in side_by_side(cut(once), cut(map(as_heard, again))):
+        mains, there = search(stretch), search_beside(sides, over=stretch)
         heard = ((each.shots, each.refused) for each in (mains, there))
         shots, refused = joined(*heard, rate_hz=rate_hz, sure=tier.verify.threshold)
         looked: dict[HeardIn, Looked] = {"mains": mains.looked["mains"], "sides": there.looked["mains"]}
         yield Searched(place(shots, beside=[shot.onset for shot in there.shots]), refused, looked)
-
-
-def _kept_in(queue: deque[_T], items: Iterable[_T]) -> Iterator[_T]:
-    """Yield the items and leave each in the queue, from which another takes as many."""
-    for item in items:
-        queue.append(item)
-        yield item
-
-
-def _taken_from(queue: deque[_T]) -> Iterator[_T]:
-    while queue:
-        yield queue.popleft()
 
 
 def guesses(stretch: Stretch, grid: Grid, tier: QualityRules) -> NDArray[np.intp]:
@@ -184,12 +169,6 @@ def described(stretch: Stretch, grid: Grid, tier: QualityRules, *, gate: Test, s
     return Described(onsets[kept], rows[kept])
 
 
-def _peaks_dbfs(stretch: Stretch, places: NDArray[np.intp], grid: Grid) -> NDArray[np.float64]:
-    """Return roughly how loud the first 20 ms from each place on get, by the scan's track."""
-    steps = places[:, None] // grid.step + np.arange(samples_from_ms(PEAK_MS, grid.rate_hz) // grid.step)
-    return levels_db(stretch.peak[np.minimum(steps, stretch.peak.shape[0] - 1)].max(axis=1, initial=0.0))
-
-
 def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
     """Return the indices, in order of onset, of those that follow the last one taken by at least `apart`."""
     taken: list[int] = []
@@ -199,15 +178,29 @@ def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
     return np.array(taken, np.intp)
 
 
-def _search(stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier, rate_hz: int) -> Searched:
-    """Return what is found in a stretch of one mix, with its places in the samples of a film of that rate."""
+def _search(
+    stretch: Stretch,
+    grid: Grid,
+    tier: QualityRules,
+    verifier: Verifier,
+    rate_hz: int,
+    over: Stretch | None = None,
+) -> Searched:
+    """Return what is found in a stretch of one mix, with its places in the samples of a film of that rate.
+
+    What the mix `over` it covers is not looked at.
+    """
+
+    def gate(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
+        passed = verifier.gate.lets_pass(rows)
+        return passed if over is None else passed & are_audible(stretch, over, places, grid)
 
     def screen(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
-        likely, peaks_dbfs = verifier.screen.probabilities(rows), _peaks_dbfs(stretch, places, grid)
+        likely, peaks_dbfs = verifier.screen.probabilities(rows), track_peaks_dbfs(stretch, places, grid)
         least = verifier.screen.threshold
         return worth_a_look(places, peaks_dbfs, likely, least=least, rate_hz=grid.rate_hz, tier=tier)
 
-    found = described(stretch, grid, tier, gate=lambda rows, _: verifier.gate.lets_pass(rows), screen=screen)
+    found = described(stretch, grid, tier, gate=gate, screen=screen)
     shown = pictures(stretch.samples, found.onsets, grid.rate_hz)
     verdicts, before, own = verifier.verdicts(found.rows, shown), backdrops(shown), sounds(shown)
     at = found.onsets + stretch.start

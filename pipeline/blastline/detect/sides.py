@@ -1,4 +1,4 @@
-"""A second listening without the centre: what dialogue drowns in the mains may be clear beside it.
+"""A second listening beside the middle: what dialogue drowns in the mains, or what cancels there, may be clear.
 
 mains  ──► shots ─┐
 sides  ──► shots ─┴► one onset, one shot
@@ -7,10 +7,14 @@ sides  ──► shots ─┴► one onset, one shot
 from collections.abc import Sequence
 
 import msgspec
+import numpy as np
+from numpy.typing import NDArray
 
 from ..model import Clip, Rejection, Shot
 from ..ruleset import QualityRules
 from ..units import samples_from_ms
+from .stretches import Stretch, track_peaks_dbfs
+from .tracks import Grid
 
 Sorted = tuple[list[Shot], list[Rejection]]
 """What was found in one mix, and what was refused."""
@@ -18,11 +22,20 @@ Sorted = tuple[list[Shot], list[Rejection]]
 SAME_MS = 5.0
 """Two mixes of one sound begin that near to each other; no gun fires twice in it."""
 
+_COVERED_DB = 24.0
+"""What is softer by that in the sides is what a codec or a mixer has left there; of 125 drowned shots that were found
+in made scenes the softest was 24 dB under the mains."""
+
+
+def are_audible(sides: Stretch, mains: Stretch, places: NDArray[np.intp], grid: Grid) -> NDArray[np.bool_]:
+    """Return which places of a stretch of the sides are heard under the mains, with which they play."""
+    heard_db = track_peaks_dbfs(sides, places, grid) - track_peaks_dbfs(mains, places, grid)
+    return np.asarray(heard_db >= -_COVERED_DB, np.bool_)
+
 
 def as_heard(clip: Clip) -> Clip:
-    """Return a clip whose sides are what is heard."""
-    assert clip.sides is not None
-    return Clip(clip.sides[:, None], clip.rate_hz, clip.start)
+    """Return a clip whose sides are what is heard; the clip itself where it has none."""
+    return clip if clip.sides is None else Clip(clip.sides[:, None], clip.rate_hz, clip.start)
 
 
 def beside(tier: QualityRules) -> QualityRules:
@@ -61,7 +74,7 @@ def joined(mains: Sorted, sides: Sorted, *, rate_hz: int, sure: float) -> Sorted
     refused = [each for each in mains[1] if not _any_near(known, each.at_sample, near)]
     known += [each.at_sample for each in refused]
     refused += [
-        Rejection(each.at_sample, f"{each.reason}, without the centre", each.evidence)
+        Rejection(each.at_sample, f"{each.reason}, in the sides", each.evidence)
         for each in sides[1]
         if not _any_near(known, each.at_sample, near)
     ]

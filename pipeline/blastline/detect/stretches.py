@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import Span
-from .tracks import Piece
+from ..units import levels_db, samples_from_ms
+from .segment import PEAK_MS
+from .tracks import Grid, Piece
 
 # A piece is about a second. Before the core: the neighbourhood of `features`; after it: that and the longest decay that
 # rules may ask for. What is silence around the farthest neighbours is told by what is here of the 2 s around them.
@@ -55,6 +57,12 @@ def side_by_side(*films: Iterable[Piece]) -> Iterator[tuple[Stretch, ...]]:
             left = LEFT_PIECES
     if rooms[0].held > left:
         yield tuple(room.stretch(left, room.held - left) for room in rooms)
+
+
+def track_peaks_dbfs(stretch: Stretch, places: NDArray[np.intp], grid: Grid) -> NDArray[np.float64]:
+    """Return roughly how loud the first 20 ms from each place of a stretch on get, by the scan's track."""
+    steps = places[:, None] // grid.step + np.arange(samples_from_ms(PEAK_MS, grid.rate_hz) // grid.step)
+    return levels_db(stretch.peak[np.minimum(steps, stretch.peak.shape[0] - 1)].max(axis=1, initial=0.0))
 
 
 class _Room:

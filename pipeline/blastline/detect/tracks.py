@@ -92,6 +92,11 @@ class _Before:
     early: NDArray[np.float32]
     low: np.float32
 
+    @property
+    def is_silent(self) -> bool:
+        """Return whether nothing but zeros came before."""
+        return not (self.sample or self.low or self.early.any())
+
 
 def pieces(blocks: Iterable[Clip], rate_hz: int, *, with_bands: bool = True) -> Iterator[Piece]:
     """Cut the heard column of any blocks into pieces of one size and yield each with its tracks."""
@@ -100,12 +105,22 @@ def pieces(blocks: Iterable[Clip], rate_hz: int, *, with_bands: bool = True) -> 
     bands = np.zeros((0, BANDS), np.float32)
     for samples, frames in _rechunk(blocks, grid.piece):
         before = before or _at_rest(samples[0], grid)
+        if before.is_silent and not samples.any():
+            yield _silent(samples, frames, grid, with_bands=with_bands)
+            continue
         peak, slope = _peaks(samples, before.sample, grid)
         if with_bands:
             bands, before = _bands(samples, before, grid)
         else:
             before = replace(before, sample=samples[-1])
         yield Piece(samples, peak, slope, bands, frames)
+
+
+def _silent(samples: NDArray[np.float32], frames: int, grid: Grid, *, with_bands: bool) -> Piece:
+    """Return a piece of zeros, of which there is nothing to measure: two equal channels have such sides."""
+    hops = HOPS_PER_PIECE if with_bands else 0
+    still = np.zeros(HOPS_PER_PIECE * STEPS_PER_HOP, np.float32)
+    return Piece(samples, still, still, np.zeros((hops, BANDS), np.float32), frames)
 
 
 def _peaks(

@@ -7,8 +7,8 @@ Conventions
 """
 
 from .scene import SceneEvidence
-from .shot import DecayEnd, EvenRow, HeardIn, Index, Ratio, Reflection, Shot, ShotEvidence
-from .sound import Channels, Clip, Cutter, SoundFile, Span
+from .shot import DecayEnd, EvenRow, Index, Ratio, Reflection, Shot, ShotEvidence
+from .sound import Channels, Clip, Cutter, HeardIn, SoundFile, Span
 from .timeline import (
     SCHEMA,
     ActuatorRef,

@@ -5,9 +5,8 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
-from .sound import SPAN_KEYS, Span
+from .sound import SPAN_KEYS, HeardIn, Span
 
-HeardIn = Literal["mains", "sides"]
 DecayEnd = Literal["fallen", "background", "next sound", "longest"]
 EvenRow = Literal["fire", "no fire"]
 

@@ -2,10 +2,13 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, Final, Protocol
+from typing import Any, Final, Literal, Protocol
 
 import msgspec
 from numpy.typing import NDArray
+
+HeardIn = Literal["mains", "sides"]
+"""The mix in which a shot is heard: all main channels together, or what they hold beside their middle."""
 
 SPAN_KEYS: Final = {"start": "start_sample", "stop": "stop_sample"}
 """What the ends of a range are called in `timeline.json`."""
@@ -56,7 +59,7 @@ class Clip:
 
     `samples` is (frames, columns), floating point; `start` is the film's sample index of its first frame. A mixed
     soundtrack has one column, or two where the drive is made from other channels than detection listens to. `sides`,
-    shape (frames,), is what detection hears but for the centre channel; None where nobody asked or there is no centre.
+    shape (frames,), is what detection hears beside the middle; None where nobody asked or there is no such thing.
     """
 
     samples: NDArray[Any]
@@ -79,6 +82,15 @@ class Clip:
         """Return the column that becomes the drive, shape (frames,); the heard one where there is only one."""
         return self.samples[:, -1]
 
+    def driving_of(self, mix: HeardIn) -> NDArray[Any]:
+        """Return what becomes the drive of shots that are heard in a mix, shape (frames,).
+
+        That is the driving column, or the sides, if they were asked for, where the user has named no other channels.
+        """
+        if mix == "mains" or self.sides is None or self.samples.shape[1] > 1:
+            return self.driving
+        return self.sides
+
     def cut(self, span: Span) -> "Clip":
         """Return the part inside `span`, which must lie within the clip."""
         if span.start < self.start or span.stop > self.span.stop:
@@ -93,7 +105,7 @@ class Channels:
     """The channels of a film as they were before they were mixed.
 
     `azimuths_deg` says of each where its loudspeaker stands, 0 in front and positive to the right; None has no place.
-    `centre` is the channel that the sides of a clip leave out.
+    `centre` is the channel in the middle of the others, None where there is none.
     `read` returns a span, shape (frames, channels), or None where it can no longer be had.
     """
 

@@ -5,8 +5,8 @@ from typing import Annotated, Any, Final, Literal
 import msgspec
 from msgspec import Meta
 
-from .shot import Azimuth, HeardIn, Index, Ratio, Reflection
-from .sound import SPAN_KEYS, Span
+from .shot import Azimuth, Index, Ratio, Reflection
+from .sound import SPAN_KEYS, HeardIn, Span
 
 SCHEMA: Final = "blastline.timeline/1"
 
@@ -72,7 +72,7 @@ class DriveInfo(msgspec.Struct, frozen=True):
     against that of direct conversion. `fidelity` is the correlation of the predicted perceived vibration with
     the sound in the band of vibration. Of a constrained drive, `solver_steps` says what it took, and `explained` which
     share of the energy that was to be felt it makes felt; None for other models. `evidence` is what the choice of the
-    model was made from.
+    model was made from. `made_of` is the mix that became the drive.
     """
 
     model: DriveModel
@@ -83,6 +83,7 @@ class DriveInfo(msgspec.Struct, frozen=True):
     solver_steps: Index | None = None
     explained: float | None = None
     evidence: dict[str, float] = {}
+    made_of: HeardIn = "mains"
 
 
 class Decision(msgspec.Struct, frozen=True):
@@ -98,10 +99,10 @@ class Event(msgspec.Struct, frozen=True):
     """A gunshot in the timeline, with its window and its drive. `burst` is None for a single shot.
 
     `origin` says whether detection put its onset where it is or somebody who edited the timeline. `gain_db` is how much
-    stronger than usual the drive was asked to be. `heard_in` says whether it was found in the mains, or in them without
-    the centre. `azimuth_deg` is where it comes from, 0 in front, 90 on the right, 180 behind, None where nothing tells;
-    `azimuth_focus` is 1 where one loudspeaker plays it, and less the wider it is spread. `decisions` say how closely it
-    was looked at, and why.
+    stronger than usual the drive was asked to be. `heard_in` says whether it was found in the mains, or in what they
+    hold beside their middle. `azimuth_deg` is where it comes from, 0 in front, 90 on the right, 180 behind, None where
+    nothing tells; `azimuth_focus` is 1 where one loudspeaker plays it, and less the wider it is spread. `decisions` say
+    how closely it was looked at, and why.
     """
 
     id: str

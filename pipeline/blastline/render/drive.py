@@ -125,6 +125,7 @@ def _drive_infos(
                 peak=float(np.max(np.abs(drive[start : max(stop, start + 1)]))),
                 perceived_gain_db=_level_db(felt_drive[core], felt_direct[core]),
                 fidelity=_correlation(felt_drive[core], heard.target[core]),
+                made_of=heard.made_of,
             )
         )
     return tuple(infos)

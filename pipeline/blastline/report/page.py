@@ -201,7 +201,7 @@ def _direction(event: Event) -> dict[str, str]:
     if event.azimuth_deg is not None and event.azimuth_focus is not None:
         facts["Azimuth"] = f"{fixed(event.azimuth_deg, 0)}°, focus {fixed(event.azimuth_focus, 2)}"
     if event.heard_in == "sides":
-        facts["Heard in"] = "the mains without the centre"
+        facts["Heard in"] = "the sides: what the channels play beside their middle"
     return facts
 
 

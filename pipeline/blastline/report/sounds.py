@@ -55,7 +55,8 @@ def event_sound(
     settle = samples_from_ms(_SETTLE_MS, rate_hz)
     whole = Span(max(0, start - settle), min(frames, shown.stop + settle))
     kept = slice(shown.start - whole.start, shown.stop - whole.start)
-    sound = np.asarray(audio.cut(whole).driving, dtype=np.float64)
+    mix = event.drive.made_of if event.drive else "mains"
+    sound = np.asarray(audio.cut(whole, sides=mix == "sides").driving_of(mix), dtype=np.float64)
     driving = np.asarray(drive.cut(whole).driving, dtype=np.float64)
     felt = dsp.digital(dsp.felt_response(profile), rate_hz)
     level = gain_from_db(timeline.level_db + event.gain_db)

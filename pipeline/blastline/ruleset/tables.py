@@ -102,9 +102,9 @@ class ChannelRules(Table, frozen=True):
     """What the channels of a film tell beyond its mix.
 
     A shot's azimuth compares the `azimuth_ms` before its onset with as much after it, and is not told where the energy
-    of no channel rises by `azimuth_rise_db`. With `sides`, a film that has a centre channel is listened to once more
-    without it. What is only heard there is a shot from `sides_threshold` on, or from `sides_company_threshold` on in
-    company, which [verify] explains.
+    of no channel rises by `azimuth_rise_db`. With `sides`, what the mains of a film hold beside their middle is
+    listened to as well. What is only heard there is a shot from `sides_threshold` on, or from `sides_company_threshold`
+    on in company, which [verify] explains.
     """
 
     azimuth_ms: Annotated[float, Meta(ge=1.0, le=100.0)]

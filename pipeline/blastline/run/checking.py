@@ -36,7 +36,8 @@ def check(
     read = load_rules(timeline.quality, rules)
     film = audio or _find_film(timeline.source, path)
     with open_soundtrack(film, stream=timeline.source.stream, mix=timeline.source.mix) as track:
-        for _ in told(track.blocks(BLOCK), progress, track.expected_frames):
+        beside = any(event.heard_in == "sides" for event in timeline.events)
+        for _ in told(track.blocks(BLOCK, sides=beside), progress, track.expected_frames):
             pass
         found = track.source()
         if audio is None:

@@ -9,7 +9,16 @@ import msgspec
 from .. import scene
 from ..errors import SoundtrackError
 from ..model import Clip, DriveInfo, Span
-from ..render import RenderedWindow, compose, drive_filters, hear_window, measure, needed_audio, render_window
+from ..render import (
+    RenderedWindow,
+    compose,
+    drive_filters,
+    hear_window,
+    measure,
+    mix_that_drives,
+    needed_audio,
+    render_window,
+)
 from ..soundtrack import Cue, Soundtrack, open_soundtrack, write_drive
 from .listening import BLOCK, Listened
 from .options import Setup
@@ -56,8 +65,11 @@ def _rendered(heard: Listened, setup: Setup) -> Iterator[RenderedWindow]:
     options, render_rules = setup.options, setup.rules.tier.render
     filters = drive_filters(setup.profile, heard.source.sample_rate_hz, options.phase)
     for planned in heard.windows:
-        audio = heard.track.cut(needed_audio(planned, frames=heard.source.frames, filters=filters, rules=render_rules))
-        window = hear_window(audio, planned, filters=filters, rules=render_rules)
+        own = [heard.found.shots[index] for index in planned.shots]
+        needed = needed_audio(planned, frames=heard.source.frames, filters=filters, rules=render_rules)
+        audio = heard.track.cut(needed, sides=any(shot.heard_in == "sides" for shot in own))
+        made_of = mix_that_drives(audio, own)
+        window = hear_window(audio, planned, filters=filters, rules=render_rules, made_of=made_of)
         evidence = measure(window)
         model, reason = scene.choose(evidence, setup.rules.scenes, options.drive)
         done = render_window(window, heard.found.shots, model=model, reason=reason, background=options.background)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import msgspec
 
-from ..detect import Detection, audio_around, group_bursts, part_from_echoes, placed, shot_at
+from ..detect import Detection, as_heard, audio_around, group_bursts, part_from_echoes, placed, shot_at
 from ..errors import TimelineError
 from ..export import read_timeline
 from ..export.edits import EditedFile, Wanted, Wish, match, read_edits
@@ -86,7 +86,8 @@ def hear_edited(
             f"{editing.named_by}: is of {_named(editing.source)}, but the film has {track.rate_hz} Hz; {_MEND}"
         )
     wanted = match(edited, editing.original, rate_hz=track.rate_hz)
-    blocks = told(track.blocks(BLOCK), progress, track.expected_frames)
+    beside = any(wish.was is not None and wish.was.heard_in == "sides" for wish in wanted.wishes)
+    blocks = told(track.blocks(BLOCK, sides=beside), progress, track.expected_frames)
     for _ in meter.watch(blocks) if meter else blocks:
         pass
     source = track.source()
@@ -144,13 +145,15 @@ def _inside(wish: Wish, source: Source, path: Path) -> Wish:
 
 
 def _shots(wishes: Sequence[Wish], track: Soundtrack, source: Source, rules: Rules) -> tuple[Shot, ...]:
-    """Return each wish as a shot: as it is heard in the film, or as it was where it was not moved."""
+    """Return each wish as a shot: as its mix sounds in the film, or as it was where it was not moved."""
     tier, rate_hz = rules.tier, source.sample_rate_hz
     heard = []
     for wish in wishes:
         span = audio_around(wish.onset, frames=source.frames, rate_hz=rate_hz, tier=tier)
         confidence = _SURE if wish.confidence is None else wish.confidence
-        heard.append(shot_at(wish.onset, track.cut(span), confidence=confidence, tier=tier))
+        clip = track.cut(span, sides=wish.was is not None and wish.was.heard_in == "sides")
+        shot = shot_at(wish.onset, as_heard(clip), confidence=confidence, tier=tier)
+        heard.append(msgspec.structs.replace(shot, heard_in="mains" if clip.sides is None else "sides"))
     toward = placed(heard, track.around, rate_hz=rate_hz, rules=tier.channels)
     parted = part_from_echoes(toward, rate_hz=rate_hz, rules=tier.bursts)
     kept = [
@@ -172,7 +175,6 @@ def _as_it_was(shot: Shot, was: Event) -> Shot:
         snr_db=was.snr_db,
         blast=was.blast,
         reflections=was.reflections,
-        heard_in=was.heard_in,
         azimuth_deg=was.azimuth_deg,
         azimuth_focus=was.azimuth_focus,
     )

@@ -6,6 +6,8 @@
     all      mains plus the low-frequency channel drive, detection listens to the mains
     0,2,5    the mean of these channels, counted from 0
 
+The sides are what the mains hold beside their middle: without the centre channel, or half the difference of a pair.
+
 The first column is what detection hears, the last one is what drives. The weights are not normalised: a shot at full
 scale keeps its level in the channel where it was mixed, and the sum of several channels may exceed 1. The exception is
 a plain pair, which is averaged, so that a mono film and the same film as two equal channels give the same drive.
@@ -28,9 +30,6 @@ _WEIGHTS = {"FL": _HALF_POWER, "FR": _HALF_POWER, "FLC": _HALF_POWER, "FRC": _HA
 _OTHER_WEIGHT = 0.5
 _LOW = frozenset({"LFE", "LFE2"})
 _NOT_MIXED = frozenset({"DL", "DR"})  # a ready-made stereo version of the channels beside it
-
-_FEWEST_WITH_SIDES = 3
-"""Left, right and centre: a film with fewer main channels has no sides beside its centre."""
 
 _USUAL_ORDER = {
     1: ("FC",),
@@ -84,16 +83,29 @@ def summing_order(layout: Sequence[str] | None, channels: int) -> tuple[int, ...
     return tuple(sorted(range(channels), key=ranks.__getitem__))
 
 
-def centre_of(layout: Sequence[str] | None, channels: int, mix: str) -> int | None:
-    """Return the centre channel, None where a film has no other main channels or the mix says what to listen to.
+def sides_matrix(layout: Sequence[str] | None, channels: int, mix: str) -> Matrix | None:
+    """Return the weights, shape (channels, 1), of what the mains hold beside their middle; None where nothing does.
 
-    The centre's weight in the mains is 1, so that the mains without it are the mains less that channel.
+    Of a film with a centre channel these are the mains without it. Of a pair, half the difference: the middle is what
+    both play alike, and what they play against each other cancels in the mains. None for a single main channel, for
+    others without a centre, and where the mix says what to listen to.
     """
     names = names_of(layout, channels)
-    mains = [name for name in names if name not in _LOW | _NOT_MIXED]
-    if mix not in ("mains", "lfe", "all") or "FC" not in names or len(mains) < _FEWEST_WITH_SIDES:
+    mains = _mains_of(names)
+    if mix not in ("mains", "lfe", "all") or len(mains) < 2 or (len(mains) > 2 and "FC" not in mains):
         return None
-    return names.index("FC")
+    weights = _mains(names)[:, None]
+    if len(mains) > 2:
+        weights[names.index("FC")] = 0.0
+    else:
+        weights[names.index(mains[1])] *= -1.0
+    return weights
+
+
+def centre_of(layout: Sequence[str] | None, channels: int) -> int | None:
+    """Return the centre channel, None where a film has none with others on either side."""
+    names = names_of(layout, channels)
+    return names.index("FC") if "FC" in names and len(_mains_of(names)) > 2 else None
 
 
 def as_front(heard: NDArray[np.float32], sides: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -155,8 +167,12 @@ def _place_of(name: str, names: Sequence[str], mix: str) -> int:
     return names.index(name)
 
 
+def _mains_of(names: Sequence[str]) -> list[str]:
+    return [name for name in names if name not in _LOW | _NOT_MIXED]
+
+
 def _mains(names: Sequence[str]) -> Matrix:
-    mains = [name for name in names if name not in _LOW | _NOT_MIXED]
+    mains = _mains_of(names)
     if not mains:
         raise SoundtrackError(f"the sound has no main channel among {', '.join(names)}; choose channels by number")
     if len(mains) == 1:

@@ -40,7 +40,7 @@ def open_soundtrack(
                 limits = f"{MIN_RATE_HZ} to {MAX_RATE_HZ} Hz"
                 raise SoundtrackError(f"the sample rate is {facts.rate_hz} Hz; expected {limits}")
             matrix = mix_matrix(facts.layout, facts.channels, mix)
-            spool = None if isinstance(track, PcmTrack) else Spool(spool_folder, columns=matrix.shape[1])
+            spool = None if isinstance(track, PcmTrack) else Spool(spool_folder)
             opened = Soundtrack(path, track, matrix=matrix, mix=mix, spool=spool, timebase=timebase, opened=state)
             opened.described()
         except BaseException:

@@ -20,7 +20,7 @@ from ..timecode import time_of_start
 from .condition import Condition
 from .files import FileState, naming, require_unchanged
 from .loudspeakers import azimuths
-from .mix import Matrix, centre_of, mixed, summing_order
+from .mix import Matrix, centre_of, mixed, sides_matrix, summing_order
 from .pcm import PcmTrack
 from .recent import Recent
 from .repair import mended
@@ -54,7 +54,8 @@ class Soundtrack:
         self._condition = Condition(track.facts, mix)
         layout, channels = track.facts.layout, track.facts.channels
         self._order = summing_order(layout, channels)
-        self._centre = centre_of(layout, channels, mix)
+        self._sides = sides_matrix(layout, channels, mix)
+        self._centre = centre_of(layout, channels)
         self._azimuths_deg = azimuths(layout, channels)
         self._recent: Recent | None = None
         self.rate_hz = track.facts.rate_hz
@@ -77,8 +78,8 @@ class Soundtrack:
 
     @property
     def has_sides(self) -> bool:
-        """Return whether the film has a centre, so that it can be listened to once more without it."""
-        return self._centre is not None
+        """Return whether the film has sides, as `mix.py` explains them, that can be listened to as well."""
+        return self._sides is not None
 
     @property
     def around(self) -> Channels | None:
@@ -91,10 +92,9 @@ class Soundtrack:
     def blocks(self, frames: int = PIECE, *, sides: bool = False, remembered_s: float = 0.0) -> Iterator[Clip]:
         """Yield the mixed sound from its first sample to its last, float32; this is the one decoding pass.
 
-        Every block has `frames` frames but the last. With `sides`, a film with a centre channel is also given without
-        it. The channels of the last `remembered_s` seconds can be read `around` what has come by. Raises
-        SoundtrackError where the file proves to be unreadable, OutputError where the disk has no room for the decoded
-        sound.
+        Every block has `frames` frames but the last. With `sides`, those that the film has come with it. The channels
+        of the last `remembered_s` seconds can be read `around` what has come by. Raises SoundtrackError where the file
+        proves to be unreadable, OutputError where the disk has no room for the decoded sound.
         """
         if frames < 1:
             raise ValueError(f"a block must have at least 1 frame, not {frames}")
@@ -119,8 +119,8 @@ class Soundtrack:
     def near(self, start_s: float, length_s: float, *, sides: bool = False) -> Samples:
         """Return the mixed sound of at least about that stretch, for a rough look before the track is decoded.
 
-        With `sides`, a film with a centre has one column more: what is heard without it. A film has to be opened anew
-        to be decoded. Raises SoundtrackError where it cannot be read there.
+        With `sides`, a film that has any has them as one column more. A film has to be opened anew to be decoded.
+        Raises SoundtrackError where it cannot be read there.
         """
         self._started = True
         with naming(self._path):
@@ -135,8 +135,9 @@ class Soundtrack:
     def cut(self, span: Span, *, sides: bool = False) -> Clip:
         """Return the exact samples of a span inside the track, float64, once all blocks have been taken.
 
-        With `sides`, a film with a centre channel is also given without it, if the file can be read twice. Raises
-        ValueError where the span leaves the track, SoundtrackError where a file that is read twice has changed.
+        With `sides`, those that the film has come with it, if `blocks` was asked for them or the file can be read
+        twice. Raises ValueError where the span leaves the track, SoundtrackError where a file that is read twice has
+        changed.
         """
         if self._frames is None or span.start < 0 or span.stop > self._frames:
             raise ValueError(f"{span} is not inside what was decoded: {self._frames} frames")
@@ -145,6 +146,7 @@ class Soundtrack:
         else:
             assert self._spool is not None
             columns = self._spool.read(span)
+            columns = columns if sides else columns[:, : self.columns]
         return self._clip(columns.astype(np.float64), span.start)
 
     def forget(self) -> None:
@@ -202,7 +204,7 @@ class Soundtrack:
                 columns = self._mixed(samples, sides=sides)
                 self._condition.hear(samples, columns[:, : self.columns])
                 if self._spool is not None:
-                    self._spool.append(np.ascontiguousarray(columns[:, : self.columns]))
+                    self._spool.append(np.ascontiguousarray(columns))
                 if self._recent is not None:
                     self._recent.append(samples)
                 yield columns
@@ -212,9 +214,9 @@ class Soundtrack:
     def _mixed(self, samples: Samples, *, sides: bool) -> Samples:
         """Return the columns of the mix; with sides, where the film has any, these are a further one."""
         columns = mixed(samples, self._matrix, self._order)
-        if not (sides and self.has_sides):
+        if self._sides is None or not sides:
             return columns
-        return np.column_stack([columns, columns[:, 0] - samples[:, self._centre]])
+        return np.column_stack([columns, mixed(samples, self._sides, self._order)])
 
     def _clip(self, columns: NDArray[np.floating], start: int) -> Clip:
         """Return the columns as a clip; what is beyond those of the mix are the sides."""

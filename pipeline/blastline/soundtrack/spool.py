@@ -17,14 +17,15 @@ _SAMPLE_BYTES = 4
 class Spool:
     """A nameless temporary file of float32 columns; it vanishes when it is closed, or with the process."""
 
-    def __init__(self, folder: Path | None, *, columns: int) -> None:
+    def __init__(self, folder: Path | None) -> None:
         """Make the file in `folder`, or where the system keeps such files. Raises OutputError where it cannot."""
-        self._columns, self._folder = columns, folder or Path(tempfile.gettempdir())
+        self._columns, self._folder = 1, folder or Path(tempfile.gettempdir())
         with self._refusing():
             self._file = tempfile.TemporaryFile(dir=self._folder)  # noqa: SIM115 - open as long as the track is
 
     def append(self, samples: Samples) -> None:
-        """Add samples, shape (frames, columns). Raises OutputError where the disk is full."""
+        """Add samples, shape (frames, columns), always as many columns. Raises OutputError where the disk is full."""
+        self._columns = samples.shape[1]
         with self._refusing():
             self._file.write(samples.data)
 
