@@ -280,7 +280,8 @@ def test_one_onset_is_one_shot_and_the_mix_that_is_surer_judges_it() -> None:
         [shot(1_100, 0.97), shot(5_010, 0.99), shot(9_010, 0.55), shot(20_005, 0.96), shot(30_000, 0.92)],
         [Rejection(40_000, "no", {"probability": 0.2}), Rejection(30_100, "no", {"probability": 0.2})],
     )
-    shots, refused = joined(mains, sides, rate_hz=RATE_HZ, sure=0.9)
+    strict = msgspec.structs.replace(RULES.tier, verify=msgspec.structs.replace(RULES.tier.verify, threshold=0.9))
+    shots, refused = joined(mains, sides, rate_hz=RATE_HZ, tier=strict)
     assert [(s.onset, s.confidence, s.heard_in) for s in shots] == [
         (1_000, 0.97, "sides"),
         (5_000, 0.95, "mains"),
@@ -289,3 +290,12 @@ def test_one_onset_is_one_shot_and_the_mix_that_is_surer_judges_it() -> None:
         (30_000, 0.92, "sides"),
     ]
     assert [(each.at_sample, each.reason) for each in refused] == [(40_000, "no, in the sides")]
+
+
+def test_what_the_mains_are_sure_of_is_not_moved_by_the_sides() -> None:
+    sure = RULES.tier.verify.threshold
+    gap = round(RULES.tier.bursts.shortest_gap_ms * RATE_HZ / 1000.0)
+    mains = [shot(10_000, sure), shot(50_000, sure - 0.1)], list[Rejection]()
+    sides = [shot(10_400, 0.99), shot(10_001 + gap, 0.99), shot(50_400, 0.99)], list[Rejection]()
+    shots, _ = joined(mains, sides, rate_hz=RATE_HZ, tier=RULES.tier)
+    assert [each.onset for each in shots] == [10_000, 50_000, 10_001 + gap, 50_400]

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from blastline import run
 from blastline.detect import find_shots, load_verifier
-from blastline.model import Clip, Shot, Span, Timeline, encode
+from blastline.errors import TimelineError
+from blastline.model import Clip, Timeline, encode
 from blastline.render import mix_that_drives
 from blastline.ruleset import load_rules, rules_path
 from blastline.run import RenderOptions
@@ -145,17 +146,84 @@ def test_what_is_left_beside_the_middle_far_under_it_changes_nothing(shots: Samp
         assert beside.shots
 
 
-def _shot(onset: int, heard_in: str) -> Shot:
-    span = Span(onset, onset + 100)
-    return Shot(onset, 0.99, -6.0, 20.0, span, (), span, heard_in=heard_in)  # type: ignore[arg-type]
+def shots_at(places: Sequence[int], frames: int = 48_000) -> Samples:
+    """Return decaying swings at 200 Hz from some samples on."""
+    samples, time_s = np.zeros(frames), np.arange(9_600) / RATE_HZ
+    for at in places:
+        samples[at : at + 9_600] += 0.5 * np.sin(2.0 * np.pi * 200.0 * time_s) * np.exp(-time_s / 0.03)
+    return samples
 
 
-def test_a_window_is_made_of_the_sides_where_all_its_shots_are_and_sound_there() -> None:
-    loud, soft = np.full((4_000, 1), 0.5, np.float32), np.full(4_000, 0.05, np.float32)
-    beside = [_shot(1_000, "sides"), _shot(2_500, "sides")]
-    clear = Clip(loud, RATE_HZ, 500, sides=loud[:, 0])
-    assert mix_that_drives(clear, beside) == "sides"
-    assert mix_that_drives(clear, [*beside, _shot(3_000, "mains")]) == "mains"
-    assert mix_that_drives(Clip(loud, RATE_HZ, 500, sides=soft), beside) == "mains"
-    assert mix_that_drives(Clip(loud, RATE_HZ, 500), beside) == "mains"
-    assert mix_that_drives(Clip(np.repeat(loud, 2, axis=1), RATE_HZ, 500, sides=loud[:, 0]), beside) == "mains"
+def clip_of(left: Samples, right: Samples) -> Clip:
+    return Clip(0.5 * (left + right)[:, None], RATE_HZ, 500, sides=0.5 * (left - right))
+
+
+def test_a_window_is_made_of_the_mains_unless_they_lack_a_shot() -> None:
+    here, there = shots_at([12_000]), shots_at([30_000])
+    voice = 0.2 * np.convolve(np.random.default_rng(3).standard_normal(len(here)), np.full(48, 1.0 / 7.0), "same")
+    first, second = 12_500, 30_500
+    for bed in (0.0 * voice, voice):
+        pairs = (here, -here), (here, here), (0.0 * here, here)
+        against, both, aside = (clip_of(bed + left, bed + right) for left, right in pairs)
+        assert mix_that_drives(against, [first]) == "sides"
+        assert mix_that_drives(both, [first]) == mix_that_drives(aside, [first]) == "mains"
+        mixed = clip_of(bed + here + there, bed - here + there)
+        assert mix_that_drives(mixed, [first, second]) in ("left", "right")
+        lopsided = clip_of(bed + here, bed - here + there)
+        assert mix_that_drives(lopsided, [first, second]) == "right"
+    assert mix_that_drives(Clip(here[:, None], RATE_HZ, 500), [first]) == "mains"
+    assert mix_that_drives(Clip(np.zeros((48_000, 2)), RATE_HZ, 500, sides=here), [first]) == "mains"
+
+
+def test_a_shot_that_is_wide_keeps_the_body_that_the_mains_hold() -> None:
+    """Its highs are in antiphase, and loud; what is felt is its lows, and these are in the middle."""
+    body = shots_at([12_000])
+    rng = np.random.default_rng(4)
+    crack = np.zeros_like(body)
+    crack[12_000:12_960] = np.diff(rng.standard_normal(961)) * np.exp(-np.arange(960) / 200.0)
+    wide = clip_of(0.3 * body + crack, 0.3 * body - crack)
+    assert wide.sides is not None
+    assert np.abs(wide.sides).max() > 2.0 * np.abs(wide.heard).max()
+    assert mix_that_drives(wide, [12_500]) == "mains"
+
+
+def test_one_channel_of_a_pair_is_the_mains_with_or_without_the_sides() -> None:
+    left, right = np.random.default_rng(5).uniform(-1.0, 1.0, (2, 100))
+    clip = clip_of(left, right)
+    np.testing.assert_allclose(clip.driving_of("left"), left, atol=1e-15)
+    np.testing.assert_allclose(clip.driving_of("right"), right, atol=1e-15)
+    with pytest.raises(ValueError, match="needs a clip with sides"):
+        Clip(left[:, None], RATE_HZ).driving_of("sides")
+
+
+def test_a_film_keeps_its_own_sound_beside_a_window_that_is_made_of_the_sides(shots: Samples, tmp_path: Path) -> None:
+    hum = 0.1 * np.sin(2.0 * np.pi * 100.0 / RATE_HZ * np.arange(len(shots)))
+    film = written(tmp_path / "film.wav", [hum + shots, hum - shots])
+    made = run.render(film, tmp_path / "out", RenderOptions(report=False, background="direct"))
+    drive = drive_of(tmp_path / "out")
+    assert {event.drive.made_of for event in made.events if event.drive} == {"sides"}
+    assert all(check.passed for check in made.checks)
+    for event in made.events:
+        start = event.window.start
+        np.testing.assert_allclose(drive[start - 50 : start + 5], hum[start - 50 : start + 5], atol=1e-3)
+
+
+def test_what_somebody_adds_where_the_channels_cancel_is_felt(beyond: Path, tmp_path: Path) -> None:
+    """Without its original, a table is all that is known: each of its rows is new."""
+    table = tmp_path / "events.csv"
+    table.write_bytes((beyond / "out" / "timeline.csv").read_bytes())
+    made = run.render(beyond / "film.wav", tmp_path / "out", RenderOptions(report=False, timeline=table))
+    found = timeline_of(beyond / "out")
+    assert [event.heard_in for event in made.events] == ["sides"] * 3
+    assert [e.peak_dbfs for e in made.events] == pytest.approx([e.peak_dbfs for e in found.events], abs=0.1)
+    drive = drive_of(tmp_path / "out")
+    for event in made.events:
+        assert np.abs(drive[event.window.start : event.window.stop]).max() > 0.5
+
+
+def test_a_film_without_two_channels_is_not_what_such_a_drive_was_made_of(
+    beyond: Path, shots: Samples, tmp_path: Path
+) -> None:
+    alone = written(tmp_path / "alone.wav", [shots])
+    with pytest.raises(TimelineError, match=r"alone\.wav: .*the drive of shot-0001 .*'sides'"):
+        run.check(beyond / "out", audio=alone)

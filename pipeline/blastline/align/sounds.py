@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Clip, Cutter, Event, HeardIn, Span
+from ..model import Clip, Cutter, Event, MadeOf, Span
 
 
 @dataclass(frozen=True)
@@ -42,19 +42,19 @@ class Place:
         return (self.stretch - 1.0) * sample + self.shift
 
 
-def made_of(event: Event) -> HeardIn:
-    """Return the mix that became an event's drive; the mains where nothing is known of its making."""
+def source_of(event: Event) -> MadeOf:
+    """Return what became an event's drive; the mains where nothing is known of its making."""
     return "mains" if event.drive is None else event.drive.made_of
 
 
-def stretch_of(sound: Sound, span: Span, mix: HeardIn = "mains") -> NDArray[np.float64]:
-    """Return what of a file becomes, or is, the drive inside `span`, for shots of a mix; zeros beyond its ends."""
+def stretch_of(sound: Sound, span: Span, made_of: MadeOf = "mains") -> NDArray[np.float64]:
+    """Return what of a file becomes, or is, a drive that is made of that inside `span`; zeros beyond its ends."""
     samples = np.zeros(len(span))
     inside = span & Span(0, sound.frames)
     if inside:
         samples[inside.start - span.start : inside.stop - span.start] = sound.file.cut(
-            inside, sides=mix == "sides"
-        ).driving_of(mix)
+            inside, sides=made_of != "mains"
+        ).driving_of(made_of)
     return samples
 
 

@@ -25,9 +25,9 @@ class Film:
         """Return the length in seconds."""
         return self.frames / self.file.rate_hz
 
-    def cut(self, span: Span) -> Clip:
-        """Return the exact samples of a span inside the film."""
-        return self.file.cut(span)
+    def cut(self, span: Span, *, sides: bool = False) -> Clip:
+        """Return the exact samples of a span inside the film, with its sides if asked for and there."""
+        return self.file.cut(span, sides=sides)
 
 
 def hear(file: Cutter, blocks: Iterable[Clip]) -> Film:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..model import Event, Reflection, Shot, Span
+from ..model import Event, HeardIn, Reflection, Shot, Span
 from ..units import SILENCE_DB, db_from_gain, samples_from_ms, samples_from_s
 from .courses import Course
 from .film import Film
@@ -50,12 +50,17 @@ def retimed(event: Event, placed: Placed, course: Course, old: Film, new: Film) 
 
 
 def _level_dbfs(event: Event, onset: int, old: Film, new: Film) -> float:
-    before, after = _peak(old, event.onset_sample), _peak(new, onset)
+    before, after = _peak(old, event.onset_sample, event.heard_in), _peak(new, onset, event.heard_in)
     if before <= 0.0 or after <= 0.0:
         return event.peak_dbfs
     return max(SILENCE_DB, event.peak_dbfs + db_from_gain(after / before))
 
 
-def _peak(film: Film, onset: int) -> float:
+def _peak(film: Film, onset: int, mix: HeardIn) -> float:
+    """Return how high a film gets after an onset in a mix; 0 where the film does not have it."""
     near = Span(onset, onset + samples_from_ms(_PEAK_MS, film.rate_hz)) & Span(0, film.frames)
-    return float(np.abs(film.cut(near).heard).max(initial=0.0)) if near else 0.0
+    if not near:
+        return 0.0
+    clip = film.cut(near, sides=mix == "sides")
+    heard = clip.sides if mix == "sides" else clip.heard
+    return 0.0 if heard is None else float(np.abs(heard).max(initial=0.0))

@@ -33,6 +33,9 @@ _ALIKE_MS = 0.2
 """The sound of a film resembles itself for so long: two that have nothing in common seem alike by as much as that
 leaves of the blast."""
 
+_AGAINST = 0.25
+"""Channels whose sum has so little of the energy that they have cancel each other: that comes from nowhere."""
+
 _NOWHERE = 0.05
 """A vector so short points anywhere: equal sounds from all around."""
 
@@ -104,7 +107,8 @@ def direction(
 def _weights(
     was: NDArray[np.float64], now: NDArray[np.float64], rising: NDArray[np.bool_], share: float
 ) -> NDArray[np.float64]:
-    """Return how strongly each channel plays what is new, shape (channels,); zeros where nothing rises.
+    """Return how strongly each channel plays what is new, shape (channels,); zeros where nothing does, or where they
+    play it against each other.
 
     Two channels that have nothing in common seem to share `share` of their energies.
     """
@@ -113,6 +117,8 @@ def _weights(
     scale = float(now.diagonal()[rising].sum())
     new = (now - was) / scale
     core = new[np.ix_(rising, rising)]
+    if core.sum() < _AGAINST * core.trace():
+        return np.zeros(rising.size)
     squares = np.square(new[:, rising] @ core).sum(axis=1)
     chance = np.where(rising, 0.0, now.diagonal() / scale * share * float(np.square(core).sum()))
     return np.asarray(np.sqrt(np.maximum(squares - chance, 0.0)), np.float64)

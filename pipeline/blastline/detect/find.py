@@ -133,7 +133,7 @@ def searched(
     for stretch, sides in side_by_side(cut(once), cut(map(as_heard, again))):
         mains, there = search(stretch), search_beside(sides, over=stretch)
         heard = ((each.shots, each.refused) for each in (mains, there))
-        shots, refused = joined(*heard, rate_hz=rate_hz, sure=tier.verify.threshold)
+        shots, refused = joined(*heard, rate_hz=rate_hz, tier=tier)
         looked: dict[HeardIn, Looked] = {"mains": mains.looked["mains"], "sides": there.looked["mains"]}
         yield Searched(place(shots, beside=[shot.onset for shot in there.shots]), refused, looked)
 

@@ -54,21 +54,24 @@ def beside(tier: QualityRules) -> QualityRules:
     return msgspec.structs.replace(tier, verify=verify)
 
 
-def joined(mains: Sorted, sides: Sorted, *, rate_hz: int, sure: float) -> Sorted:
+def joined(mains: Sorted, sides: Sorted, *, rate_hz: int, tier: QualityRules) -> Sorted:
     """Return the shots and rejections of both mixes, each sound once.
 
-    A shot that both heard keeps its parts in the mains. Where they are not `sure` of it, it is judged by the mix that
-    is surer.
+    A shot that both heard keeps its parts in the mains. Where they are not sure of it, it is judged by the mix that is
+    surer. Where they are, nothing that begins in the sides nearer than any gun fires again is another one.
     """
-    near = samples_from_ms(SAME_MS, rate_hz)
+    sure = tier.verify.threshold
+    near, apart = (samples_from_ms(ms, rate_hz) for ms in (SAME_MS, tier.bursts.shortest_gap_ms))
     shots, beside_it = list(mains[0]), sides[0]
     for index, shot in enumerate(shots):
         there = max((s.confidence for s in beside_it if abs(s.onset - shot.onset) <= near), default=0.0)
         if shot.confidence < min(sure, there):
             shots[index] = msgspec.structs.replace(shot, confidence=there, heard_in="sides")
-    known = [shot.onset for shot in shots]
+    known, certain = [shot.onset for shot in shots], [shot.onset for shot in shots if shot.confidence >= sure]
     shots += [
-        msgspec.structs.replace(shot, heard_in="sides") for shot in beside_it if not _any_near(known, shot.onset, near)
+        msgspec.structs.replace(shot, heard_in="sides")
+        for shot in beside_it
+        if not (_any_near(known, shot.onset, near) or _any_near(certain, shot.onset, apart))
     ]
     known = [shot.onset for shot in shots]
     refused = [each for each in mains[1] if not _any_near(known, each.at_sample, near)]

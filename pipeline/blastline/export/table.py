@@ -41,6 +41,7 @@ COLUMNS: Mapping[str, str] = MappingProxyType(
         "drive_peak": "float64",
         "perceived_gain_db": "float64",
         "fidelity": "float64",
+        "drive_made_of": "str",
     }
 )
 """The columns in order, each with its pandas type; a cell is empty where an event has no such value.
@@ -97,6 +98,7 @@ def _row(event: Event, source: Source) -> dict[str, str | float | None]:
         "drive_peak": drive.peak if drive else None,
         "perceived_gain_db": drive.perceived_gain_db if drive else None,
         "fidelity": drive.fidelity if drive else None,
+        "drive_made_of": drive.made_of if drive else None,
     }
 
 

@@ -8,7 +8,7 @@ Conventions
 
 from .scene import SceneEvidence
 from .shot import DecayEnd, EvenRow, Index, Ratio, Reflection, Shot, ShotEvidence
-from .sound import Channels, Clip, Cutter, HeardIn, SoundFile, Span
+from .sound import Channels, Clip, Cutter, HeardIn, MadeOf, SoundFile, Span
 from .timeline import (
     SCHEMA,
     ActuatorRef,
@@ -51,6 +51,7 @@ __all__ = [
     "Event",
     "HeardIn",
     "Index",
+    "MadeOf",
     "Origin",
     "Phase",
     "Quality",

@@ -5,10 +5,14 @@ from dataclasses import dataclass
 from typing import Any, Final, Literal, Protocol
 
 import msgspec
+import numpy as np
 from numpy.typing import NDArray
 
 HeardIn = Literal["mains", "sides"]
 """The mix in which a shot is heard: all main channels together, or what they hold beside their middle."""
+
+MadeOf = Literal["mains", "sides", "left", "right"]
+"""What becomes a drive: what the user has named, usually the mains; or their sides, or one of two channels."""
 
 SPAN_KEYS: Final = {"start": "start_sample", "stop": "stop_sample"}
 """What the ends of a range are called in `timeline.json`."""
@@ -82,14 +86,19 @@ class Clip:
         """Return the column that becomes the drive, shape (frames,); the heard one where there is only one."""
         return self.samples[:, -1]
 
-    def driving_of(self, mix: HeardIn) -> NDArray[Any]:
-        """Return what becomes the drive of shots that are heard in a mix, shape (frames,).
+    def driving_of(self, made_of: MadeOf) -> NDArray[Any]:
+        """Return what becomes a drive that is made of that, shape (frames,); all but the mains need `sides`.
 
-        That is the driving column, or the sides, if they were asked for, where the user has named no other channels.
+        Two channels are the mains, which are half their sum, and the sides, half their difference, added or not.
         """
-        if mix == "mains" or self.sides is None or self.samples.shape[1] > 1:
+        if made_of == "mains":
             return self.driving
-        return self.sides
+        if self.sides is None:
+            raise ValueError(f"a drive made of the {made_of} needs a clip with sides")
+        if made_of == "sides":
+            return self.sides
+        sign = 1.0 if made_of == "left" else -1.0
+        return np.asarray(self.heard + sign * self.sides)
 
     def cut(self, span: Span) -> "Clip":
         """Return the part inside `span`, which must lie within the clip."""

@@ -6,7 +6,7 @@ import msgspec
 from msgspec import Meta
 
 from .shot import Azimuth, Index, Ratio, Reflection
-from .sound import SPAN_KEYS, HeardIn, Span
+from .sound import SPAN_KEYS, HeardIn, MadeOf, Span
 
 SCHEMA: Final = "blastline.timeline/1"
 
@@ -72,7 +72,7 @@ class DriveInfo(msgspec.Struct, frozen=True):
     against that of direct conversion. `fidelity` is the correlation of the predicted perceived vibration with
     the sound in the band of vibration. Of a constrained drive, `solver_steps` says what it took, and `explained` which
     share of the energy that was to be felt it makes felt; None for other models. `evidence` is what the choice of the
-    model was made from. `made_of` is the mix that became the drive.
+    model was made from. `made_of` is what became the drive.
     """
 
     model: DriveModel
@@ -83,7 +83,7 @@ class DriveInfo(msgspec.Struct, frozen=True):
     solver_steps: Index | None = None
     explained: float | None = None
     evidence: dict[str, float] = {}
-    made_of: HeardIn = "mains"
+    made_of: MadeOf = "mains"
 
 
 class Decision(msgspec.Struct, frozen=True):

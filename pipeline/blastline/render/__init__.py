@@ -8,7 +8,8 @@ compose                                             the film's drive
 
 from .drive import RenderedWindow, measure, render_window
 from .filters import DriveFilters, drive_filters, needed_audio, preroll
-from .heard import HeardWindow, hear_window, mix_that_drives
+from .heard import HeardWindow, hear_window
+from .made_of import is_lacking, mix_that_drives
 from .mix import compose
 from .windows import PlannedWindow, plan_windows, window_between, with_gains
 
@@ -20,6 +21,7 @@ __all__ = [
     "compose",
     "drive_filters",
     "hear_window",
+    "is_lacking",
     "measure",
     "mix_that_drives",
     "needed_audio",

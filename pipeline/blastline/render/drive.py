@@ -70,7 +70,7 @@ def render_window(
             warm=wet,
             rules=heard.rules,
         )
-    dry = direct if background == "direct" else np.zeros_like(direct)
+    dry = _limited(heard.background) if background == "direct" else np.zeros_like(direct)
     drive = _limited(dsp.cross_fade(dry, wet, _weights(planned)))
     infos = _drive_infos(drive, direct, heard, own, starts, model=model, reason=reason)
     infos = tuple(_with_effort(info, effort) for info, effort in zip(infos, efforts, strict=True))

@@ -1,18 +1,14 @@
 """What a window hears: its sound, filtered once for all that is measured and rendered from it."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..model import Clip, HeardIn, Shot
+from ..model import Clip, MadeOf
 from ..ruleset import RenderRules
 from ..units import gain_from_db, samples_from_ms
 from .filters import DriveFilters, Samples, needed_audio, settled_band, settled_compensated
 from .windows import PlannedWindow
-
-_FIRST_MS, _SOFTER_DB = 20.0, 12.0
-"""Sides whose loudest in so much of a shot is so far under that of the mains do not drive."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,8 +16,8 @@ class HeardWindow:
     """A window with its sound, exactly over its span, and how it is to be rendered.
 
     `gains` are those of its shots, sample by sample. With them and the level of the rules, `asked` is the sound,
-    `target` the sound in the band, which is to be felt, and `unlimited` the compensator's drive. `made_of` is the mix
-    that the sound is of.
+    `target` the sound in the band, which is to be felt, and `unlimited` the compensator's drive. `made_of` says
+    what the sound is of, and `background` is what is heard beside the windows.
     """
 
     planned: PlannedWindow
@@ -32,30 +28,14 @@ class HeardWindow:
     asked: Samples
     target: Samples
     unlimited: Samples
-    made_of: HeardIn = "mains"
-
-
-def mix_that_drives(audio: Clip, shots: Sequence[Shot]) -> HeardIn:
-    """Return the mix that becomes the drive of a window, of which `audio` holds both mixes and `shots` are all.
-
-    Shots that were heard in the sides are drowned in the mains, or cancel there. Sides that are far softer than the
-    mains are not what a shot sounds like, but what a mixer, or a codec, has left of it beside the middle.
-    """
-    heard, sides = audio.heard, audio.sides
-    if sides is None or audio.samples.shape[1] > 1 or any(shot.heard_in == "mains" for shot in shots):
-        return "mains"
-    first = samples_from_ms(_FIRST_MS, audio.rate_hz)
-    for at in (shot.onset - audio.start for shot in shots):
-        loudest = [float(np.abs(mix[at : at + first]).max(initial=0.0)) for mix in (heard, sides)]
-        if loudest[1] < gain_from_db(-_SOFTER_DB) * loudest[0]:
-            return "mains"
-    return "sides"
+    background: Samples
+    made_of: MadeOf = "mains"
 
 
 def hear_window(
-    audio: Clip, planned: PlannedWindow, *, filters: DriveFilters, rules: RenderRules, made_of: HeardIn = "mains"
+    audio: Clip, planned: PlannedWindow, *, filters: DriveFilters, rules: RenderRules, made_of: MadeOf = "mains"
 ) -> HeardWindow:
-    """Return what a window hears in a mix; `audio` covers `needed_audio`, more of it changes nothing.
+    """Return what a window hears; `audio` covers `needed_audio`, more of it changes nothing.
 
     Raises ValueError where the filters are for another rate.
     """
@@ -77,6 +57,7 @@ def hear_window(
         asked=level * sound[inside],
         target=level * settled_band(sound, inside, filters, rules),
         unlimited=level * settled_compensated(sound, inside, filters, rules),
+        background=np.asarray(clip.driving, dtype=np.float64)[inside],
         made_of=made_of,
     )
 

@@ -2,8 +2,9 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Final
 
-from ..model import Check, Cutter, Event, Timeline
+from ..model import Check, Cutter, Event, MadeOf, Timeline
 from ..ruleset import ActuatorProfile
 from .choice import MOST_PICTURES, failures, pictured, reasons, rule
 from .exports import ExportRow, exports_table
@@ -16,6 +17,12 @@ from .summary import heading, tiles, verdict, warnings
 from .tables import checks_tables, origin_list, rejections_table, shots_table
 from .track import film_track
 from .words import claim, figure, fixed, measured, safe, signed
+
+_MADE_OF: Final[dict[MadeOf, str]] = {
+    "sides": "what the two channels play against each other",
+    "left": "the left channel, since the two cancel",
+    "right": "the right channel, since the two cancel",
+}
 
 
 def write_report(
@@ -188,6 +195,8 @@ def _numbers(event: Event, rate_hz: int) -> str:
     if event.drive is not None:
         facts["Felt against direct"] = f"{signed(event.drive.perceived_gain_db)} dB"
         facts["Fidelity"] = fixed(event.drive.fidelity, 3)
+        if event.drive.made_of != "mains":
+            facts["Drive made of"] = _MADE_OF[event.drive.made_of]
         if event.drive.explained is not None:
             facts["Energy felt as heard"] = f"{figure(100.0 * event.drive.explained, 1)} %"
         facts["Peak of the drive"] = f"{figure(event.drive.peak, 3)} of the limit"

@@ -55,8 +55,8 @@ def event_sound(
     settle = samples_from_ms(_SETTLE_MS, rate_hz)
     whole = Span(max(0, start - settle), min(frames, shown.stop + settle))
     kept = slice(shown.start - whole.start, shown.stop - whole.start)
-    mix = event.drive.made_of if event.drive else "mains"
-    sound = np.asarray(audio.cut(whole, sides=mix == "sides").driving_of(mix), dtype=np.float64)
+    made_of = event.drive.made_of if event.drive else "mains"
+    sound = np.asarray(audio.cut(whole, sides=made_of != "mains").driving_of(made_of), dtype=np.float64)
     driving = np.asarray(drive.cut(whole).driving, dtype=np.float64)
     felt = dsp.digital(dsp.felt_response(profile), rate_hz)
     level = gain_from_db(timeline.level_db + event.gain_db)
@@ -88,18 +88,17 @@ def envelope(values: Samples, columns: int) -> tuple[Samples, Samples]:
     width = math.ceil(len(values) / columns)
     if width <= 2:
         return np.arange(len(values), dtype=np.float64), values
-    whole = len(values) - len(values) % width
-    table = values[:whole].reshape(-1, width)
+    table = np.pad(values, (0, -len(values) % width), mode="edge").reshape(-1, width)
     rows = np.arange(len(table)) * width
-    ends = np.sort(np.stack([rows + table.argmin(axis=1), rows + table.argmax(axis=1)], axis=1), axis=1).ravel()
-    index = np.unique(np.concatenate([[0], ends, [len(values) - 1]]))
+    ends = np.stack([rows + table.argmin(axis=1), rows + table.argmax(axis=1)])
+    index = np.unique(np.concatenate([[0], np.minimum(ends.ravel(), len(values) - 1), [len(values) - 1]]))
     return index.astype(np.float64), values[index]
 
 
 def spectrum_db(samples: Samples, rate_hz: int, bands_hz: Samples) -> Samples:
     """Return the level of a stretch of sound between neighbouring frequencies of `bands_hz`, in decibels.
 
-    The magnitude of the Fourier transform in volt seconds, root mean square over each band; where a band lies between
+    The magnitude of the Fourier transform in seconds, full scale being 1, root mean square over each band; where a band lies between
     two bins, interpolated.
     """
     size = 1 << max(14, (len(samples) - 1).bit_length())

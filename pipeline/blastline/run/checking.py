@@ -36,8 +36,8 @@ def check(
     read = load_rules(timeline.quality, rules)
     film = audio or _find_film(timeline.source, path)
     with open_soundtrack(film, stream=timeline.source.stream, mix=timeline.source.mix) as track:
-        beside = any(event.heard_in == "sides" for event in timeline.events)
-        for _ in told(track.blocks(BLOCK, sides=beside), progress, track.expected_frames):
+        _require_sides(timeline, film, track)
+        for _ in told(track.blocks(BLOCK, sides=True), progress, track.expected_frames):
             pass
         found = track.source()
         if audio is None:
@@ -73,6 +73,16 @@ def checked(
         background=timeline.background,
     )
     return msgspec.structs.replace(timeline, checks=checks)
+
+
+def _require_sides(timeline: Timeline, film: Path, track: Soundtrack) -> None:
+    """Raise TimelineError where a drive was made of what only a film of two channels has, and this is none."""
+    for event in timeline.events:
+        if event.drive is not None and event.drive.made_of != "mains" and not track.is_pair:
+            raise TimelineError(
+                f"{film}: has no two channels that play against each other, and the drive of {event.id} was made of "
+                f"what they do (drive.made_of = {event.drive.made_of!r}); expected a film with both"
+            )
 
 
 def _find_film(source: Source, timeline: Path) -> Path:

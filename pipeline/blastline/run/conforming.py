@@ -91,7 +91,7 @@ def conform(
 
 def _heard(track: Soundtrack, path: Path, stage: str, progress: Progress) -> Film:
     """Decode a film once. Raises SoundtrackError where there is too little to recognise it by."""
-    film = hear(track, told(track.blocks(BLOCK), progress, track.expected_frames, stage=stage))
+    film = hear(track, told(track.blocks(BLOCK, sides=True), progress, track.expected_frames, stage=stage))
     if film.duration_s < _SHORTEST_S:
         raise SoundtrackError(f"{path}: lasts {film.duration_s:.3f} s; expected at least {_SHORTEST_S:g} s of film")
     if not film.fingerprint.frames.any():

@@ -65,10 +65,9 @@ def _rendered(heard: Listened, setup: Setup) -> Iterator[RenderedWindow]:
     options, render_rules = setup.options, setup.rules.tier.render
     filters = drive_filters(setup.profile, heard.source.sample_rate_hz, options.phase)
     for planned in heard.windows:
-        own = [heard.found.shots[index] for index in planned.shots]
         needed = needed_audio(planned, frames=heard.source.frames, filters=filters, rules=render_rules)
-        audio = heard.track.cut(needed, sides=any(shot.heard_in == "sides" for shot in own))
-        made_of = mix_that_drives(audio, own)
+        audio = heard.track.cut(needed, sides=heard.track.is_pair)
+        made_of = mix_that_drives(audio, [heard.found.shots[index].onset for index in planned.shots])
         window = hear_window(audio, planned, filters=filters, rules=render_rules, made_of=made_of)
         evidence = measure(window)
         model, reason = scene.choose(evidence, setup.rules.scenes, options.drive)

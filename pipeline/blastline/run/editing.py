@@ -13,8 +13,8 @@ from ..detect import Detection, as_heard, audio_around, group_bursts, part_from_
 from ..errors import TimelineError
 from ..export import read_timeline
 from ..export.edits import EditedFile, Wanted, Wish, match, read_edits
-from ..model import Decision, Edits, Event, Rejection, Shot, Source, Window
-from ..render import plan_windows, window_between, with_gains
+from ..model import Clip, Decision, Edits, Event, HeardIn, Rejection, Shot, Source, Window
+from ..render import is_lacking, plan_windows, window_between, with_gains
 from ..report import OverviewMeter
 from ..ruleset import Rules
 from ..soundtrack import Soundtrack, open_soundtrack
@@ -86,8 +86,7 @@ def hear_edited(
             f"{editing.named_by}: is of {_named(editing.source)}, but the film has {track.rate_hz} Hz; {_MEND}"
         )
     wanted = match(edited, editing.original, rate_hz=track.rate_hz)
-    beside = any(wish.was is not None and wish.was.heard_in == "sides" for wish in wanted.wishes)
-    blocks = told(track.blocks(BLOCK, sides=beside), progress, track.expected_frames)
+    blocks = told(track.blocks(BLOCK, sides=True), progress, track.expected_frames)
     for _ in meter.watch(blocks) if meter else blocks:
         pass
     source = track.source()
@@ -151,9 +150,10 @@ def _shots(wishes: Sequence[Wish], track: Soundtrack, source: Source, rules: Rul
     for wish in wishes:
         span = audio_around(wish.onset, frames=source.frames, rate_hz=rate_hz, tier=tier)
         confidence = _SURE if wish.confidence is None else wish.confidence
-        clip = track.cut(span, sides=wish.was is not None and wish.was.heard_in == "sides")
-        shot = shot_at(wish.onset, as_heard(clip), confidence=confidence, tier=tier)
-        heard.append(msgspec.structs.replace(shot, heard_in="mains" if clip.sides is None else "sides"))
+        clip = track.cut(span, sides=True)
+        mix = _mix_of(wish, clip)
+        shot = shot_at(wish.onset, as_heard(clip) if mix == "sides" else clip, confidence=confidence, tier=tier)
+        heard.append(msgspec.structs.replace(shot, heard_in=mix))
     toward = placed(heard, track.around, rate_hz=rate_hz, rules=tier.channels)
     parted = part_from_echoes(toward, rate_hz=rate_hz, rules=tier.bursts)
     kept = [
@@ -161,6 +161,13 @@ def _shots(wishes: Sequence[Wish], track: Soundtrack, source: Source, rules: Rul
         for wish, shot in zip(wishes, parted, strict=True)
     ]
     return group_bursts(kept, rate_hz=rate_hz, rules=tier.bursts)
+
+
+def _mix_of(wish: Wish, clip: Clip) -> HeardIn:
+    """Return the mix in which a shot is heard: its own, but for one set by hand where two channels cancel."""
+    if wish.was is not None and (wish.unmoved or wish.was.heard_in == "sides"):
+        return wish.was.heard_in
+    return "sides" if is_lacking(clip, wish.onset) else "mains"
 
 
 def _decided(wish: Wish) -> tuple[Decision, ...]:

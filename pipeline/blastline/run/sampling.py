@@ -90,7 +90,7 @@ def room_for_samples() -> Iterator[Path]:
 def sampled(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> Sampled:
     """Take stretches from the middle of equal parts of the film, enough to time or also to count, and write them.
 
-    One channel, or where the film has a centre, three that are heard with and without it as the film is.
+    One channel, or where the film has sides, three whose mains and sides are heard as the film's are.
     Raises SoundtrackError for a film that cannot be read, or whose length nothing tells.
     """
     film_s = track.expected_s
@@ -149,7 +149,7 @@ class _Taken:
             yield as_front(*stretch.T) if self.channels > 1 else stretch
 
     def _decoded(self, start_s: float) -> NDArray[np.float32]:
-        """Return what is heard, and beside it, where the film has a centre, what is heard without that."""
+        """Return what is heard, and beside it, where the film has sides, these."""
         began = process_time()
         columns = self._track.near(start_s, self._frames / self._track.rate_hz, sides=True)
         self.decode_s += process_time() - began

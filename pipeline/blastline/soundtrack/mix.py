@@ -92,13 +92,16 @@ def sides_matrix(layout: Sequence[str] | None, channels: int, mix: str) -> Matri
     """
     names = names_of(layout, channels)
     mains = _mains_of(names)
-    if mix not in ("mains", "lfe", "all") or len(mains) < 2 or (len(mains) > 2 and "FC" not in mains):
+    centre = centre_of(layout, channels)
+    is_pair = len(mains) == 2 and "FC" not in mains
+    if mix not in ("mains", "lfe", "all") or not (is_pair or centre is not None):
         return None
     weights = _mains(names)[:, None]
-    if len(mains) > 2:
-        weights[names.index("FC")] = 0.0
+    if centre is not None:
+        weights[centre] = 0.0
     else:
-        weights[names.index(mains[1])] *= -1.0
+        _, right = (channel for channel in summing_order(layout, channels) if names[channel] in mains)
+        weights[right] *= -1.0
     return weights
 
 

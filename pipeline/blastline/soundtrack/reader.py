@@ -82,6 +82,11 @@ class Soundtrack:
         return self._sides is not None
 
     @property
+    def is_pair(self) -> bool:
+        """Return whether the sides are what two channels play against each other, which the mains do not hold."""
+        return self._sides is not None and self._centre is None
+
+    @property
     def around(self) -> Channels | None:
         """Return where a film's channels play and how to read them; None where it has not two that have a place.
 
@@ -135,9 +140,9 @@ class Soundtrack:
     def cut(self, span: Span, *, sides: bool = False) -> Clip:
         """Return the exact samples of a span inside the track, float64, once all blocks have been taken.
 
-        With `sides`, those that the film has come with it, if `blocks` was asked for them or the file can be read
-        twice. Raises ValueError where the span leaves the track, SoundtrackError where a file that is read twice has
-        changed.
+        With `sides`, those that the film has come with it, if the file can be read twice, or if the film is a pair and
+        `blocks` was asked for them. Raises ValueError where the span leaves the track, SoundtrackError where a file
+        that is read twice has changed.
         """
         if self._frames is None or span.start < 0 or span.stop > self._frames:
             raise ValueError(f"{span} is not inside what was decoded: {self._frames} frames")
@@ -204,7 +209,7 @@ class Soundtrack:
                 columns = self._mixed(samples, sides=sides)
                 self._condition.hear(samples, columns[:, : self.columns])
                 if self._spool is not None:
-                    self._spool.append(np.ascontiguousarray(columns))
+                    self._spool.append(np.ascontiguousarray(columns[:, : self.columns + self.is_pair]))
                 if self._recent is not None:
                     self._recent.append(samples)
                 yield columns
