@@ -31,7 +31,7 @@ from blastline.detect.picture import pictures
 from blastline.detect.segment import segment
 from blastline.detect.stretches import stretches
 from blastline.detect.tracks import Grid, pieces
-from blastline.detect.verify import SCREEN_SHARE, Sieve, Verdicts, odds_of
+from blastline.detect.verify import Sieve, Verdicts, odds_of, together
 from blastline.model import DriveChoice, DriveModel, Shot, ShotEvidence, Span
 from blastline.render import drive_filters, hear_window, measure, needed_audio, plan_windows, render_window
 from blastline.render.filters import felt
@@ -189,7 +189,7 @@ def compared(films: Iterator[tuple[Path, Truth]], rules: Rules) -> tuple[Way, Wa
         with open_soundtrack(path) as track:
             began = process_time()
             every = looked(track, truth, rules, verifier, sieved=False)
-            odds = (1.0 - SCREEN_SHARE) * every.networks.mean(axis=0) + SCREEN_SHARE * every.screen
+            odds = together(every.networks.sum(axis=0), every.networks.shape[0], every.screen)
             shots = believed(every, _probability(odds), rules)
             everything.detect_s += process_time() - began - scanning_s
             everything.counts += counted(shots, truth)
@@ -205,7 +205,7 @@ def spared(seen: Sequence[Looked], rules: Rules, look_from: float, sure_from: fl
     for film in seen:
         screened = _probability(film.screen)
         sure = (screened >= sure_from) & (sure_from < 1.0)
-        odds = (1.0 - SCREEN_SHARE) * film.networks.mean(axis=0) + SCREEN_SHARE * film.screen
+        odds = together(film.networks.sum(axis=0), film.networks.shape[0], film.screen)
         surety = np.where(sure, screened, np.where(screened < look_from, 0.0, _probability(odds)))
         shown, every = shown + int(((screened >= look_from) & ~sure).sum()), every + screened.size
         counts += counted(believed(film, surety, rules), film.truth)

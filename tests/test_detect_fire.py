@@ -7,7 +7,7 @@ import pytest
 from scipy.special import expit, logit
 
 from blastline.detect.fire import Looked, automatic, even_rows, rows_at, worth_a_look
-from blastline.detect.verify import SCREEN_SHARE, Verdicts, odds_of
+from blastline.detect.verify import Verdicts, odds_of, together
 from blastline.model import EvenRow
 from blastline.ruleset import load_rules
 from blastline.units import ms_from_samples, samples_from_ms
@@ -93,11 +93,18 @@ def test_no_sound_is_in_two_rows_and_a_delay_or_gain_changes_none() -> None:
     assert rows([at_ms + 123.0 for at_ms in places_ms], (peaks_dbfs - 40.0).tolist()) == found
 
 
-def test_the_odds_of_the_networks_are_what_the_screen_leaves() -> None:
+def taken_together(by_networks: float, by_screen: float) -> float:
+    """Return the probability that two networks of one mind and the screen give."""
+    (odds,) = together(np.array([2.0 * by_networks]), 2, np.array([by_screen]))
+    return float(expit(odds))
+
+
+@pytest.mark.parametrize("networks", [1, 2, 4])
+def test_the_odds_of_the_networks_are_what_the_screen_leaves(networks: int) -> None:
     rng = np.random.default_rng(2)
     by_networks, by_screen = rng.uniform(-4.0, 4.0, (2, 50))
-    surety = expit((1.0 - SCREEN_SHARE) * by_networks + SCREEN_SHARE * by_screen)
-    odds = odds_of(Verdicts(surety, expit(by_screen), np.full(50, 2)))
+    surety = expit(together(networks * by_networks, networks, by_screen))
+    odds = odds_of(Verdicts(surety, expit(by_screen), np.full(50, networks)))
     np.testing.assert_allclose(odds.by_networks, by_networks, atol=1e-9)
     np.testing.assert_allclose(odds.by_all, logit(surety), atol=1e-9)
     assert np.isfinite(odds_of(Verdicts(np.array([0.0, 1.0]), np.array([1.0, 0.0]), np.full(2, 2))).by_networks).all()
@@ -113,7 +120,7 @@ def test_a_row_is_fire_where_its_mean_odds_are_enough() -> None:
 def test_the_networks_alone_may_settle_it() -> None:
     """The screen takes fire for a machine; each sound is then unlikely, and all are, in the mean."""
     by_networks, by_screen = float(logit(VERIFY.even_networks_threshold)) + 0.1, -4.0
-    surety = float(expit((1.0 - SCREEN_SHARE) * by_networks + SCREEN_SHARE * by_screen))
+    surety = taken_together(by_networks, by_screen)
     assert surety < VERIFY.even_threshold
     assert told([surety] * 5, [float(expit(by_screen))] * 5) == ["fire"] * 5
     assert told([surety] * 5) == [None] * 5
@@ -135,7 +142,7 @@ def test_a_slow_row_is_fire_where_the_networks_alone_are_as_sure_of_it_as_of_a_s
     """Somebody pulls the trigger at a pace at which steps and hammers come as well; the screen doubts all of them."""
     enough, by_screen = float(logit(VERIFY.threshold)), -4.0
     for above, row in ((0.1, "fire"), (-0.1, None)):
-        surety = float(expit((1.0 - SCREEN_SHARE) * (enough + above) + SCREEN_SHARE * by_screen))
+        surety = taken_together(enough + above, by_screen)
         assert surety < VERIFY.threshold
         assert told([surety] * 4, [float(expit(by_screen))] * 4, gap_ms=gap_ms) == [row] * 4
     assert told([0.99] * (TIER.rows.fewest - 1), gap_ms=gap_ms) == [None] * (TIER.rows.fewest - 1)

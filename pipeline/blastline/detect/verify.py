@@ -23,8 +23,8 @@ SCHEMA = 4
 BEYOND_DOUBT = 3.0
 """Log-odds of 95 to 5: hardly a second opinion turns them over."""
 
-SCREEN_SHARE = 1.0 / 3.0
-"""How much the screen's odds weigh beside the networks': on sources never heard F1 .69 with it, .66 without."""
+SCREEN_VOICE = 0.5
+"""The screen has as much of a say as half a network: docs/training.md, Trees, networks, or both."""
 
 _DIGITS = 4
 _SMALLEST = 0.5 * 10.0**-_DIGITS  # of probabilities, before they are rounded to 0
@@ -93,7 +93,7 @@ class Verifier:
         return self.verdicts(rows, shown).surety
 
     def verdicts(self, rows: NDArray[np.float64], shown: Pictures) -> Verdicts:
-        """Return what is thought of each candidate: of two parts networks, one part screen.
+        """Return what is thought of each candidate, by screen and networks.
 
         Trees and networks err in different places. A further network is asked only where those before it leave room
         for doubt. To four digits: beyond them the sums depend on how many candidates are judged together.
@@ -103,17 +103,21 @@ class Verifier:
         open_to_doubt = np.arange(rows.shape[0])
         for asked, network in enumerate(self.networks, start=1):
             said[open_to_doubt] += log_odds(network, rows[open_to_doubt], seen.taken(open_to_doubt))
-            mean = said[open_to_doubt] / asked
-            odds[open_to_doubt] = (1.0 - SCREEN_SHARE) * mean + SCREEN_SHARE * by_screen[open_to_doubt]
+            odds[open_to_doubt] = together(said[open_to_doubt], asked, by_screen[open_to_doubt])
             networks[open_to_doubt] = asked
             open_to_doubt = open_to_doubt[np.abs(odds[open_to_doubt]) < BEYOND_DOUBT]
         return Verdicts(_probability(odds), _probability(by_screen), networks)
 
 
+def together(said: NDArray[np.float64], networks: int, by_screen: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the log-odds of n candidates by all, of the sum of what some networks said and what the screen says."""
+    return (said + SCREEN_VOICE * by_screen) / (networks + SCREEN_VOICE)
+
+
 def odds_of(verdicts: Verdicts) -> Odds:
     """Return the odds that verdicts on n candidates tell of."""
     by_all, by_screen = log_odds_of(verdicts.surety), log_odds_of(verdicts.screened)
-    return Odds(by_all, (by_all - SCREEN_SHARE * by_screen) / (1.0 - SCREEN_SHARE))
+    return Odds(by_all, by_all + (by_all - by_screen) * (SCREEN_VOICE / verdicts.networks))
 
 
 def log_odds_of(probability: NDArray[np.float64] | float) -> NDArray[np.float64]:
