@@ -30,7 +30,9 @@ from blastline.ruleset import ActuatorProfile, load_actuator, load_rules
 
 Samples = NDArray[np.float64]
 
-PROFILE: ActuatorProfile = load_actuator("crowson-t108sm")[0]
+PROFILE: ActuatorProfile
+DIGEST: str
+PROFILE, DIGEST = load_actuator("crowson-t108sm")
 RULES = load_rules("standard").align
 RATE_HZ = 48_000
 
@@ -151,7 +153,7 @@ def timeline_of(audio: Samples, events: list[Event], rate_hz: int) -> Timeline:
         quality="standard",
         rules_digest="ab" * 32,
         source=Source("film.wav", "cd" * 32, rate_hz, len(audio), 1, "01:00:00:00", "24"),
-        actuator=ActuatorRef(PROFILE.name, "ef" * 32),
+        actuator=ActuatorRef(PROFILE.name, DIGEST),
         events=tuple(events),
         rejections=(Rejection(rate_hz // 4, "probability", {"probability": 0.21}),),
         checks=(),

@@ -15,6 +15,7 @@ import soundfile
 from blastline.export import read_timeline
 from blastline.run import rendering
 from commands import BELIEVE, RATE_HZ, blastline, blastline_alone, interrupted, write_film
+from media import write_media
 
 RESULTS = ["drive.wav", "report.html", "timeline.csv", "timeline.json"]
 SHOTS_S = (1.0, 2.5)
@@ -287,10 +288,11 @@ def test_a_full_disk_is_told_by_detect_and_synth_with_the_name_that_was_asked_fo
     assert not out.exists()
 
 
-def test_a_drive_with_a_longer_lead_passes_its_checks(tmp_path: Path, film: Path) -> None:
+@pytest.mark.parametrize("lead_ms", [3.0, 8.0])
+def test_a_drive_with_a_longer_lead_passes_its_checks(tmp_path: Path, film: Path, lead_ms: float) -> None:
     rules, out = tmp_path / "rules", tmp_path / "out"
     (rules / "quality").mkdir(parents=True)
-    (rules / "quality" / "standard.toml").write_text(f"{BELIEVE}\n[render]\nlead_ms = 8.0\n")
+    (rules / "quality" / "standard.toml").write_text(f"{BELIEVE}\n[render]\nlead_ms = {lead_ms}\n")
     ended = blastline("render", film, "-o", out, "--rules", rules, "--drive", "constrained", "--no-report", "-q")
     assert ended.code == 0, ended
     assert blastline("check", out, "--audio", film, "--rules", rules, "-q").code == 0
@@ -330,6 +332,33 @@ def test_the_profile_of_ones_own_seat_is_asked_for(
     for command in commands:
         assert blastline(*command).complaint == asked
         assert blastline(*command, *seat).code == 0
+
+
+def test_a_profile_that_has_changed_since_is_not_what_the_drive_was_made_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, film: Path, believing: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    built_in = Path(__file__).parents[1] / "rules" / "actuators" / "crowson-t108sm.toml"
+    changed = built_in.read_text(encoding="utf-8").replace("corner_hz = 1000.0", "corner_hz = 200.0")
+    assert "200.0" in changed
+    Path("own.toml").write_text(changed, encoding="utf-8")
+    own = ["--actuator", "own.toml"]
+    assert blastline("render", film, "-o", "out", *own, "--rules", believing, "--no-report", "-q").code == 0
+    check: list[str | Path] = ["check", "out", "--audio", film, "-q"]
+    export = ["export", "out/timeline.json", "--format", "hjif", "-o", "there"]
+    assert "that is not the one of that name here" in blastline(*check).complaint
+    assert "give its file with --actuator" in blastline(*export).complaint
+    assert blastline(*check, *own).code == 0
+
+
+def test_the_sound_of_a_film_may_be_checked_in_another_file(tmp_path: Path, film: Path, believing: Path) -> None:
+    samples = np.asarray(soundfile.read(film, dtype="float32", always_2d=True)[0])
+    two = write_media(tmp_path / "film.mkv", [np.zeros_like(samples), samples], codec="flac")
+    words = ("--rules", believing, "--no-report", "-q")
+    assert blastline("render", two, "-o", tmp_path / "out", "--stream", "1", *words).code == 0
+    check: list[str | Path] = ["check", tmp_path / "out", "--audio", film, "--rules", believing, "-q"]
+    assert "no sound stream 1" in blastline(*check).complaint
+    assert blastline(*check, "--stream", "0").code == 0
 
 
 def test_an_interruption_that_was_swallowed_is_heeded_before_results_are_in_place(

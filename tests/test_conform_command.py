@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from blastline.export import read_timeline
-from blastline.model import SCHEMA, DriveInfo, Event, Reflection, Source, Span, Timeline, Window, encode
+from blastline.model import SCHEMA, Decision, DriveInfo, Event, Reflection, Source, Span, Timeline, Window, encode
 from blastline.study.conforming import CASES, made_film, score_one
 from commands import blastline
 from conform_films import RATE_HZ, Samples, film, seconds
@@ -109,6 +109,25 @@ def test_every_span_of_an_event_moves_with_it(films: tuple[Path, Path, Path], tm
         assert (echo.delay_ms, echo.level_db) == pytest.approx((50.0, -9.0))
         assert after.window.start < after.onset_sample < after.window.stop <= len(NEW)
         assert after.peak_dbfs == pytest.approx(-12.02, abs=0.01)
+
+
+def test_what_is_left_of_a_burst_is_numbered_anew(films: tuple[Path, Path, Path], tmp_path: Path) -> None:
+    timeline, old, new = films
+    found = read_timeline(timeline)
+    over, none = (
+        Decision("window", "80 ms", "it is over by then", {}),
+        Decision("reflections", "none", "it has none", {}),
+    )
+    fired = [
+        msgspec.structs.replace(each, burst=1, shot_in_burst=number, decisions=(over, none))
+        for number, each in enumerate(found.events, start=1)
+    ]
+    timeline.write_bytes(encode(msgspec.structs.replace(found, events=tuple(fired))))
+    blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
+    made = read_timeline(tmp_path / "out" / "timeline.json").events
+    assert made
+    assert {(each.burst, each.shot_in_burst) for each in made} == {(None, None)}, "all are seconds apart"
+    assert all(each.decisions == (none,) for each in made), "windows are planned anew"
 
 
 def test_a_faster_copy_has_shorter_spans(films: tuple[Path, Path, Path], tmp_path: Path) -> None:

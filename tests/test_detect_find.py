@@ -16,7 +16,17 @@ from blastline.detect.forest import ForestFile, grown, probabilities
 from blastline.detect.picture import Pictures, pictures
 from blastline.detect.stretches import CORE_PIECES, Stretch, stretches
 from blastline.detect.tracks import Grid, pieces
-from blastline.detect.verify import SCHEMA, ModelFile, Sieve, SieveFile, Verdicts, Verifier
+from blastline.detect.verify import (
+    BEYOND_DOUBT,
+    SCHEMA,
+    ModelFile,
+    Sieve,
+    SieveFile,
+    Verdicts,
+    Verifier,
+    log_odds_of,
+    odds_of,
+)
 from blastline.errors import RuleError
 from blastline.model import Clip, Shot
 from blastline.ruleset import load_rules, rules_path
@@ -193,11 +203,13 @@ def test_a_second_opinion_is_asked_where_there_is_doubt_and_changes_no_clear_ver
     for stretch in stretches(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
         found = _sieved(stretch, both)
         shown = pictures(stretch.samples, found.onsets, RATE_HZ)
-        together, one, two = (each.probabilities(found.rows, shown) for each in (both, first, second))
-        doubtful = np.abs(np.log(one / (1.0 - one + 1e-9) + 1e-9)) < 3.9
-        assert np.array_equal(together[one < 0.01], one[one < 0.01])
-        low, high = np.minimum(one, two) - 1e-3, np.maximum(one, two) + 1e-3
-        assert np.all((together[doubtful] >= low[doubtful]) & (together[doubtful] <= high[doubtful]))
+        together, one, two = (each.verdicts(found.rows, shown) for each in (both, first, second))
+        asked_both = together.networks == 2
+        assert np.array_equal(asked_both, np.abs(log_odds_of(one.surety)) < BEYOND_DOUBT)
+        assert np.array_equal(together.surety[~asked_both], one.surety[~asked_both])
+        by_both, by_one, by_two = (odds_of(each).by_networks for each in (together, one, two))
+        told = asked_both & (np.abs(by_two) < 5.0)  # of what is surer, little is left once it is rounded
+        np.testing.assert_allclose(by_both[told], (0.5 * (by_one + by_two))[told], atol=0.05)
 
 
 def test_a_model_of_other_features_is_refused(tmp_path: Path) -> None:

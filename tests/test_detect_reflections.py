@@ -200,3 +200,15 @@ def test_rules_decide_from_what_level_on_an_echo_counts() -> None:
         rules=strict,
     )
     assert delays_ms(shot) == pytest.approx([30.0], abs=0.1)
+
+
+@pytest.mark.parametrize("longest_ms", [200.0, 1200.0])
+def test_an_echo_is_found_as_late_as_asked_for_however_short_windows_are(longest_ms: float) -> None:
+    rules = msgspec.structs.replace(RULES, latest_reflection_ms=1_000.0, longest_ms=longest_ms)
+    film = np.zeros(2 * RATE_HZ, np.float32)
+    blast = np.exp(-np.arange(480) / 40.0) * np.random.default_rng(6).standard_normal(480)
+    for at, gain in ((RATE_HZ // 2, 0.5), (RATE_HZ // 2 + 28_800, 0.2)):
+        film[at : at + 480] += (gain * blast).astype(np.float32)
+    film += np.random.default_rng(7).normal(0.0, 1e-4, film.size).astype(np.float32)
+    shot = segment(film, RATE_HZ // 2, film_start=0, film_stop=film.size, confidence=1.0, rate_hz=RATE_HZ, rules=rules)
+    assert shot.reflections[-1].delay_ms == pytest.approx(600.0, abs=0.5)

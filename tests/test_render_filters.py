@@ -139,10 +139,24 @@ def test_corner_above_half_the_rate_is_refused(changes: dict[str, dict[str, obje
         drive_filters(profile, 8_000, "causal")
 
 
+@pytest.mark.parametrize("zero_rad_s", [-1.0, -3.14, -20.0])
+def test_filters_that_ring_for_long_have_settled_as_well_when_a_window_begins(zero_rad_s: float) -> None:
+    """A zero of the response is a pole of the compensator; what it heard before is not forgotten for seconds."""
+    response = msgspec.structs.replace(PROFILE.response, zeros_rad_s=((zero_rad_s, 0.0),))
+    filters = drive_filters(msgspec.structs.replace(PROFILE, response=response), 8_000, "causal")
+    film = np.random.default_rng(1).standard_normal(30 * 8_000)
+    roll = preroll(filters, RENDER)
+    assert roll >= RENDER.preroll_ms * 8.0
+    start = 26 * 8_000
+    whole = compensated(film, filters)[start:]
+    part = settled_compensated(film[start - roll :], slice(roll, len(film) - start + roll), filters, RENDER)
+    assert np.linalg.norm(part - whole) < 1e-4 * np.linalg.norm(whole)
+
+
 def test_needed_audio_is_the_window_with_its_pre_roll_inside_the_film() -> None:
     film, shot = film_with_shot(before_s=0.8)
     planned = only_window(film, shot)
-    roll = preroll(RATE_HZ, RENDER)
+    roll = preroll(CAUSAL, RENDER)
     assert roll == 28_800
     frames = 10 * RATE_HZ
     start, stop = planned.window.start, planned.window.stop

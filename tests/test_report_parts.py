@@ -48,9 +48,11 @@ def test_failures_everywhere_still_leave_room_for_the_others() -> None:
     assert len(why) == MOST_PICTURES
 
 
-@pytest.mark.parametrize("length", [1, 2, 50, 999, 20_000])
-def test_an_envelope_keeps_ends_and_extremes(length: int) -> None:
+@pytest.mark.parametrize("length", [1, 2, 50, 999, 1_259, 20_000])
+@pytest.mark.parametrize("late", [0.0, 9.0])
+def test_an_envelope_keeps_ends_and_extremes(length: int, late: float) -> None:
     values = np.random.default_rng(length).standard_normal(length)
+    values[-2:-1] += late
     index, kept = envelope(values, 100)
     assert kept == pytest.approx(values[index.astype(int)])
     assert np.all(np.diff(index) > 0)

@@ -217,3 +217,13 @@ def test_time_of_the_first_sample_since_midnight(
     frame_rate: str | None, start: str | None, offset_s: float, samples: int
 ) -> None:
     assert time_of_start(source(frame_rate, start, offset_s=offset_s)) == samples
+
+
+@pytest.mark.parametrize(
+    ("start", "frame"), [("00:75:00:00", 112_500), ("00:59:60:00", 90_000), ("01:00:00:30", 90_030)]
+)
+def test_a_number_that_no_clock_has_is_counted_on(start: str, frame: int) -> None:
+    scale = frame_scale(source("25", start))
+    assert scale is not None
+    assert scale.first_frame == frame
+    assert timecode_at(source("25", start), 0) == scale.label(frame)

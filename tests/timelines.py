@@ -17,6 +17,7 @@ from blastline.model import (
     Timeline,
     Window,
 )
+from blastline.ruleset import load_actuator
 
 RATE_HZ = 48_000
 
@@ -61,7 +62,7 @@ def timeline(*events: Event) -> Timeline:
         quality="standard",
         rules_digest="ab" * 32,
         source=Source("film.mkv", "cd" * 32, RATE_HZ, 120_000, 6, "01:00:00:00", "24"),
-        actuator=ActuatorRef("crowson-t108sm", "ef" * 32),
+        actuator=ActuatorRef("crowson-t108sm", load_actuator("crowson-t108sm")[1]),
         events=events or (SHOT, BURST_SHOT),
         rejections=(Rejection(30_000, "below the threshold", {"probability": 0.2}),),
         checks=(Check("onset", "shot-0001", True, 0.1, 1.0, "ms"), Check("frames", None, True, None, None, "")),

@@ -198,7 +198,7 @@ def _scale(start_timecode: str | None, frame_rate: str | None) -> FrameScale | N
     if rate is None:
         return None
     start = start_timecode or "00:00:00:00"
-    if not LABEL.fullmatch(start):
+    if not SHAPE.fullmatch(start) or "." in start:
         return FrameScale(rate, clock_seconds(start) * rate)
     nominal = math.ceil(rate)
     drop_frame = start[8] != ":" and rate in DROP_FRAME_RATES

@@ -67,7 +67,7 @@ def preecho(
     peak = _peak(felt.vibration[heard.core])
     since = part.since - heard.span.start
     first = max(0, onset - shared.samples(_BEFORE_MS), since)
-    before = slice(first, onset - shared.samples(shared.rules.preecho_guard_ms))
+    before = slice(first, onset - max(lead, shared.samples(shared.rules.preecho_guard_ms)))
     if peak == 0.0 or before.stop <= first:
         return SILENCE_DB, SILENCE_DB
     if event.drive is None:

@@ -16,7 +16,7 @@ from .sounds import Sound
 
 Samples = NDArray[np.float64]
 
-_SETTLE_S = (0.6, 3.0)
+_SETTLE_S = (0.6, 18.0)
 _SETTLE_TIMES = 18.0
 """Filters run at least and at most this long before what is compared; between, 18 of their slowest time constants.
 

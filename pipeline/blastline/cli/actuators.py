@@ -101,7 +101,7 @@ def show(
     rules: RulesOption = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Print what is felt per volt (H) and what the compensator does about it (C), over frequency.
+    """Print what is felt per unit of drive (H) and what the compensator does about it (C), over frequency.
 
     Example: `blastline actuator show crowson-t108sm --picture bode.png`
     """

@@ -183,6 +183,10 @@ def check(
         Path | None,
         typer.Option(metavar="FILE", help="The drive to check.", show_default="drive.wav beside the timeline"),
     ] = None,
+    stream: Annotated[
+        int | None,
+        typer.Option(min=0, help="The sound stream of --audio, from 0.", show_default="the one of the timeline"),
+    ] = None,
     actuator: MadeFor = None,
     rules: RulesOption = None,
     quiet: Quiet = False,
@@ -194,7 +198,9 @@ def check(
     from .. import run
 
     with shown_progress(quiet=quiet) as progress:
-        timeline = run.check(target, audio=audio, drive=drive, actuator=actuator, rules=rules, progress=progress)
+        timeline = run.check(
+            target, audio=audio, drive=drive, actuator=actuator, stream=stream, rules=rules, progress=progress
+        )
     say_checks(timeline, quiet=quiet, err=False)
     beside = (target if target.is_dir() else target.parent) / run.DRIVE
     if not quiet and timeline.actuator is None and drive is None and beside.is_file():

@@ -73,7 +73,7 @@ def _place(
             continue
         if not holds and _claimed(new_s, index, courses, rules.shortest_ms / 1000.0):
             continue
-        if best is None or holds or found.likeness > best.likeness + 0.1:
+        if best is None or found.likeness > best.likeness + 0.1:
             best = Placed(new_s, found.late_s * 1000.0, found.likeness, index)
         if holds:
             break

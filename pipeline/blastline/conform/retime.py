@@ -15,7 +15,8 @@ def retimed(event: Event, placed: Placed, course: Course, old: Film, new: Film) 
     """Return an event as a shot of the new film.
 
     It sounds until its old window begins to fade out, or until its scene ends. Its level is the old one and what the
-    new film is louder; confidence and signal-to-noise ratio are those of the old film.
+    new film is louder; confidence and signal-to-noise ratio are those of the old film. It
+    belongs to no burst yet.
     """
     onset = min(samples_from_s(placed.new_s, new.rate_hz), new.frames - 1)
     rate = course.stretch.line.scale * new.rate_hz / old.rate_hz
@@ -44,8 +45,6 @@ def retimed(event: Event, placed: Placed, course: Course, old: Film, new: Film) 
             if moved(each.start) < stop
         ),
         span=Span(onset, max(onset + 1, blast.stop, sounding)),
-        burst=event.burst,
-        shot_in_burst=event.shot_in_burst,
     )
 
 

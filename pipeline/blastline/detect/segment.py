@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import DecayEnd, Reflection, Shot, ShotEvidence, Span
-from ..ruleset import SegmentRules
+from ..ruleset import LONGEST_DECAY_MS, SegmentRules
 from ..units import db_from_gain, gain_from_db, ms_from_samples, samples_from_ms
 from .reflections import discrete_reflections
 
@@ -86,8 +86,12 @@ def peak_dbfs(samples: NDArray[np.float32], onset: int, rate_hz: int) -> float:
 
 
 def reach(*, rate_hz: int, rules: SegmentRules) -> int:
-    """Return how many samples from its onset on tell of a shot."""
-    return samples_from_ms(rules.longest_ms, rate_hz) + samples_from_ms(2 * _SMOOTH_MS, rate_hz)
+    """Return how many samples from its onset on tell of a shot: of its decay, and of its latest reflection."""
+    decay = samples_from_ms(rules.longest_ms, rate_hz) + samples_from_ms(2 * _SMOOTH_MS, rate_hz)
+    if rules.reflection_level_db is None:
+        return decay
+    latest_ms = min(rules.latest_reflection_ms + rules.longest_blast_ms, LONGEST_DECAY_MS)
+    return max(decay, samples_from_ms(latest_ms, rate_hz))
 
 
 def _heard(

@@ -1,6 +1,6 @@
 """Analogue filters as zeros, poles and a gain.
 
-H(s)  = k prod(s - z_i) / prod(s - p_i)             what is felt, per volt of drive
+H(s)  = k prod(s - z_i) / prod(s - p_i)             what is felt, per unit of drive (1 is the limit)
 C(s)  = 1 / H(s)                                    the compensator
 L(s)  Butterworth low-pass,  D(s)  Butterworth high-pass
 """

@@ -25,6 +25,8 @@ _LONGEST_SUMMED_S = 2.0  # a longer pre-roll is run: with all of the film, to th
 
 _SLOWEST = 1.0 - 1e-6  # a pole nearer to the unit circle is taken as this one: it rings on for minutes
 
+PREROLL_FOR_S = 0.05  # the time constant of filters for which rules state their pre-roll; slower ones get more
+
 _LARGEST_GAIN = 1e6  # 120 dB either way: beyond any unit that an actuator is measured in
 
 
@@ -76,16 +78,17 @@ def drive_filters(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Drive
     )
 
 
-def preroll(rate_hz: int, rules: RenderRules) -> int:
+def preroll(filters: DriveFilters, rules: RenderRules) -> int:
     """Return the samples before a window from which the filters start, so that they have settled when it begins."""
-    return samples_from_ms(rules.preroll_ms, rate_hz)
+    slowest_s = filters.ring / filters.rate_hz / -math.log(_FADED)
+    return samples_from_ms(rules.preroll_ms * max(1.0, slowest_s / PREROLL_FOR_S), filters.rate_hz)
 
 
 def needed_audio(planned: PlannedWindow, *, frames: int, filters: DriveFilters, rules: RenderRules) -> Span:
     """Return the part of the film that rendering a window listens to: the window, the pre-roll before it and, where
     the phase is zero, as much after it.
     """
-    roll = preroll(filters.rate_hz, rules)
+    roll = preroll(filters, rules)
     after = roll if filters.phase == "zero" else 0
     return Span(max(0, planned.window.start - roll), min(frames, planned.window.stop + after))
 
@@ -102,12 +105,12 @@ def compensated(samples: Samples, filters: DriveFilters) -> Samples:
 
 def settled_band(samples: Samples, inside: slice, filters: DriveFilters, rules: RenderRules) -> Samples:
     """Return `in_band` for the samples inside alone, those around them being its pre-roll."""
-    return _inside(filters.band, samples, inside, filters, preroll(filters.rate_hz, rules))
+    return _inside(filters.band, samples, inside, filters, preroll(filters, rules))
 
 
 def settled_compensated(samples: Samples, inside: slice, filters: DriveFilters, rules: RenderRules) -> Samples:
     """Return `compensated` for the samples inside alone, those around them being its pre-roll."""
-    return _inside(filters.compensator, samples, inside, filters, preroll(filters.rate_hz, rules))
+    return _inside(filters.compensator, samples, inside, filters, preroll(filters, rules))
 
 
 def felt(drive: Samples, filters: DriveFilters) -> Samples:

@@ -26,6 +26,7 @@ from .perceptions import load_perception, perception_names
 from .profiles import ActuatorProfile, HighPass, LowPass, Response
 from .tables import (
     LARGEST_LEVEL_DB,
+    LONGEST_DECAY_MS,
     BurstRules,
     ChannelRules,
     OnsetRules,
@@ -43,6 +44,7 @@ from .toml_text import toml_lines
 __all__ = [
     "FREQUENCY",
     "LARGEST_LEVEL_DB",
+    "LONGEST_DECAY_MS",
     "SLOWEST_RAD_S",
     "ActuatorProfile",
     "AlignRules",

@@ -29,7 +29,8 @@ def require_length(timeline: Timeline, name: Path, *, rate_hz: int, frames: int,
 def profile_of(timeline: Timeline, path: Path, *, actuator: str | None, rules: Path | None) -> ActuatorProfile:
     """Return the profile of an actuator, by default of the one that the timeline in the file `path` names.
 
-    Raises TimelineError where that is the user's own, RuleError where the actuator given does not exist or fit.
+    Raises TimelineError where that is the user's own, or is not what it was when the drive was made; RuleError where
+    the actuator given does not exist or fit.
     """
     if actuator is None:
         if timeline.actuator is None:
@@ -39,4 +40,11 @@ def profile_of(timeline: Timeline, path: Path, *, actuator: str | None, rules: P
             raise TimelineError(
                 f"{path}: was made for {actuator}, which is not built in; give its file with --actuator"
             )
+        profile, digest = load_actuator(actuator, rules)
+        if digest != timeline.actuator.digest:
+            raise TimelineError(
+                f"{path}: was made for a profile named {actuator} (digest {timeline.actuator.digest[:12]}) that is "
+                f"not the one of that name here ({digest[:12]}); give its file with --actuator"
+            )
+        return profile
     return load_actuator(actuator, rules)[0]

@@ -38,7 +38,7 @@ class Allowance:
         return self.cpu_s if self.cpu_s is not None else (self.cpu_per_s or 0.0) * film_s
 
     def in_words(self, cpu_s: float, film_s: float) -> str:
-        """Return the option that would allow so many CPU seconds, rounded up to three digits."""
+        """Return the option that would allow so many CPU seconds, rounded up to two digits."""
         if self.cpu_s is not None:
             return f"--budget {_up(cpu_s):g}s"
         return f"--max-cost {_up(cpu_s / film_s):g}"

@@ -23,19 +23,22 @@ def check(
     audio: Path | None = None,
     drive: Path | None = None,
     actuator: str | None = None,
+    stream: int | None = None,
     rules: Path | None = None,
     progress: Progress = no_progress,
 ) -> Timeline:
     """Check files against a timeline, given as its file or its folder, and return it with the fresh checks.
 
-    Without `audio` the film is looked for beside the results, without `drive` the drive. A timeline without a drive is
+    Without `audio` the film is looked for beside the results, without `drive` the drive; without `stream` its sound
+    is the stream that the timeline was made from. A timeline without a drive is
     checked against the sound alone. Raises BlastlineError where a file that is needed is missing or unusable.
     """
     path = target / names.TIMELINE if target.is_dir() else target
     timeline = read_timeline(path)
     read = load_rules(timeline.quality, rules)
     film = audio or _find_film(timeline.source, path)
-    with open_soundtrack(film, stream=timeline.source.stream, mix=timeline.source.mix) as track:
+    heard = timeline.source.stream if stream is None else stream
+    with open_soundtrack(film, stream=heard, mix=timeline.source.mix) as track:
         _require_sides(timeline, film, track)
         for _ in told(track.blocks(BLOCK, sides=True), progress, track.expected_frames):
             pass

@@ -25,6 +25,7 @@ from ..conform import (
     write_events,
     write_stretches,
 )
+from ..detect import group_bursts
 from ..errors import OutputError, SoundtrackError, TimelineError
 from ..export import read_timeline
 from ..model import Event, Rejection, Shot, Source, Timeline, encode
@@ -127,6 +128,8 @@ def _conformed(
         if isinstance(each, Placed)
     ]
     shots.sort(key=lambda pair: pair[1].onset)
+    bursts = group_bursts([shot for _, shot in shots], rate_hz=new.rate_hz, rules=rules.tier.bursts)
+    shots = [(event, shot) for (event, _), shot in zip(shots, bursts, strict=True)]
     made = msgspec.structs.replace(
         timeline,
         version=__version__,
@@ -153,6 +156,9 @@ def _events(shots: Sequence[tuple[Event, Shot]], source: Source, rules: Rules) -
             onset_sample=shot.onset,
             onset_s=shot.onset / source.sample_rate_hz,
             timecode=timecode_at(source, shot.onset),
+            burst=shot.burst,
+            shot_in_burst=shot.shot_in_burst,
+            decisions=tuple(each for each in event.decisions if each.about != "window"),
             peak_dbfs=shot.peak_dbfs,
             blast=shot.blast,
             reflections=shot.reflections,
