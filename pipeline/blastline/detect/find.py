@@ -178,6 +178,23 @@ def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
     return np.array(taken, np.intp)
 
 
+def _worth_looking_at(
+    stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier, over: Stretch | None
+) -> Described:
+    """Return the candidates that gate and screen do not find hopeless, and that no mix `over` theirs covers."""
+
+    def gate(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
+        passed = verifier.gate.lets_pass(rows)
+        return passed if over is None else passed & are_audible(stretch, over, places, grid)
+
+    def screen(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
+        likely, peaks_dbfs = verifier.screen.probabilities(rows), track_peaks_dbfs(stretch, places, grid)
+        least = verifier.screen.threshold
+        return worth_a_look(places, peaks_dbfs, likely, least=least, rate_hz=grid.rate_hz, tier=tier)
+
+    return described(stretch, grid, tier, gate=gate, screen=screen)
+
+
 def _search(
     stretch: Stretch,
     grid: Grid,
@@ -190,17 +207,7 @@ def _search(
 
     What the mix `over` it covers is not looked at.
     """
-
-    def gate(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
-        passed = verifier.gate.lets_pass(rows)
-        return passed if over is None else passed & are_audible(stretch, over, places, grid)
-
-    def screen(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
-        likely, peaks_dbfs = verifier.screen.probabilities(rows), track_peaks_dbfs(stretch, places, grid)
-        least = verifier.screen.threshold
-        return worth_a_look(places, peaks_dbfs, likely, least=least, rate_hz=grid.rate_hz, tier=tier)
-
-    found = described(stretch, grid, tier, gate=gate, screen=screen)
+    found = _worth_looking_at(stretch, grid, tier, verifier, over)
     shown = pictures(stretch.samples, found.onsets, grid.rate_hz)
     verdicts, before, own = verifier.verdicts(found.rows, shown), backdrops(shown), sounds(shown)
     at = found.onsets + stretch.start
