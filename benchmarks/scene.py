@@ -31,7 +31,7 @@ from blastline.detect.picture import pictures
 from blastline.detect.segment import segment
 from blastline.detect.stretches import stretches
 from blastline.detect.tracks import Grid, pieces
-from blastline.detect.verify import Sieve, Verdicts, odds_of, together
+from blastline.detect.verify import Sieve, Verdicts, log_odds_in, together
 from blastline.model import DriveChoice, DriveModel, Shot, ShotEvidence, Span
 from blastline.render import drive_filters, hear_window, measure, needed_audio, plan_windows, render_window
 from blastline.render.filters import felt
@@ -113,7 +113,7 @@ def believed(film: Looked, surety: NDArray[np.float64], rules: Rules) -> tuple[S
     seen = np.flatnonzero(surety > 0.0)
     onsets = np.array([film.shots[place].onset for place in seen], np.intp)
     peaks_dbfs = np.array([film.shots[place].peak_dbfs for place in seen])
-    odds = odds_of(Verdicts(surety[seen], _probability(film.screen[seen]), np.full(seen.size, len(film.networks))))
+    odds = log_odds_in(Verdicts(surety[seen], _probability(film.screen[seen]), np.full(seen.size, len(film.networks))))
     rows = fire.even_rows(fire.Looked(onsets, peaks_dbfs, odds), rate_hz=rate_hz, tier=tier)
     enough = [
         msgspec.structs.replace(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from blastline.detect.backdrop import LEVELS
 from blastline.detect.company import in_company, worth_parting
 from blastline.detect.fire import Looked
-from blastline.detect.verify import Verdicts, odds_of
+from blastline.detect.verify import Verdicts, log_odds_in
 from blastline.model import EvenRow, Shot, ShotEvidence, Span
 from blastline.ruleset import load_rules
 
@@ -39,7 +39,7 @@ def believed_ms(*shots: Shot) -> list[float]:
 
 def looked(onsets: NDArray[np.intp], surety: NDArray[np.float64]) -> Looked:
     """Return candidates of which screen and networks think alike."""
-    return Looked(onsets, np.zeros(onsets.size), odds_of(Verdicts(surety, surety, np.full(onsets.size, 2))))
+    return Looked(onsets, np.zeros(onsets.size), log_odds_in(Verdicts(surety, surety, np.full(onsets.size, 2))))
 
 
 def pair(confidence: float = VERIFY.company_threshold) -> tuple[Shot, Shot]:

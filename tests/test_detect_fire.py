@@ -7,7 +7,7 @@ import pytest
 from scipy.special import expit, logit
 
 from blastline.detect.fire import Looked, automatic, even_rows, rows_at, worth_a_look
-from blastline.detect.verify import Verdicts, odds_of, together
+from blastline.detect.verify import Verdicts, log_odds_in, together
 from blastline.model import EvenRow
 from blastline.ruleset import load_rules
 from blastline.units import ms_from_samples, samples_from_ms
@@ -24,7 +24,7 @@ def told(
     """Return what is told of each sound of a row."""
     onsets = np.array([samples_from_ms(n * gap_ms, RATE_HZ) for n in range(len(surety))], np.intp)
     by_screen = np.array(surety if screened is None else screened)
-    odds = odds_of(Verdicts(np.array(surety), by_screen, np.full(onsets.size, 2)))
+    odds = log_odds_in(Verdicts(np.array(surety), by_screen, np.full(onsets.size, 2)))
     return even_rows(Looked(onsets, np.zeros(onsets.size), odds), rate_hz=RATE_HZ, tier=TIER)
 
 
@@ -104,10 +104,12 @@ def test_the_odds_of_the_networks_are_what_the_screen_leaves(networks: int) -> N
     rng = np.random.default_rng(2)
     by_networks, by_screen = rng.uniform(-4.0, 4.0, (2, 50))
     surety = expit(together(networks * by_networks, networks, by_screen))
-    odds = odds_of(Verdicts(surety, expit(by_screen), np.full(50, networks)))
+    odds = log_odds_in(Verdicts(surety, expit(by_screen), np.full(50, networks)))
     np.testing.assert_allclose(odds.by_networks, by_networks, atol=1e-9)
     np.testing.assert_allclose(odds.by_all, logit(surety), atol=1e-9)
-    assert np.isfinite(odds_of(Verdicts(np.array([0.0, 1.0]), np.array([1.0, 0.0]), np.full(2, 2))).by_networks).all()
+    assert np.isfinite(
+        log_odds_in(Verdicts(np.array([0.0, 1.0]), np.array([1.0, 0.0]), np.full(2, 2))).by_networks
+    ).all()
 
 
 def test_a_row_is_fire_where_its_mean_odds_are_enough() -> None:

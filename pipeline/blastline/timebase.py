@@ -24,7 +24,7 @@ from .timecode import (
     timecode_at,
 )
 
-_RATE = re.compile(r"(\d+(?:\.\d+)?|\d+/\d+)(df|ndf)?", re.IGNORECASE)
+_RATE = re.compile(r"(\d+(?:\.\d+)?|\d+/0*[1-9]\d*)(df|ndf)?", re.IGNORECASE)
 
 _MOST_DECIMALS = 24
 """A clock of so many tells any two floats below a frame's length apart, but for the very least."""
@@ -53,7 +53,7 @@ def parse_timebase(start_timecode: str | None, frame_rate: str | None) -> Timeba
     if frame_rate is None:
         return Timebase(start_timecode)
     match = _RATE.fullmatch(frame_rate)
-    rate = standard_rate(Fraction(match[1])) if match and Fraction(match[1].partition("/")[2] or 1) else None
+    rate = standard_rate(Fraction(match[1])) if match else None
     if match is None or rate is None:
         expected = "23.976, 24, 25, 29.97, 29.97df, 30, 48, 50, 59.94, 59.94df or 60"
         raise RuleError(f"--frame-rate {frame_rate!r}: no rate of film timecode; expected {expected}")

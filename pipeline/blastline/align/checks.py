@@ -47,14 +47,14 @@ def check_files(
         background=background,
         level_db=timeline.level_db,
     )
-    parts = parts_of(timeline.events, lead=shared.samples(shared.lead_ms)) if timeline.events else ()
-    telling = [is_telling(shared, event, part) for event, part in zip(timeline.events, parts, strict=True)]
-    timing = time_film(shared, timeline.events, parts, telling) if timeline.events else None
     checks = [*_file_checks(timeline, shared, film, drive.damaged), *_order_check(timeline)]
+    if not timeline.events:
+        return (*checks, *_timing_checks(shared, (), None))
+    parts = parts_of(timeline.events, lead=shared.samples(shared.lead_ms))
+    telling = [is_telling(shared, event, part) for event, part in zip(timeline.events, parts, strict=True)]
+    timing = time_film(shared, timeline.events, parts, telling)
     checks += _timing_checks(shared, [e for e, tells in zip(timeline.events, telling, strict=True) if tells], timing)
-    for event, tells, figures, lag in zip(
-        timeline.events, telling, *((timing.figures, timing.lags) if timing else ((), ())), strict=True
-    ):
+    for event, tells, figures, lag in zip(timeline.events, telling, timing.figures, timing.lags, strict=True):
         checks += _window_checks(event, shared.rate_hz)
         checks += _shot_checks(shared, event, figures, lag) if tells else _noted(shared, event, figures, lag)
     return tuple(checks)

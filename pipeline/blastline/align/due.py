@@ -39,15 +39,15 @@ class Shown:
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """The drive that is due in the open window, from the shot's lead on, if it was rendered at a level."""
+    """The drive that is due in the open window, from the shot's lead on, if it was rendered with a gain."""
 
-    level: float
+    gain: float
     due: Samples
 
 
 def show(shared: Comparison, heard: Heard, felt: Felt) -> Shown:
     """Return what a drive can do about: not what the opening of its window leaves ringing, which no drive makes up."""
-    wet = _unsolved(heard, 1.0 if heard.solved else _level_of_wet(shared, heard, felt))
+    wet = _unsolved(heard, 1.0 if heard.solved else _gain_of_wet(shared, heard, felt))
     left = _opening(heard, wet) - wet
     vibration = felt.own - dsp.run_filter(shared.felt, left) if left.any() else felt.own
     return Shown(shared.shown_to_actuator(heard.intended), shared.shown_to_actuator(vibration))
@@ -56,25 +56,25 @@ def show(shared: Comparison, heard: Heard, felt: Felt) -> Shown:
 def readings(shared: Comparison, heard: Heard, felt: Felt, shown: Shown) -> tuple[Reading, ...]:
     """Return what may be due, each reading of it borne out by the drive after the attack; none where nothing is.
 
-    A solved drive may have been rendered at the level of the sound or at the one that is measured, H'H u against H't
-    where the drive is free of its limit. The latter tells little where little is free.
+    A solved drive may have been rendered with the gain that was asked for or with the one that is measured, H'H u
+    against H't where the drive is free of its limit. The latter tells little where little is free.
     """
     if not heard.solved:
-        level = _level_of_wet(shared, heard, felt)
-        return (Reading(level, _unsolved(heard, level)),)
+        gain = _gain_of_wet(shared, heard, felt)
+        return (Reading(gain, _unsolved(heard, gain)),)
     rest = _rest(shared, heard)
     free = np.flatnonzero(felt.free[rest]) + rest.start
     limit, found = shared.rules.peak, []
-    for level in (heard.gain, _level(shown.intended[free], shown.felt[free])):
-        slope = level * shown.intended - shown.felt
+    for gain in (heard.gain, _gain(shown.intended[free], shown.felt[free])):
+        slope = gain * shown.intended - shown.felt
         due = np.clip(felt.drive + _LONG * shared.step * slope, -limit, limit)
         if _energy((due - felt.drive)[rest]) <= MISSING**2 * _energy(due[rest]):
-            found.append(Reading(level, due))
+            found.append(Reading(gain, due))
     return tuple(found)
 
 
 def due_before_window(heard: Heard, reading: Reading | None) -> Samples:
-    """Return the drive that is due up to the first shot of a window; where it is solved, at no level."""
+    """Return the drive that is due up to the first shot of a window; where it is solved, with no gain."""
     return _opening(heard, np.zeros(len(heard.span)) if heard.solved or reading is None else reading.due)
 
 
@@ -90,17 +90,17 @@ def due_before_next(
         return reading.due
     at = np.arange(len(heard.span))
     limit, early = shared.rules.peak, at < stop
-    first_guess = np.where(early & (at >= since), reading.level * heard.wet, 0.0)
+    first_guess = np.where(early & (at >= since), reading.gain * heard.wet, 0.0)
     rings = dsp.run_filter(shared.felt, np.clip(first_guess, -limit, limit))
-    wanted = np.where(early, reading.level * heard.intended, rings)
+    wanted = np.where(early, reading.gain * heard.intended, rings)
     drive = np.where(early, felt.drive, 0.0)
     vibration = felt.own - dsp.run_filter(shared.felt, felt.drive - drive)
     return np.clip(drive + shared.step * shared.shown_to_actuator(wanted - vibration), -limit, limit)
 
 
-def _unsolved(heard: Heard, level: float) -> Samples:
+def _unsolved(heard: Heard, gain: float) -> Samples:
     """Return the drive of an open window without a solver, which keeps to the limit; rest, where there is one."""
-    return np.zeros(len(heard.span)) if heard.solved or heard.wet is None else np.clip(level * heard.wet, -1.0, 1.0)
+    return np.zeros(len(heard.span)) if heard.solved or heard.wet is None else np.clip(gain * heard.wet, -1.0, 1.0)
 
 
 def _opening(heard: Heard, wet: Samples) -> Samples:
@@ -113,17 +113,17 @@ def _rest(shared: Comparison, heard: Heard) -> slice:
     return slice(start, max(start, heard.core.stop - shared.memory))
 
 
-def _level_of_wet(shared: Comparison, heard: Heard, felt: Felt) -> float:
-    """Return the level at which a drive without a solver was rendered, told where the limit does not hold it down."""
+def _gain_of_wet(shared: Comparison, heard: Heard, felt: Felt) -> float:
+    """Return the gain with which a drive without a solver was rendered, told where the limit does not hold it down."""
     if heard.wet is None:
         return 1.0
     rest = _rest(shared, heard)
     where = rest if rest.stop > rest.start else heard.core
     free = np.flatnonzero(felt.free[where]) + where.start
-    return _level(heard.wet[free], felt.drive[free])
+    return _gain(heard.wet[free], felt.drive[free])
 
 
-def _level(intended: Samples, given: Samples) -> float:
+def _gain(intended: Samples, given: Samples) -> float:
     """Return the factor that brings a signal nearest to another; 1 where there is nothing of it."""
     own = _energy(intended)
     return float(np.sum(intended * given)) / own if own > 0.0 else 1.0

@@ -29,7 +29,7 @@ from .sides import are_audible, as_heard, beside, joined
 from .sparse import bands_near
 from .stretches import Stretch, side_by_side, stretches, track_peaks_dbfs
 from .tracks import Grid, pieces
-from .verify import Verifier, odds_of
+from .verify import Verifier, log_odds_in
 
 _SAME_ONSET_MS = 3.0
 
@@ -212,7 +212,7 @@ def _search(
     verdicts, before, own = verifier.verdicts(found.rows, shown), backdrops(shown), sounds(shown)
     at = found.onsets + stretch.start
     peaks_dbfs = np.array([peak_dbfs(stretch.samples, onset, grid.rate_hz) for onset in found.onsets.tolist()])
-    looked = Looked(at, peaks_dbfs, odds_of(verdicts))
+    looked = Looked(at, peaks_dbfs, log_odds_in(verdicts))
     rows = even_rows(looked, rate_hz=grid.rate_hz, tier=tier)
     worth = worth_parting(looked, rows, rate_hz=grid.rate_hz, tier=tier, core=stretch.core)
     shots = [

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..model import EvenRow
 from ..ruleset import BurstRules, QualityRules, VerifyRules
 from ..units import samples_from_ms
-from .verify import Odds, log_odds_of
+from .verify import LogOdds, log_odds_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +28,7 @@ class Looked:
 
     onsets: NDArray[np.intp]
     peaks_dbfs: NDArray[np.float64]
-    odds: Odds
+    odds: LogOdds
 
     @classmethod
     def all_of(cls, parts: Sequence["Looked"]) -> "Looked":
@@ -36,7 +36,7 @@ class Looked:
         return cls(
             np.concatenate([part.onsets for part in parts]),
             np.concatenate([part.peaks_dbfs for part in parts]),
-            Odds(
+            LogOdds(
                 np.concatenate([part.odds.by_all for part in parts]),
                 np.concatenate([part.odds.by_networks for part in parts]),
             ),
@@ -125,7 +125,7 @@ def even_rows(looked: Looked, *, rate_hz: int, tier: QualityRules) -> list[EvenR
     return told
 
 
-def _sounds_like_fire(odds: Odds, row: NDArray[np.intp], rules: VerifyRules) -> bool:
+def _sounds_like_fire(odds: LogOdds, row: NDArray[np.intp], rules: VerifyRules) -> bool:
     """Return whether a row at the pace of automatic fire is likely enough in the mean, or so by the networks alone."""
     return bool(
         odds.by_all[row].mean() >= log_odds_of(rules.even_threshold)

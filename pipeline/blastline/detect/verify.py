@@ -73,7 +73,7 @@ class Verdicts:
 
 
 @dataclass(frozen=True, eq=False)
-class Odds:
+class LogOdds:
     """The log-odds of n candidates, shape (n,): by screen and networks together, and by the networks alone."""
 
     by_all: NDArray[np.float64]
@@ -114,10 +114,10 @@ def together(said: NDArray[np.float64], networks: int, by_screen: NDArray[np.flo
     return (said + SCREEN_VOICE * by_screen) / (networks + SCREEN_VOICE)
 
 
-def odds_of(verdicts: Verdicts) -> Odds:
+def log_odds_in(verdicts: Verdicts) -> LogOdds:
     """Return the odds that verdicts on n candidates tell of."""
     by_all, by_screen = log_odds_of(verdicts.surety), log_odds_of(verdicts.screened)
-    return Odds(by_all, by_all + (by_all - by_screen) * (SCREEN_VOICE / verdicts.networks))
+    return LogOdds(by_all, by_all + (by_all - by_screen) * (SCREEN_VOICE / verdicts.networks))
 
 
 def log_odds_of(probability: NDArray[np.float64] | float) -> NDArray[np.float64]:

@@ -47,16 +47,16 @@ def hear_window(
     inside = slice(before, before + len(planned.window.span))
     sound = np.asarray(clip.driving_of(made_of), dtype=np.float64)
     gains = _gains(planned, filters, rules)
-    level = gain_from_db(rules.level_db) * gains
+    gain = gain_from_db(rules.level_db) * gains
     return HeardWindow(
         planned,
         filters,
         rules,
         sound[inside],
         gains,
-        asked=level * sound[inside],
-        target=level * settled_band(sound, inside, filters, rules),
-        unlimited=level * settled_compensated(sound, inside, filters, rules),
+        asked=gain * sound[inside],
+        target=gain * settled_band(sound, inside, filters, rules),
+        unlimited=gain * settled_compensated(sound, inside, filters, rules),
         background=np.asarray(clip.driving, dtype=np.float64)[inside],
         made_of=made_of,
     )
@@ -66,9 +66,12 @@ def _gains(planned: PlannedWindow, filters: DriveFilters, rules: RenderRules) ->
     """Return the gain of a window's every sample: each shot's from its onset on, reached over the lead before it."""
     gains = np.ones(len(planned.window.span))
     lead = samples_from_ms(rules.lead_ms, filters.rate_hz)
-    for number, (at, gain_db) in enumerate(planned.gains):
+    if planned.gains:
+        _, first_db = planned.gains[0]
+        gains *= gain_from_db(first_db)
+    for at, gain_db in planned.gains[1:]:
         onset, gain = at - planned.window.start, gain_from_db(gain_db)
-        start = 0 if number == 0 else max(0, onset - lead)
-        gains[start:onset] = np.linspace(gains[start], gain, onset - start, endpoint=False) if number else gain
+        start = max(0, onset - lead)
+        gains[start:onset] = np.linspace(gains[start], gain, onset - start, endpoint=False)
         gains[onset:] = gain
     return gains

@@ -59,13 +59,13 @@ def event_sound(
     sound = np.asarray(audio.cut(whole, sides=made_of != "mains").driving_of(made_of), dtype=np.float64)
     driving = np.asarray(drive.cut(whole).driving, dtype=np.float64)
     felt = dsp.digital(dsp.felt_response(profile), rate_hz)
-    level = gain_from_db(timeline.level_db + event.gain_db)
+    gain = gain_from_db(timeline.level_db + event.gain_db)
     return EventSound(
         event,
         shown,
         rate_hz,
         audio=sound[kept],
-        target=level * _in_band(sound, rate_hz, profile, timeline.phase)[kept],
+        target=gain * _in_band(sound, rate_hz, profile, timeline.phase)[kept],
         drive=driving[kept],
         felt_direct=dsp.run_filter(felt, np.clip(sound, -1.0, 1.0))[kept],
         felt_drive=dsp.run_filter(felt, driving)[kept],
