@@ -351,6 +351,12 @@ def test_a_profile_that_has_changed_since_is_not_what_the_drive_was_made_for(
     assert blastline(*check, *own).code == 0
 
 
+def test_a_check_by_other_rules_says_so(result: Path, film: Path, believing: Path) -> None:
+    told = "timeline.json: was made with other rules (digest "
+    assert told in blastline("check", result, "--audio", film).err
+    assert told not in blastline("check", result, "--audio", film, "--rules", believing).err
+
+
 def test_the_sound_of_a_film_may_be_checked_in_another_file(tmp_path: Path, film: Path, believing: Path) -> None:
     samples = np.asarray(soundfile.read(film, dtype="float32", always_2d=True)[0])
     two = write_media(tmp_path / "film.mkv", [np.zeros_like(samples), samples], codec="flac")

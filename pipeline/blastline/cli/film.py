@@ -197,10 +197,21 @@ def check(
     """
     from .. import run
 
+    notes: list[str] = []
     with shown_progress(quiet=quiet) as progress:
         timeline = run.check(
-            target, audio=audio, drive=drive, actuator=actuator, stream=stream, rules=rules, progress=progress
+            target,
+            audio=audio,
+            drive=drive,
+            actuator=actuator,
+            stream=stream,
+            rules=rules,
+            progress=progress,
+            note=notes.append,
         )
+    if not quiet:
+        for note in notes:
+            typer.echo(note, err=True)
     say_checks(timeline, quiet=quiet, err=False)
     beside = (target if target.is_dir() else target.parent) / run.DRIVE
     if not quiet and timeline.actuator is None and drive is None and beside.is_file():

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import msgspec
 
+from .. import __version__
 from ..align import check_files, check_timeline
 from ..errors import TimelineError
 from ..export import read_timeline
@@ -14,7 +15,7 @@ from . import names
 from .belonging import profile_of, require_length, require_same_film
 from .driving import open_drive
 from .listening import BLOCK
-from .progress import Progress, no_progress, told
+from .progress import Note, Progress, no_note, no_progress, told
 
 
 def check(
@@ -26,16 +27,23 @@ def check(
     stream: int | None = None,
     rules: Path | None = None,
     progress: Progress = no_progress,
+    note: Note = no_note,
 ) -> Timeline:
     """Check files against a timeline, given as its file or its folder, and return it with the fresh checks.
 
     Without `audio` the film is looked for beside the results, without `drive` the drive; without `stream` its sound
-    is the stream that the timeline was made from. A timeline without a drive is
-    checked against the sound alone. Raises BlastlineError where a file that is needed is missing or unusable.
+    is the stream that the timeline was made from. A timeline without a drive is checked against the sound alone. `note`
+    is told where it was made with other rules. Raises BlastlineError where a file that is needed is missing or
+    unusable.
     """
     path = target / names.TIMELINE if target.is_dir() else target
     timeline = read_timeline(path)
     read = load_rules(timeline.quality, rules)
+    if timeline.version == __version__ and timeline.rules_digest != read.digest:
+        note(
+            f"{path}: was made with other rules (digest {timeline.rules_digest[:12]}) than it is checked by "
+            f"({read.digest[:12]}); give them with --rules"
+        )
     film = audio or _find_film(timeline.source, path)
     heard = timeline.source.stream if stream is None else stream
     with open_soundtrack(film, stream=heard, mix=timeline.source.mix) as track:
