@@ -11,7 +11,8 @@ import pytest
 
 from blastline.export import read_timeline
 from blastline.model import SCHEMA, Decision, DriveInfo, Event, Reflection, Source, Span, Timeline, Window, encode
-from blastline.study.conforming import CASES, made_film, score_one
+from blastline.study.conforming import made_film, score_one
+from blastline.study.cuts import CASES
 from commands import blastline
 from conform_films import RATE_HZ, Samples, film, seconds
 

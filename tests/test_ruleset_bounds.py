@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from blastline.detect import find_shots, load_verifier
 from blastline.model import Channels, Clip, Span
 from blastline.ruleset import QualityRules, SceneRules, load_rules, rules_path
-from blastline.ruleset.tables import SegmentRules, Table
+from blastline.ruleset.table import Table
+from blastline.ruleset.tables import SegmentRules
 
 RATE_HZ = 48_000
 TIER = load_rules("standard").tier

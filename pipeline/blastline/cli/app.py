@@ -17,7 +17,7 @@ import typer
 from .. import __version__
 from ..errors import BlastlineError
 from ..signals import let_signals_interrupt
-from . import actuators, conform, film, rulefiles, study, synthesis
+from . import actuators, conform, film, results, rulefiles, study, synthesis
 from .complaints import complaint
 from .interruption import INTERRUPTED, told_interrupted
 
@@ -33,9 +33,9 @@ app = typer.Typer(
 )
 app.command()(film.render)
 app.command()(film.detect)
-app.command()(film.check)
-app.command()(film.export)
-app.command()(film.formats)
+app.command()(results.check)
+app.command()(results.export)
+app.command()(results.formats)
 app.command()(conform.conform)
 app.add_typer(actuators.group, name="actuator")
 app.add_typer(rulefiles.group, name="rules")

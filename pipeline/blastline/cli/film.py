@@ -1,4 +1,4 @@
-"""`render`, `detect`, `check` and `export`."""
+"""`render` and `detect`: from a film to its timeline and drive."""
 
 import sys
 from pathlib import Path
@@ -10,7 +10,6 @@ from ..errors import OutputError
 from ..model import Timeline, encode
 from ..timebase import parse_timebase
 from .options import (
-    DRIVING,
     WRITING,
     ActuatorOption,
     BackgroundOption,
@@ -21,7 +20,6 @@ from .options import (
     Formats,
     FrameRate,
     LevelOption,
-    MadeFor,
     MaxCostOption,
     Mix,
     OriginalTimeline,
@@ -41,8 +39,6 @@ from .summary import say_checks, say_summary, say_warnings
 
 if TYPE_CHECKING:
     from ..run import Allowance, RenderOptions
-
-FAILED_CHECK = 1
 
 
 def render(
@@ -102,8 +98,7 @@ def render(
         for note in notes:
             typer.echo(note, err=True)
         say_summary(made, folder / "report.html" if report else folder)
-    say_checks(made, quiet=quiet, err=True)
-    return _code(made)
+    return say_checks(made, quiet=quiet, err=True)
 
 
 def detect(
@@ -169,114 +164,6 @@ def detect(
     say_warnings(timeline)
 
 
-def check(
-    target: Annotated[
-        Path, typer.Argument(metavar="DIR|TIMELINE", help="A result's folder or its timeline.json.", show_default=False)
-    ],
-    audio: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE", help="The film, where it has moved.", show_default="looked for beside the timeline"
-        ),
-    ] = None,
-    drive: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="The drive to check.", show_default="drive.wav beside the timeline"),
-    ] = None,
-    stream: Annotated[
-        int | None,
-        typer.Option(min=0, help="The sound stream of --audio, from 0.", show_default="the one of the timeline"),
-    ] = None,
-    actuator: MadeFor = None,
-    rules: RulesOption = None,
-    quiet: Quiet = False,
-) -> int:
-    """Check on the files themselves that drive and film are aligned: exit code 0 where they are, 1 where not.
-
-    Example: `blastline check result --audio film.mkv`
-    """
-    from .. import run
-
-    notes: list[str] = []
-    with shown_progress(quiet=quiet) as progress:
-        timeline = run.check(
-            target,
-            audio=audio,
-            drive=drive,
-            actuator=actuator,
-            stream=stream,
-            rules=rules,
-            progress=progress,
-            note=notes.append,
-        )
-    if not quiet:
-        for note in notes:
-            typer.echo(note, err=True)
-    say_checks(timeline, quiet=quiet, err=False)
-    beside = (target if target.is_dir() else target.parent) / run.DRIVE
-    if not quiet and timeline.actuator is None and drive is None and beside.is_file():
-        typer.echo(f"not checked: {beside}; the timeline has no drive, so this one is another's", err=True)
-    return _code(timeline)
-
-
-def export(
-    timeline: Annotated[Path, typer.Argument(metavar="TIMELINE", help="A timeline.json.", show_default=False)],
-    formats: Formats,
-    folder: ResultFolder,
-    start_timecode: StartTimecode = None,
-    frame_rate: FrameRate = None,
-    drive: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="The drive, for the formats that are made from it: ahap, haptic, hjif.",
-            show_default="drive.wav beside the timeline",
-            rich_help_panel=DRIVING,
-        ),
-    ] = None,
-    actuator: MadeFor = None,
-    rules: RulesOption = None,
-    overwrite: Overwrite = False,
-    quiet: Quiet = False,
-) -> None:
-    """Write a timeline in the formats of other tools; prints each file's name.
-
-    What rounding to frames or milliseconds moves, and what a haptic format cannot hold, is told on standard error.
-
-    Example: `blastline export result/timeline.json --format resolve,reaper -o cues`
-    """
-    from .. import run
-
-    def note(line: str) -> None:
-        if not quiet:
-            typer.echo(line, err=True)
-
-    files = run.export(
-        timeline,
-        folder,
-        formats=listed(formats),
-        timebase=parse_timebase(start_timecode, frame_rate),
-        drive=drive,
-        actuator=actuator,
-        rules=rules,
-        overwrite=overwrite,
-        note=note,
-    )
-    for file in files:
-        typer.echo(file)
-
-
-def formats() -> None:
-    """List the formats of `--format`: the files, how exact their times are, and the tool that opens them.
-
-    Example: `blastline formats`
-    """
-    from .. import run
-
-    for row in run.exports():
-        typer.echo(f"{row.name:<9} {', '.join(row.files):<24} {row.exactness}\n{'':<9} {row.tool}: {row.how}")
-
-
 def _within(
     film: Path, allowed: "Allowance", options: "RenderOptions", *, drives: bool, quiet: bool
 ) -> "RenderOptions":
@@ -288,7 +175,3 @@ def _within(
     if fitted.budget is not None and not quiet:
         typer.echo(fitted.budget.note, err=True)
     return fitted
-
-
-def _code(timeline: Timeline) -> int:
-    return 0 if all(check.passed for check in timeline.checks) else FAILED_CHECK

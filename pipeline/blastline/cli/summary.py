@@ -6,6 +6,8 @@ import typer
 
 from ..model import Check, Edits, Timeline
 
+FAILED_CHECK = 1
+
 
 def say_summary(timeline: Timeline, results: Path) -> None:
     """Say on stderr how many shots there are, how they are driven, and where the results are."""
@@ -35,14 +37,18 @@ def _say_edits(edits: Edits) -> None:
         typer.echo(f"note: {note}", err=True)
 
 
-def say_checks(timeline: Timeline, *, quiet: bool, err: bool) -> None:
-    """List the checks that failed and, unless quiet, how many passed; on stderr or on standard output."""
+def say_checks(timeline: Timeline, *, quiet: bool, err: bool) -> int:
+    """List the checks that failed and, unless quiet, how many passed; on stderr or on standard output.
+
+    Return the exit code: 0, or `FAILED_CHECK`.
+    """
     checks = timeline.checks
     failed = [check for check in checks if not check.passed]
     for check in failed:
         typer.echo(f"failed: {_described(check)}", err=err)
     if not quiet:
         typer.echo(f"checks: {len(checks) - len(failed)} of {len(checks)} passed", err=err)
+    return FAILED_CHECK if failed else 0
 
 
 def _described(check: Check) -> str:

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from .tables import Level, NonNegative, Positive, Ratio, Table
+from .table import Level, NonNegative, Positive, Ratio, Table
 
 
 class AlignRules(Table, frozen=True):

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from .tables import Positive, Ratio, Table
+from .table import Positive, Ratio, Table
 
 
 class ConformRules(Table, frozen=True):

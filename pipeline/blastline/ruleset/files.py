@@ -24,7 +24,8 @@ from .folder import RULE_FILES, require_folder
 from .haptics import HapticRules
 from .measuring import MeasuringRules, PerceptionCurve
 from .profiles import ActuatorProfile
-from .tables import QualityRules, SceneRules, Table
+from .table import Table
+from .tables import QualityRules, SceneRules
 
 SLOWEST_RAD_S = -1.0
 """The slowest decay of an actuator, as the real part of a zero or pole: filters keep all of it in memory."""

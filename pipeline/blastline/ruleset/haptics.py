@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from .tables import NonNegative, Ratio, Table
+from .table import NonNegative, Ratio, Table
 
 
 class HapticRules(Table, frozen=True):

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from .tables import Count, Positive, Ratio, Table
+from .table import Count, Positive, Ratio, Table
 
 
 class IdentifyRules(Table, frozen=True):

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from .tables import Positive, Table
+from .table import Positive, Table
 
 
 class LowPass(Table, frozen=True):

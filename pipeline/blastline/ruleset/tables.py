@@ -1,20 +1,10 @@
-"""One struct for each table of a tier and of `scenes.toml`: its keys, their units (as suffix) and their allowed ranges.
-
-Every table carries `source`, which says where its numbers come from: a paper, a measurement or a study run.
-"""
+"""One struct for each table of a tier and of `scenes.toml`: its keys, units (as suffix) and allowed ranges."""
 
 from typing import Annotated, Literal
 
-import msgspec
 from msgspec import Meta
 
-Positive = Annotated[float, Meta(gt=0.0)]
-NonNegative = Annotated[float, Meta(ge=0.0)]
-Ratio = Annotated[float, Meta(ge=0.0, le=1.0)]
-Level = Annotated[float, Meta(ge=-200.0, le=200.0)]
-Difference = Annotated[float, Meta(ge=0.1, le=60.0)]
-Count = Annotated[int, Meta(ge=1)]
-Source = Annotated[str, Meta(min_length=3)]
+from .table import Count, Difference, Positive, Ratio, Table, ascending, not_falling
 
 LARGEST_LEVEL_DB = 40.0
 """How far the sound may be raised or lowered before it becomes vibration."""
@@ -27,12 +17,6 @@ Detection keeps 3.07 s after the last place where a shot may begin, and listens 
 """
 
 Decay = Annotated[float, Meta(gt=0.0, le=LONGEST_DECAY_MS)]
-
-
-class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A table of a rule file: unknown and missing keys are errors."""
-
-    source: Source
 
 
 class ScanRules(Table, frozen=True):
@@ -94,8 +78,8 @@ class VerifyRules(Table, frozen=True):
 
     def __post_init__(self) -> None:
         """Refuse thresholds out of order."""
-        _not_falling(self, "report_from", "round_threshold", "company_threshold", "burst_threshold", "threshold")
-        _not_falling(self, "round_threshold", "even_threshold", "burst_threshold")
+        not_falling(self, "report_from", "round_threshold", "company_threshold", "burst_threshold", "threshold")
+        not_falling(self, "round_threshold", "even_threshold", "burst_threshold")
 
 
 class ChannelRules(Table, frozen=True):
@@ -115,7 +99,7 @@ class ChannelRules(Table, frozen=True):
 
     def __post_init__(self) -> None:
         """Refuse thresholds out of order."""
-        _not_falling(self, "sides_company_threshold", "sides_threshold")
+        not_falling(self, "sides_company_threshold", "sides_threshold")
 
 
 class SegmentRules(Table, frozen=True):
@@ -141,8 +125,8 @@ class SegmentRules(Table, frozen=True):
 
     def __post_init__(self) -> None:
         """Refuse ranges that are empty."""
-        _ascending(self, "earliest_reflection_ms", "latest_reflection_ms")
-        _ascending(self, "shortest_ms", "longest_ms")
+        ascending(self, "earliest_reflection_ms", "latest_reflection_ms")
+        ascending(self, "shortest_ms", "longest_ms")
 
 
 class BurstRules(Table, frozen=True):
@@ -166,7 +150,7 @@ class BurstRules(Table, frozen=True):
 
     def __post_init__(self) -> None:
         """Refuse gaps between shots that no burst can have."""
-        _ascending(self, "shortest_gap_ms", "longest_gap_ms")
+        ascending(self, "shortest_gap_ms", "longest_gap_ms")
 
 
 class RowRules(Table, frozen=True):
@@ -190,7 +174,7 @@ class RowRules(Table, frozen=True):
 
     def __post_init__(self) -> None:
         """Refuse gaps that no row can have, and loops that are none: what turns faster than a row's pace is a row."""
-        _ascending(self, "shortest_gap_ms", "longest_gap_ms")
+        ascending(self, "shortest_gap_ms", "longest_gap_ms")
         if self.longest_loop_s < self.longest_gap_ms / 1000.0:
             raise ValueError(
                 f"longest_loop_s = {self.longest_loop_s}: expected at least longest_gap_ms = {self.longest_gap_ms}"
@@ -252,14 +236,3 @@ class SceneRules(Table, frozen=True):
     schema: Literal[1]
     direct_level_db: Annotated[float, Meta(ge=0.0, le=200.0)]
     direct_fidelity: Ratio
-
-
-def _ascending(table: Table, low: str, high: str) -> None:
-    if getattr(table, low) >= getattr(table, high):
-        raise ValueError(f"{low} = {getattr(table, low)}: expected less than {high} = {getattr(table, high)}")
-
-
-def _not_falling(table: Table, *names: str) -> None:
-    values = [getattr(table, name) for name in names]
-    if values != sorted(values):
-        raise ValueError(f"{', '.join(names)} = {', '.join(map(str, values))}: expected ascending values")

@@ -5,7 +5,7 @@ file ──► track (sample file or film) ──► mend ──► mix ──�
 """
 
 import hashlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -25,7 +25,7 @@ from .pcm import PcmTrack
 from .recent import Recent
 from .repair import mended
 from .spool import Spool
-from .track import PIECE, Samples, Track
+from .track import PIECE, Samples, Track, in_blocks
 
 
 class Soundtrack:
@@ -109,7 +109,7 @@ class Soundtrack:
         if remembered_s and self._azimuths_deg is not None and not isinstance(self._track, PcmTrack):
             self._recent = Recent(frames + round(remembered_s * self.rate_hz))
         start = 0
-        for samples in _rechunked(self._mixed_pieces(sides=sides), frames):
+        for samples in in_blocks(self._mixed_pieces(sides=sides), frames):
             yield self._clip(samples, start)
             start += samples.shape[0]
         if start == 0:
@@ -245,22 +245,3 @@ class Soundtrack:
             warnings=warnings,
         )
         return with_timebase(source, self._timebase)
-
-
-def _rechunked(pieces: Iterable[Samples], frames: int) -> Iterator[Samples]:
-    """Yield the same samples in blocks of `frames`, without a copy where a piece is one block or many."""
-    held: list[Samples] = []
-    count = 0
-    for piece in pieces:
-        held.append(piece)
-        count += piece.shape[0]
-        if count < frames:
-            continue
-        joined = held[0] if len(held) == 1 else np.concatenate(held)
-        whole = count - count % frames
-        for start in range(0, whole, frames):
-            yield joined[start : start + frames]
-        count -= whole
-        held = [joined[whole:]] if count else []
-    if count:
-        yield np.concatenate(held)

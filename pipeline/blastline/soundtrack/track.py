@@ -1,6 +1,6 @@
 """What both readers, of sample files and of films, tell about a sound track."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -52,3 +52,22 @@ class Track(Protocol):
 
     def close(self) -> None:
         """Release the file."""
+
+
+def in_blocks(pieces: Iterable[Samples], frames: int) -> Iterator[Samples]:
+    """Yield the same samples in blocks of `frames`, without a copy where a piece is one block or many."""
+    held: list[Samples] = []
+    count = 0
+    for piece in pieces:
+        held.append(piece)
+        count += piece.shape[0]
+        if count < frames:
+            continue
+        joined = held[0] if len(held) == 1 else np.concatenate(held)
+        whole = count - count % frames
+        for start in range(0, whole, frames):
+            yield joined[start : start + frames]
+        count -= whole
+        held = [joined[whole:]] if count else []
+    if count:
+        yield np.concatenate(held)

@@ -1,0 +1,130 @@
+"""`check`, `export` and `formats`: what comes after a run, of its timeline and its drive."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..timebase import parse_timebase
+from .options import (
+    DRIVING,
+    Formats,
+    FrameRate,
+    MadeFor,
+    Overwrite,
+    Quiet,
+    ResultFolder,
+    RulesOption,
+    StartTimecode,
+    listed,
+)
+from .progress import shown_progress
+from .summary import say_checks
+
+
+def check(
+    target: Annotated[
+        Path, typer.Argument(metavar="DIR|TIMELINE", help="A result's folder or its timeline.json.", show_default=False)
+    ],
+    audio: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="The film, where it has moved.", show_default="looked for beside the timeline"
+        ),
+    ] = None,
+    drive: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="The drive to check.", show_default="drive.wav beside the timeline"),
+    ] = None,
+    stream: Annotated[
+        int | None,
+        typer.Option(min=0, help="The sound stream of --audio, from 0.", show_default="the one of the timeline"),
+    ] = None,
+    actuator: MadeFor = None,
+    rules: RulesOption = None,
+    quiet: Quiet = False,
+) -> int:
+    """Check on the files themselves that drive and film are aligned: exit code 0 where they are, 1 where not.
+
+    Example: `blastline check result --audio film.mkv`
+    """
+    from .. import run
+
+    notes: list[str] = []
+    with shown_progress(quiet=quiet) as progress:
+        timeline = run.check(
+            target,
+            audio=audio,
+            drive=drive,
+            actuator=actuator,
+            stream=stream,
+            rules=rules,
+            progress=progress,
+            note=notes.append,
+        )
+    if not quiet:
+        for note in notes:
+            typer.echo(note, err=True)
+    code = say_checks(timeline, quiet=quiet, err=False)
+    beside = (target if target.is_dir() else target.parent) / run.DRIVE
+    if not quiet and timeline.actuator is None and drive is None and beside.is_file():
+        typer.echo(f"not checked: {beside}; the timeline has no drive, so this one is another's", err=True)
+    return code
+
+
+def export(
+    timeline: Annotated[Path, typer.Argument(metavar="TIMELINE", help="A timeline.json.", show_default=False)],
+    formats: Formats,
+    folder: ResultFolder,
+    start_timecode: StartTimecode = None,
+    frame_rate: FrameRate = None,
+    drive: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="The drive, for the formats that are made from it: ahap, haptic, hjif.",
+            show_default="drive.wav beside the timeline",
+            rich_help_panel=DRIVING,
+        ),
+    ] = None,
+    actuator: MadeFor = None,
+    rules: RulesOption = None,
+    overwrite: Overwrite = False,
+    quiet: Quiet = False,
+) -> None:
+    """Write a timeline in the formats of other tools; prints each file's name.
+
+    What rounding to frames or milliseconds moves, and what a haptic format cannot hold, is told on standard error.
+
+    Example: `blastline export result/timeline.json --format resolve,reaper -o cues`
+    """
+    from .. import run
+
+    def note(line: str) -> None:
+        if not quiet:
+            typer.echo(line, err=True)
+
+    files = run.export(
+        timeline,
+        folder,
+        formats=listed(formats),
+        timebase=parse_timebase(start_timecode, frame_rate),
+        drive=drive,
+        actuator=actuator,
+        rules=rules,
+        overwrite=overwrite,
+        note=note,
+    )
+    for file in files:
+        typer.echo(file)
+
+
+def formats() -> None:
+    """List the formats of `--format`: the files, how exact their times are, and the tool that opens them.
+
+    Example: `blastline formats`
+    """
+    from .. import run
+
+    for row in run.exports():
+        typer.echo(f"{row.name:<9} {', '.join(row.files):<24} {row.exactness}\n{'':<9} {row.tool}: {row.how}")
