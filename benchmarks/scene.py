@@ -107,22 +107,24 @@ def looked(track: Soundtrack, truth: Truth, rules: Rules, verifier: Verifier, *,
     return Looked(np.concatenate(odds), np.concatenate(networks, axis=1), tuple(shots), truth, look_s)
 
 
-def believed(film: Looked, surety: NDArray[np.float64], rules: Rules) -> tuple[Shot, ...]:
+def believed(film: Looked, probability: NDArray[np.float64], rules: Rules) -> tuple[Shot, ...]:
     """Return the shots that a run makes of a film's candidates with these probabilities; 0 for those never judged."""
     tier, rate_hz = rules.tier, film.truth.rate_hz
-    seen = np.flatnonzero(surety > 0.0)
+    seen = np.flatnonzero(probability > 0.0)
     onsets = np.array([film.shots[place].onset for place in seen], np.intp)
     peaks_dbfs = np.array([film.shots[place].peak_dbfs for place in seen])
-    odds = log_odds_in(Verdicts(surety[seen], _probability(film.screen[seen]), np.full(seen.size, len(film.networks))))
+    odds = log_odds_in(
+        Verdicts(probability[seen], _probability(film.screen[seen]), np.full(seen.size, len(film.networks)))
+    )
     rows = fire.even_rows(fire.Looked(onsets, peaks_dbfs, odds), rate_hz=rate_hz, tier=tier)
     enough = [
         msgspec.structs.replace(
             film.shots[place],
-            confidence=float(surety[place]),
+            confidence=float(probability[place]),
             evidence=ShotEvidence(None, 0, None, "background", even_row=row),
         )
         for place, row in zip(seen, rows, strict=True)
-        if surety[place] >= tier.verify.round_threshold or row == "fire"
+        if probability[place] >= tier.verify.round_threshold or row == "fire"
     ]
     return judged(enough, (), rate_hz=rate_hz, tier=tier).shots
 
@@ -206,9 +208,9 @@ def spared(seen: Sequence[Looked], rules: Rules, look_from: float, sure_from: fl
         screened = _probability(film.screen)
         sure = (screened >= sure_from) & (sure_from < 1.0)
         odds = together(film.networks.sum(axis=0), film.networks.shape[0], film.screen)
-        surety = np.where(sure, screened, np.where(screened < look_from, 0.0, _probability(odds)))
+        probability = np.where(sure, screened, np.where(screened < look_from, 0.0, _probability(odds)))
         shown, every = shown + int(((screened >= look_from) & ~sure).sum()), every + screened.size
-        counts += counted(believed(film, surety, rules), film.truth)
+        counts += counted(believed(film, probability, rules), film.truth)
     return shown / max(every, 1), counts
 
 

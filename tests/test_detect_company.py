@@ -37,9 +37,11 @@ def believed_ms(*shots: Shot) -> list[float]:
     return [s.onset * 1000 / RATE_HZ for s in kept]
 
 
-def looked(onsets: NDArray[np.intp], surety: NDArray[np.float64]) -> Looked:
+def looked(onsets: NDArray[np.intp], probability: NDArray[np.float64]) -> Looked:
     """Return candidates of which screen and networks think alike."""
-    return Looked(onsets, np.zeros(onsets.size), log_odds_in(Verdicts(surety, surety, np.full(onsets.size, 2))))
+    return Looked(
+        onsets, np.zeros(onsets.size), log_odds_in(Verdicts(probability, probability, np.full(onsets.size, 2)))
+    )
 
 
 def pair(confidence: float = VERIFY.company_threshold) -> tuple[Shot, Shot]:
@@ -132,9 +134,10 @@ def test_what_is_not_worth_parting_is_never_believed(seed: int) -> None:
     rows_ms = [start + np.arange(6) * FAST_MS for start in rng.uniform(0, 60_000, 20)]
     places_ms = np.unique(np.round(np.concatenate([rng.uniform(0, 60_000, 200), *rows_ms])))
     told = np.array([None, None, None, "fire", "no fire"], object)
-    surety, row = rng.random(places_ms.size) ** 3, rng.choice(told, places_ms.size)
+    probability, row = rng.random(places_ms.size) ** 3, rng.choice(told, places_ms.size)
     shots = [
-        in_row(shot(*each), said) for *each, said in zip(places_ms.tolist(), surety.tolist(), row.tolist(), strict=True)
+        in_row(shot(*each), said)
+        for *each, said in zip(places_ms.tolist(), probability.tolist(), row.tolist(), strict=True)
     ]
     onsets = np.array([s.onset for s in shots], np.intp)
     worth = np.zeros(onsets.size, bool)
@@ -142,9 +145,9 @@ def test_what_is_not_worth_parting_is_never_believed(seed: int) -> None:
         inside = np.flatnonzero((onsets >= start) & (onsets < start + 20 * RATE_HZ))
         core, rows = Span(start, start + 20 * RATE_HZ), row[inside].tolist()
         worth[inside] = worth_parting(
-            looked(onsets[inside], surety[inside]), rows, rate_hz=RATE_HZ, tier=TIER, core=core
+            looked(onsets[inside], probability[inside]), rows, rate_hz=RATE_HZ, tier=TIER, core=core
         )
-    assert np.sum(~worth & (surety >= VERIFY.round_threshold)) > 0
+    assert np.sum(~worth & (probability >= VERIFY.round_threshold)) > 0
     assert believed_ms(*shots) == believed_ms(*(s for s, kept in zip(shots, worth, strict=True) if kept))
 
 
@@ -152,8 +155,8 @@ def test_a_round_at_the_edge_of_a_core_may_belong_to_a_burst_beyond_it() -> None
     core = Span(0, 20 * RATE_HZ)
     edges_ms = (0.0, BURSTS.longest_gap_ms, 10_000.0, 20_000.0 - BURSTS.longest_gap_ms, 19_999.0)
     onsets = np.array([round(at_ms * RATE_HZ / 1000) for at_ms in edges_ms], np.intp)
-    surety = np.full(onsets.size, VERIFY.round_threshold)
-    worth = worth_parting(looked(onsets, surety), [None] * onsets.size, rate_hz=RATE_HZ, tier=TIER, core=core)
+    probability = np.full(onsets.size, VERIFY.round_threshold)
+    worth = worth_parting(looked(onsets, probability), [None] * onsets.size, rate_hz=RATE_HZ, tier=TIER, core=core)
     assert worth.tolist() == [True, True, False, True, True]
 
 
@@ -198,8 +201,10 @@ def test_several_guns_may_fire_for_long() -> None:
 
 def test_fire_is_worth_parting_however_unlikely_each_of_its_rounds() -> None:
     onsets = np.array([s.onset for s in pair()], np.intp)
-    core, surety = Span(0, 40 * RATE_HZ), np.zeros(2)
-    assert worth_parting(looked(onsets, surety), ["fire", None], rate_hz=RATE_HZ, tier=TIER, core=core).tolist() == [
+    core, probability = Span(0, 40 * RATE_HZ), np.zeros(2)
+    assert worth_parting(
+        looked(onsets, probability), ["fire", None], rate_hz=RATE_HZ, tier=TIER, core=core
+    ).tolist() == [
         True,
         False,
     ]

@@ -205,8 +205,8 @@ def test_a_second_opinion_is_asked_where_there_is_doubt_and_changes_no_clear_ver
         shown = pictures(stretch.samples, found.onsets, RATE_HZ)
         together, one, two = (each.verdicts(found.rows, shown) for each in (both, first, second))
         asked_both = together.networks == 2
-        assert np.array_equal(asked_both, np.abs(log_odds_of(one.surety)) < BEYOND_DOUBT)
-        assert np.array_equal(together.surety[~asked_both], one.surety[~asked_both])
+        assert np.array_equal(asked_both, np.abs(log_odds_of(one.probability)) < BEYOND_DOUBT)
+        assert np.array_equal(together.probability[~asked_both], one.probability[~asked_both])
         by_both, by_one, by_two = (log_odds_in(each).by_networks for each in (together, one, two))
         told = asked_both & (np.abs(by_two) < 5.0)  # of what is surer, little is left once it is rounded
         np.testing.assert_allclose(by_both[told], (0.5 * (by_one + by_two))[told], atol=0.05)

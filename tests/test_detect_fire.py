@@ -19,12 +19,12 @@ FAST_MS = (BURSTS.shortest_gap_ms + BURSTS.longest_gap_ms) / 2
 
 
 def told(
-    surety: Sequence[float], screened: Sequence[float] | None = None, gap_ms: float = FAST_MS
+    probability: Sequence[float], screened: Sequence[float] | None = None, gap_ms: float = FAST_MS
 ) -> list[EvenRow | None]:
     """Return what is told of each sound of a row."""
-    onsets = np.array([samples_from_ms(n * gap_ms, RATE_HZ) for n in range(len(surety))], np.intp)
-    by_screen = np.array(surety if screened is None else screened)
-    odds = log_odds_in(Verdicts(np.array(surety), by_screen, np.full(onsets.size, 2)))
+    onsets = np.array([samples_from_ms(n * gap_ms, RATE_HZ) for n in range(len(probability))], np.intp)
+    by_screen = np.array(probability if screened is None else screened)
+    odds = log_odds_in(Verdicts(np.array(probability), by_screen, np.full(onsets.size, 2)))
     return even_rows(Looked(onsets, np.zeros(onsets.size), odds), rate_hz=RATE_HZ, tier=TIER)
 
 
@@ -103,10 +103,10 @@ def taken_together(by_networks: float, by_screen: float) -> float:
 def test_the_odds_of_the_networks_are_what_the_screen_leaves(networks: int) -> None:
     rng = np.random.default_rng(2)
     by_networks, by_screen = rng.uniform(-4.0, 4.0, (2, 50))
-    surety = expit(together(networks * by_networks, networks, by_screen))
-    odds = log_odds_in(Verdicts(surety, expit(by_screen), np.full(50, networks)))
+    probability = expit(together(networks * by_networks, networks, by_screen))
+    odds = log_odds_in(Verdicts(probability, expit(by_screen), np.full(50, networks)))
     np.testing.assert_allclose(odds.by_networks, by_networks, atol=1e-9)
-    np.testing.assert_allclose(odds.by_all, logit(surety), atol=1e-9)
+    np.testing.assert_allclose(odds.by_all, logit(probability), atol=1e-9)
     assert np.isfinite(
         log_odds_in(Verdicts(np.array([0.0, 1.0]), np.array([1.0, 0.0]), np.full(2, 2))).by_networks
     ).all()
@@ -122,10 +122,10 @@ def test_a_row_is_fire_where_its_mean_odds_are_enough() -> None:
 def test_the_networks_alone_may_settle_it() -> None:
     """The screen takes fire for a machine; each sound is then unlikely, and all are, in the mean."""
     by_networks, by_screen = float(logit(VERIFY.even_networks_threshold)) + 0.1, -4.0
-    surety = taken_together(by_networks, by_screen)
-    assert surety < VERIFY.even_threshold
-    assert told([surety] * 5, [float(expit(by_screen))] * 5) == ["fire"] * 5
-    assert told([surety] * 5) == [None] * 5
+    probability = taken_together(by_networks, by_screen)
+    assert probability < VERIFY.even_threshold
+    assert told([probability] * 5, [float(expit(by_screen))] * 5) == ["fire"] * 5
+    assert told([probability] * 5) == [None] * 5
 
 
 def test_what_the_networks_do_not_take_for_a_round_is_none_in_a_row_that_is_fire() -> None:
@@ -144,9 +144,9 @@ def test_a_slow_row_is_fire_where_the_networks_alone_are_as_sure_of_it_as_of_a_s
     """Somebody pulls the trigger at a pace at which steps and hammers come as well; the screen doubts all of them."""
     enough, by_screen = float(logit(VERIFY.threshold)), -4.0
     for above, row in ((0.1, "fire"), (-0.1, None)):
-        surety = taken_together(enough + above, by_screen)
-        assert surety < VERIFY.threshold
-        assert told([surety] * 4, [float(expit(by_screen))] * 4, gap_ms=gap_ms) == [row] * 4
+        probability = taken_together(enough + above, by_screen)
+        assert probability < VERIFY.threshold
+        assert told([probability] * 4, [float(expit(by_screen))] * 4, gap_ms=gap_ms) == [row] * 4
     assert told([0.99] * (TIER.rows.fewest - 1), gap_ms=gap_ms) == [None] * (TIER.rows.fewest - 1)
     assert told([0.99] * 4, gap_ms=TIER.rows.longest_gap_ms + 1.0) == [None] * 4
 

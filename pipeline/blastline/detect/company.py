@@ -82,12 +82,12 @@ def _belief(shots: Sequence[Shot], *, rate_hz: int, tier: QualityRules) -> _Beli
     """Return what is believed of candidates, ascending, as long as no row of them is refused."""
     rules, channels, bursts = tier.verify, tier.channels, tier.bursts
     onsets = _onsets(shots)
-    surety = np.array([shot.confidence for shot in shots])
+    probability = np.array([shot.confidence for shot in shots])
     aside = np.array([shot.heard_in == "sides" for shot in shots], bool)
-    by_itself = surety >= np.where(aside, channels.sides_threshold, rules.threshold)
-    rounds = surety >= np.where(aside, channels.sides_company_threshold, rules.round_threshold)
-    sure = by_itself | _in_a_run(onsets, surety, rules.burst_threshold, rate_hz=rate_hz, rules=bursts)
-    likely = surety >= np.where(aside, channels.sides_company_threshold, rules.company_threshold)
+    by_itself = probability >= np.where(aside, channels.sides_threshold, rules.threshold)
+    rounds = probability >= np.where(aside, channels.sides_company_threshold, rules.round_threshold)
+    sure = by_itself | _in_a_run(onsets, probability, rules.burst_threshold, rate_hz=rate_hz, rules=bursts)
+    likely = probability >= np.where(aside, channels.sides_company_threshold, rules.company_threshold)
     believed = sure | (likely & _near(onsets, onsets[sure], samples_from_s(rules.company_s, rate_hz)))
     peaks_dbfs = np.array([shot.peak_dbfs for shot in shots])
     rows = [shot.evidence.even_row if shot.evidence else None for shot in shots]
@@ -174,18 +174,18 @@ def _near(places: NDArray[np.intp], others: NDArray[np.intp], reach: int) -> NDA
 
 
 def _in_a_run(
-    onsets: NDArray[np.intp], surety: NDArray[np.float64], least: float, *, rate_hz: int, rules: BurstRules
+    onsets: NDArray[np.intp], probability: NDArray[np.float64], least: float, *, rate_hz: int, rules: BurstRules
 ) -> NDArray[np.bool_]:
     """Return which candidates belong to a run that is sure as a whole; of those too near each other one counts."""
     shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
     runs: list[list[int]] = []
-    for place in np.flatnonzero(surety >= least).tolist():
+    for place in np.flatnonzero(probability >= least).tolist():
         gap = onsets[place] - onsets[runs[-1][-1]] if runs else longest + 1
         if gap > longest:
             runs.append([place])
         elif gap >= shortest:
             runs[-1].append(place)
-        elif surety[place] > surety[runs[-1][-1]]:
+        elif probability[place] > probability[runs[-1][-1]]:
             runs[-1][-1] = place
     found = np.zeros(onsets.size, bool)
     found[[place for run in runs if len(run) >= rules.fewest_shots for place in run]] = True

@@ -221,7 +221,7 @@ def _search(
             int(found.onsets[index]),
             film_start=stretch.start,
             film_stop=stretch.stop,
-            confidence=float(verdicts.surety[index]),
+            confidence=float(verdicts.probability[index]),
             rate_hz=grid.rate_hz,
             rules=tier.segment,
             screen=float(verdicts.screened[index]),
@@ -232,8 +232,8 @@ def _search(
         for index in np.flatnonzero(worth)
     ]
     refused = [
-        unlike_a_shot(int(at[index]), float(verdicts.surety[index]))
-        for index in np.flatnonzero(~worth & (verdicts.surety >= tier.verify.report_from))
+        unlike_a_shot(int(at[index]), float(verdicts.probability[index]))
+        for index in np.flatnonzero(~worth & (verdicts.probability >= tier.verify.report_from))
     ]
     in_film_at = np.array([film_sample(sample, rate_hz) for sample in at.tolist()], np.intp)
     return Searched(*in_film(shots, refused, rate_hz), {"mains": replace(looked, onsets=in_film_at)})

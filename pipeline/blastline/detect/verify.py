@@ -67,7 +67,7 @@ class Sieve:
 class Verdicts:
     """Of n candidates: the probability that each is a shot, that by the screen alone, and how many networks looked."""
 
-    surety: NDArray[np.float64]
+    probability: NDArray[np.float64]
     screened: NDArray[np.float64]
     networks: NDArray[np.intp]
 
@@ -90,7 +90,7 @@ class Verifier:
 
     def probabilities(self, rows: NDArray[np.float64], shown: Pictures) -> NDArray[np.float64]:
         """Return the probability that each candidate is a shot, shape (n,)."""
-        return self.verdicts(rows, shown).surety
+        return self.verdicts(rows, shown).probability
 
     def verdicts(self, rows: NDArray[np.float64], shown: Pictures) -> Verdicts:
         """Return what is thought of each candidate, by screen and networks.
@@ -116,7 +116,7 @@ def together(said: NDArray[np.float64], networks: int, by_screen: NDArray[np.flo
 
 def log_odds_in(verdicts: Verdicts) -> LogOdds:
     """Return the odds that verdicts on n candidates tell of."""
-    by_all, by_screen = log_odds_of(verdicts.surety), log_odds_of(verdicts.screened)
+    by_all, by_screen = log_odds_of(verdicts.probability), log_odds_of(verdicts.screened)
     return LogOdds(by_all, by_all + (by_all - by_screen) * (SCREEN_VOICE / verdicts.networks))
 
 
