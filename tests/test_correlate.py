@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from align_films import Samples
-from blastline.correlate import find
+from blastline.correlate import find, vertices
 
 
 def rumble(seed: int, samples: int) -> Samples:
@@ -64,3 +64,16 @@ def test_too_little_to_compare_is_no_match() -> None:
         match = find(pattern, moving)
         assert np.isnan(match.lag)
         assert match.correlation == 0.0
+
+
+@pytest.mark.parametrize("beside", [-0.5, -0.3, 0.0, 0.2, 0.5])
+def test_the_vertex_of_a_parabola_is_found_exactly(beside: float) -> None:
+    at = np.arange(9.0)
+    values = np.stack([5.0 - (at - peak - beside) ** 2 for peak in (3, 6)]).max(axis=0)
+    np.testing.assert_allclose(vertices(values, np.array([3, 6])), [beside, beside], atol=1e-12)
+
+
+def test_a_peak_without_a_neighbour_or_a_bend_is_its_own_vertex() -> None:
+    assert vertices(np.array([3.0, 2.0, 0.0]), np.array([0, 2])).tolist() == [0.0, 0.0]
+    assert vertices(np.array([1.0, 1.0, 1.0]), np.array([1])).tolist() == [0.0]
+    assert vertices(np.array([0.0, 1.0, 2.0]), np.array([], np.intp)).tolist() == []

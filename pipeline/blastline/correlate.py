@@ -48,7 +48,8 @@ def find(pattern: NDArray[np.float64], moving: NDArray[np.float64], counts: NDAr
     best = int(np.argmax(np.abs(correlation)))
     if correlation[best] == 0.0 or not enough[max(0, best - 1) : best + 2].all():
         return NO_MATCH  # beside a lag at which too little counts, the largest need not be the peak
-    return Match(best - search + _vertex(np.abs(correlation), best), float(np.clip(correlation[best], -1.0, 1.0)))
+    beside = float(vertices(np.abs(correlation), np.array([best]))[0])
+    return Match(best - search + beside, float(np.clip(correlation[best], -1.0, 1.0)))
 
 
 def _slide(pattern: NDArray[np.float64], moving: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -60,10 +61,13 @@ def _slide(pattern: NDArray[np.float64], moving: NDArray[np.float64]) -> NDArray
     return np.asarray(fft.irfft(spectrum, size)[: len(moving) - len(pattern) + 1], dtype=np.float64)
 
 
-def _vertex(values: NDArray[np.float64], index: int) -> float:
-    """Return how far from `index` the parabola through a value and its neighbours has its vertex."""
-    if not 0 < index < len(values) - 1:
-        return 0.0
-    before, at, after = values[index - 1 : index + 2]
+def vertices(values: NDArray[np.float64], peaks: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Return how far beside each of n peaks, shape (n,), the parabola through it and its neighbours has its vertex.
+
+    In samples, half of one at most; 0 where there is no neighbour on one side, or the parabola does not bend down.
+    """
+    inside = (peaks > 0) & (peaks < values.shape[0] - 1)
+    before, at, after = (values[np.where(inside, peaks + by, peaks)] for by in (-1, 0, 1))
     bend = before - 2.0 * at + after
-    return float(0.5 * (before - after) / bend) if bend < 0.0 else 0.0
+    away = np.divide(0.5 * (before - after), bend, out=np.zeros_like(at), where=bend < 0.0)
+    return np.clip(away, -0.5, 0.5)

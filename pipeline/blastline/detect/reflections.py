@@ -15,6 +15,7 @@ Echoes thin out with their lag, about as 1 / lag, while chance does not, and noi
 import numpy as np
 from numpy.typing import NDArray
 
+from ..correlate import vertices
 from ..ruleset import SegmentRules
 from ..units import samples_from_ms
 
@@ -60,7 +61,7 @@ def discrete_reflections(
         clearest[near] = np.maximum(clearest[near], z)
     apart = max(1, int(samples_from_ms(_APART_MS, rate_hz) / step))
     peaks, _ = find_peaks(clearest, height=rules.reflection_prominence, distance=apart)
-    lags = np.round((first + peaks + _vertex(gain, peaks)) * step - before.shape[0]).astype(np.intp)
+    lags = np.round((first + peaks + vertices(gain, peaks)) * step - before.shape[0]).astype(np.intp)
     return lags, gain[peaks]
 
 
@@ -153,11 +154,3 @@ def _running_mean(values: NDArray[np.float64], width: int) -> NDArray[np.float64
     from scipy.ndimage import uniform_filter1d
 
     return np.asarray(uniform_filter1d(values, width, mode="reflect"), np.float64)
-
-
-def _vertex(values: NDArray[np.float64], peaks: NDArray[np.intp]) -> NDArray[np.float64]:
-    """Return how far beside each peak the parabola through it and its neighbours has its vertex."""
-    left, middle, right = (values[np.clip(peaks + by, 0, values.shape[0] - 1)] for by in (-1, 0, 1))
-    bend = left - 2.0 * middle + right
-    away = np.divide(0.5 * (left - right), bend, out=np.zeros_like(middle), where=bend < 0.0)
-    return np.clip(away, -0.5, 0.5)
