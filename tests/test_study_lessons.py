@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from blastline.detect.forest import grown
 from blastline.detect.verify import Sieve
 from blastline.ruleset import load_rules
+from blastline.study.again import BENEATH_DB, heard_again
 from blastline.study.candidates import Candidates, best_f1, candidates, joined
 from blastline.study.codecs import BITS_PER_S, Codec, coded
 from blastline.study.lessons import plain_mix, synthetic_film, synthetic_mix, without_drowned
@@ -157,3 +158,41 @@ def test_a_codec_moves_nothing(codec: Codec) -> None:
     assert back.shape == noise.shape
     spectrum = np.fft.rfft(back.astype(np.float64)) * np.conj(np.fft.rfft(noise.astype(np.float64)))
     assert int(np.argmax(np.fft.irfft(spectrum))) == 0
+
+
+def rises_at(samples: NDArray[np.float32], at: int) -> bool:
+    """Return whether the 3 ms from a sample on are four times as strong as the 20 ms that end 1 ms before it."""
+    before, after = samples[max(0, at - 1008) : at - 48], samples[at - 48 : at + 144]
+    return float(np.sqrt(np.mean(after**2))) > 4.0 * float(np.sqrt(np.mean(before**2)))
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_a_lesson_heard_again_has_its_shots_where_they_sound(seed: int) -> None:
+    """Whatever its speed, its colours and what lies beneath: none is lost but by the cut, and none is elsewhere."""
+    film, other = bangs([0.4, 0.5, 0.3, 0.4, 0.5], 8.0), bangs([], 8.0)
+    again = heard_again(film, other, np.random.default_rng(seed))
+    assert again.onsets.size == film.onsets.size
+    assert all(rises_at(again.samples, at) for at in again.onsets.tolist())
+    assert np.all(np.diff(again.onsets) >= 0)
+    assert again.level_db.size == again.onsets.size
+    assert np.abs(again.samples).max() <= 1.0
+    assert not np.array_equal(again.samples[: film.samples.size], film.samples[: again.samples.size])
+
+
+def test_what_lies_beneath_keeps_its_shots_and_is_softer() -> None:
+    film, other = bangs([0.4], 8.0), bangs([0.4] * 6, 8.0)
+    beneath = [heard_again(film, other, np.random.default_rng(seed)) for seed in range(40)]
+    labelled = [again for again in beneath if again.onsets.size + again.unsure.size > 1]
+    assert 10 <= len(labelled) <= 30
+    for again in labelled:
+        assert again.onsets.size + again.unsure.size >= 4
+        loudest = sorted(float(np.abs(again.samples[at : at + 480]).max()) for at in again.onsets.tolist())
+        assert loudest[0] < loudest[-1] * 10.0 ** (BENEATH_DB[1] / 40.0)
+
+
+def test_a_lesson_without_a_shot_has_none_when_heard_again() -> None:
+    silent = Mix(np.zeros(RATE_HZ, np.float32), np.zeros(0, np.intp), np.zeros(0), np.zeros(0, np.intp))
+    for seed in range(10):
+        again = heard_again(silent, silent, np.random.default_rng(seed))
+        assert again.onsets.size == 0
+        assert not again.samples.any()

@@ -1,16 +1,23 @@
-"""Lessons kept as files while a training goes on, lot by lot: to make them takes longer than to learn from them."""
+"""Lessons kept as files while a training goes on, lot by lot: to make them takes longer than to learn from them.
+
+So each may also be heard again, as another film each time (`again.py`).
+"""
 
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from .again import heard_again
 from .courses import Course
 from .lessons import Lesson
 from .mixes import Mix
+
+CROWDED = "film"
+"""The course whose lessons are not put beneath another one: two crowded films at once are no film."""
 
 
 @dataclass(frozen=True)
@@ -22,13 +29,22 @@ class Lot:
 
 
 @dataclass(frozen=True)
+class Again:
+    """How a lesson is heard once more: which one may lie beneath it, and the seed of all that changes."""
+
+    other: Path
+    seed: tuple[int, ...]
+
+
+@dataclass(frozen=True)
 class Kept:
-    """A lesson in the work folder."""
+    """A lesson in the work folder, as it is or to be heard again."""
 
     path: Path
     course: str
     tested: bool
     seed: int
+    again: Again | None = None
 
 
 def keep_lessons(work: Path, course: Course, seed: int, pool: ProcessPoolExecutor) -> list[Kept]:
@@ -55,3 +71,25 @@ def load_lesson(path: Path) -> Mix:
     with np.load(path) as kept:
         samples = kept["samples"].astype(np.float32) / np.float32(32768.0)
         return Mix(samples, kept["onsets"], kept["level_db"], kept["unsure"])
+
+
+def times_more(kept: Sequence[Kept], times: int, seed: int) -> list[Kept]:
+    """Return what is learnt from of some lessons, to be heard so many times more, each time otherwise."""
+    learnt = [each for each in kept if not each.tested]
+    others = [each.path for each in learnt if each.course != CROWDED]
+    if not others:
+        return []
+    rng = np.random.default_rng(seed)
+    return [
+        replace(each, again=Again(others[int(rng.integers(len(others)))], (seed, time, number)))
+        for time in range(times)
+        for number, each in enumerate(learnt)
+    ]
+
+
+def heard(kept: Kept) -> Mix:
+    """Return a lesson as it is to be heard; the same one sounds the same each time."""
+    film = load_lesson(kept.path)
+    if kept.again is None:
+        return film
+    return heard_again(film, load_lesson(kept.again.other), np.random.default_rng(kept.again.seed))

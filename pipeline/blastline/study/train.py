@@ -4,8 +4,9 @@
 
 Candidates on a shot's onset are positives, all others negatives. Some films, and with `--hold-out` a part of the
 sources of recordings, are never learnt from; what the file scores on them is written into it. With `--more` the
-networks also learn from lessons of other seeds; gate and screen need fewer. With `--further` every other
-network of a file goes on learning from the new lessons; gate and screen and the others begin anew.
+networks also learn from lessons of other seeds, with `--again` from each lesson as other films; gate and screen need
+fewer. With `--further` every other network of a file goes on learning from the new lessons; gate and screen and the
+others begin anew.
 """
 
 import argparse
@@ -31,7 +32,7 @@ from ..detect.verify import SCHEMA, ModelFile, Sieve, SieveFile, Verifier, read_
 from ..ruleset import QualityRules, load_rules
 from .candidates import Candidates, best_f1, candidates, joined
 from .courses import FOLDS, courses
-from .lots import Kept, Lot, keep_lessons, load_lesson
+from .lots import Kept, Lot, heard, keep_lessons, times_more
 from .mixes import MIX_S, RATE_HZ
 from .sieves import GATE_SETTINGS, SCREEN_SETTINGS, fit_sieve
 from .teaching import FURTHER, SETTINGS, Examples, fit_network, teach_further
@@ -52,19 +53,19 @@ def as_taught(tier: QualityRules) -> QualityRules:
 
 def _listen(tier: QualityRules, item: tuple[int, Kept]) -> Candidates:
     """Return the candidates of a lesson, numbered."""
-    return candidates(load_lesson(item[1].path), tier, item[0])
+    return candidates(heard(item[1]), tier, item[0])
 
 
-def _look(item: tuple[Path, NDArray[np.intp]]) -> tuple[NDArray[np.float16], NDArray[np.float16]]:
+def _look(item: tuple[Kept, NDArray[np.intp]]) -> tuple[NDArray[np.float16], NDArray[np.float16]]:
     """Return the pictures of candidates of a lesson, near and wide, in half precision."""
-    shown = pictures(load_lesson(item[0]).samples, item[1], RATE_HZ)
+    shown = pictures(heard(item[0]).samples, item[1], RATE_HZ)
     return shown.near.astype(np.float16), shown.wide.astype(np.float16)
 
 
 def look(every: Candidates, kept: Sequence[Kept], pool: ProcessPoolExecutor) -> Examples:
     """Return the pictures of candidates with their features and labels; they are in order of lessons."""
     numbers = np.unique(every.lesson).tolist()
-    wanted = [(kept[number].path, every.onsets[every.lesson == number]) for number in numbers]
+    wanted = [(kept[number], every.onsets[every.lesson == number]) for number in numbers]
     near, wide = zip(*pool.map(_look, wanted, chunksize=4), strict=True)
     return Examples(np.concatenate(near), np.concatenate(wide), every.rows, every.shots)
 
@@ -122,8 +123,13 @@ def score(model: ModelFile, tested: Candidates, kept: Sequence[Kept], pool: Proc
     }
 
 
-def train(lots: Sequence[Lot], work: Path, *, networks: int, jobs: int, before: ModelFile | None = None) -> ModelFile:
-    """Return a verifier trained on the lots, or one from before taught further; the first lot's seed is the model's."""
+def train(
+    lots: Sequence[Lot], work: Path, *, networks: int, jobs: int, again: int = 0, before: ModelFile | None = None
+) -> ModelFile:
+    """Return a verifier trained on the lots, or one from before taught further; the first lot's seed is the model's.
+
+    The networks hear each lesson `again` times more, each time as another film.
+    """
     listen = partial(_listen, as_taught(load_rules("reference").tier))
     seed = lots[0].seed
     with ProcessPoolExecutor(jobs) as pool:
@@ -133,16 +139,17 @@ def train(lots: Sequence[Lot], work: Path, *, networks: int, jobs: int, before: 
             for course in lot.courses
             for each in _said(keep_lessons(work, course, lot.seed, pool), f"{course.name} of {lot.seed}")
         ]
+        kept += times_more(kept, again, seed)
         numbered = list(enumerate(kept))
         learnt = joined(list(pool.map(listen, [item for item in numbered if not item[1].tested], chunksize=4)))
         _say(f"{learnt.shots.size} candidates to learn from, {int(learnt.shots.sum())} of them shots")
-        gate, screen = fit_sieves(learnt.taken(np.array([kept[n].seed == seed for n in learnt.lesson.tolist()])), seed)
+        gate, screen = fit_sieves(learnt.taken(_of_sieves(learnt, kept, seed)), seed)
         left = sieved(learnt, gate, screen)
         _say(f"{left.shots.size} of them pass gate and screen, {int(left.shots.sum())} of them shots")
         examples = look(left, kept, pool)
         known = before.networks if before else []
         judges = [_said(_network(examples, seed, number, known), f"network {number + 1}") for number in range(networks)]
-        training = _record(lots, learnt, left, before)
+        training = _record(lots, learnt, left, again, before)
         model = ModelFile(SCHEMA, gate, screen, judges, training)
         scores = {}
         for name in {each.course: None for each in kept if each.tested}:
@@ -152,7 +159,15 @@ def train(lots: Sequence[Lot], work: Path, *, networks: int, jobs: int, before: 
     return msgspec.structs.replace(model, training=training | {"held_out": scores})
 
 
-def _record(lots: Sequence[Lot], learnt: Candidates, left: Candidates, before: ModelFile | None) -> dict[str, Any]:
+def _of_sieves(learnt: Candidates, kept: Sequence[Kept], seed: int) -> NDArray[np.bool_]:
+    """Return which candidates gate and screen learn from: those of one seed's lessons, as they are."""
+    suited = np.array([each.seed == seed and each.again is None for each in kept], bool)
+    return np.asarray(suited[learnt.lesson], bool)
+
+
+def _record(
+    lots: Sequence[Lot], learnt: Candidates, left: Candidates, again: int, before: ModelFile | None
+) -> dict[str, Any]:
     """Return how a model was trained: on which lessons, of which so much passed the sieves, and after which model."""
     first, *more = (
         {"seed": lot.seed, "lessons": {course.name: course.count for course in lot.courses}} for lot in lots
@@ -162,6 +177,7 @@ def _record(lots: Sequence[Lot], learnt: Candidates, left: Candidates, before: M
         **first,
         "more": more,
         "minutes_each": MIX_S / 60.0,
+        "again": again,
         "candidates": int(learnt.shots.size),
         "shots": int(learnt.shots.sum()),
         "shots_without_candidate": learnt.missed,
@@ -189,6 +205,7 @@ def main() -> None:
         metavar="SEED,SYNTHETIC,RECORDED",
         help="lessons of another seed, for the networks alone",
     )
+    parser.add_argument("--again", type=int, default=0, help="hear each lesson so many times more, each time changed")
     parser.add_argument("--further", type=Path, metavar="MODEL", help="teach every other network of this file further")
     parser.add_argument("--hold-out", type=int, choices=range(FOLDS), help="test on this fold of the sources")
     parser.add_argument("--work", type=Path, help="keep the lessons in this folder, and use what it has")
@@ -203,7 +220,7 @@ def main() -> None:
     before = read_model(options.further) if options.further else None
     with tempfile.TemporaryDirectory(prefix="blastline-") as made:
         work = options.work or Path(made)
-        model = train(lots, work, networks=options.networks, jobs=options.jobs, before=before)
+        model = train(lots, work, networks=options.networks, jobs=options.jobs, again=options.again, before=before)
     options.output.write_bytes(msgspec.json.encode(model) + b"\n")
 
 
