@@ -78,15 +78,16 @@ def blastline_alone(*arguments: str | Path, prepare: Callable[[], None] | None =
 def interrupted(*arguments: str | Path, number: signal.Signals, at: str) -> Ended:
     """Start the command, send it a signal when it says that it is at a stage, and wait for its end.
 
-    A shell that runs the tests in the background has them ignore interrupts, which the command would inherit.
+    What runs the tests in the background or without a terminal has them ignore some signals, which the command would
+    inherit.
     """
-    ours = signal.signal(signal.SIGINT, signal.default_int_handler)
+    ours = signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
     try:
         process = subprocess.Popen(
             [*COMMAND, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )
     finally:
-        signal.signal(signal.SIGINT, ours)
+        signal.signal(number, ours)
     with process:
         assert process.stderr is not None
         said = ""

@@ -47,6 +47,14 @@ def test_gain_changes_no_picture_and_a_delay_moves_it() -> None:
     assert np.array_equal(later.wide, plain.wide)
 
 
+def test_a_faint_film_has_the_pictures_of_a_loud_one_down_to_silence() -> None:
+    samples, onset = bang(RATE_HZ), np.array([RATE_HZ])
+    plain = pictures(samples, onset, RATE_HZ)
+    faint = pictures(np.float32(1e-2) * samples, onset, RATE_HZ, np.array([1e-2], np.float32))
+    for one, two in ((faint.near, plain.near), (faint.wide, plain.wide)):
+        np.testing.assert_allclose(one, two, atol=1e-3)
+
+
 def test_a_frame_is_the_power_of_its_bands_against_the_attack() -> None:
     samples, onset = bang(RATE_HZ).astype(np.float64), RATE_HZ
     shown = pictures(samples.astype(np.float32), np.array([onset]), RATE_HZ)

@@ -77,7 +77,9 @@ def test_a_lesson_is_always_the_same_and_its_shots_add_up(lesson: object) -> Non
 
 def of(shots: NDArray[np.bool_], missed: int) -> Candidates:
     count = np.arange(shots.size)
-    return Candidates(count, count, np.zeros((shots.size, 1), np.float32), shots, missed)
+    return Candidates(
+        count, count, np.ones(shots.size, np.float32), np.zeros((shots.size, 1), np.float32), shots, missed
+    )
 
 
 def test_the_best_f1_is_that_of_the_best_threshold() -> None:

@@ -23,7 +23,7 @@ from .neighbours import neighbourhood
 from .onset import farthest_ms, refine_onsets
 from .picture import pictures
 from .rate import LISTENING_HZ, film_sample, in_film, resampled
-from .scan import candidate_steps
+from .scan import candidate_steps, loudest_around
 from .segment import peak_dbfs, segment
 from .sides import are_audible, as_heard, beside, joined
 from .sparse import bands_near
@@ -208,7 +208,8 @@ def _search(
     What the mix `over` it covers is not looked at.
     """
     found = _worth_looking_at(stretch, grid, tier, verifier, over)
-    shown = pictures(stretch.samples, found.onsets, grid.rate_hz)
+    loudest = loudest_around(stretch.peak, found.onsets // grid.step, grid=grid)
+    shown = pictures(stretch.samples, found.onsets, grid.rate_hz, loudest)
     verdicts, before, own = verifier.verdicts(found.rows, shown), backdrops(shown), sounds(shown)
     at = found.onsets + stretch.start
     peaks_dbfs = np.array([peak_dbfs(stretch.samples, onset, grid.rate_hz) for onset in found.onsets.tolist()])

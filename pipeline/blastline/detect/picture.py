@@ -18,11 +18,12 @@ from ..units import samples_from_ms
 from .gather import gather
 
 FLOOR = 1e-11
-"""Power of a sine of -110 dBFS: beneath the rounding of 16 bits."""
+"""Power of a sine 110 dB under the loudest around: beneath the rounding of 16 bits where that is full scale."""
 
 LOWEST_DB, HIGHEST_DB = -60.0, 30.0
 _AT_ONCE = 100_000  # samples that are worked on together: with their spectra they stay in the cache
 _DB_PER_LOG = np.float32(10.0 / np.log(10.0))
+_FULL_SCALE, _SMALLEST = np.ones(1, np.float32), np.finfo(np.float32).tiny
 
 
 @dataclass(frozen=True)
@@ -84,17 +85,23 @@ class Pictures:
         return Pictures(self.near[which], self.wide[which])
 
 
-def pictures(samples: NDArray[np.float32], onsets: NDArray[np.intp], rate_hz: int) -> Pictures:
-    """Return the pictures of candidates whose onsets are indices into `samples`; beyond its ends it is still."""
-    near, wide = _levels(samples, onsets, NEAR, rate_hz), _levels(samples, onsets, WIDE, rate_hz)
+def pictures(
+    samples: NDArray[np.float32], onsets: NDArray[np.intp], rate_hz: int, loudest: NDArray[np.float32] = _FULL_SCALE
+) -> Pictures:
+    """Return the pictures of candidates whose onsets are indices into `samples`; beyond its ends it is still.
+
+    `loudest` is the largest peak around each, shape (n,) or (1,): what is silence in a film is so in a quieter copy.
+    """
+    floor = np.maximum(np.float32(FLOOR) * np.square(loudest), _SMALLEST)[:, None, None]
+    near, wide = (_levels(samples, onsets, raster, rate_hz, floor) for raster in (NEAR, WIDE))
     attack = near[:, ATTACK].mean(axis=2).max(axis=1, initial=-np.inf)[:, None, None]
     return Pictures(np.clip(near - attack, LOWEST_DB, HIGHEST_DB), np.clip(wide - attack, LOWEST_DB, HIGHEST_DB))
 
 
 def _levels(
-    samples: NDArray[np.float32], onsets: NDArray[np.intp], raster: Raster, rate_hz: int
+    samples: NDArray[np.float32], onsets: NDArray[np.intp], raster: Raster, rate_hz: int, floor: NDArray[np.float32]
 ) -> NDArray[np.float32]:
-    """Return the mean power of each band in each frame, in dB, shape (n, frames, bands)."""
+    """Return the mean power of each band in each frame over a floor, in dB, shape (n, frames, bands)."""
     from scipy.fft import rfft
 
     window, bands = _kernels(raster, rate_hz)
@@ -112,7 +119,7 @@ def _levels(
         np.square(parts, out=parts)
         power = parts[:, ::2] + parts[:, 1::2]
         levels[first : first + at_once] = (power @ bands).reshape(some.size, raster.frames, raster.bands)
-    levels += np.float32(FLOOR)
+    levels += floor
     return np.multiply(np.log(levels, out=levels), _DB_PER_LOG, out=levels)
 
 

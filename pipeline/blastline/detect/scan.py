@@ -62,6 +62,13 @@ def silence(peak: NDArray[np.float32], *, grid: Grid, rules: ScanRules) -> NDArr
     return np.asarray(floor, np.float32)
 
 
+def loudest_around(peak: NDArray[np.float32], steps: NDArray[np.intp], *, grid: Grid) -> NDArray[np.float32]:
+    """Return the largest peak within two seconds of each of some steps, as `silence` counts them."""
+    reach = grid.steps(_AROUND_MS)
+    around = [peak[max(0, step - reach) : step + reach + 1] for step in steps.tolist()]
+    return np.array([part.max(initial=0.0) for part in around], np.float32)
+
+
 def candidate_steps(
     peak: NDArray[np.float32],
     slope: NDArray[np.float32],

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..detect.find import described, let_all_pass
+from ..detect.scan import loudest_around
 from ..detect.stretches import stretches
 from ..detect.tracks import Grid, pieces
 from ..model import Clip
@@ -19,10 +20,11 @@ SHOCK_LEAD_MS, SHOCK_ON_TARGET_MS = 60.0, 3.0
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """Of n candidates: the lesson and the onset in it, features, whether a shot; and the shots with no candidate."""
+    """Of n candidates: lesson, onset, largest peak around, features, whether a shot; and the shots without any."""
 
     lesson: NDArray[np.intp]
     onsets: NDArray[np.intp]
+    loudest: NDArray[np.float32]
     rows: NDArray[np.float32]
     shots: NDArray[np.bool_]
     missed: int
@@ -30,9 +32,8 @@ class Candidates:
     def taken(self, which: NDArray[np.bool_]) -> "Candidates":
         """Return some of the candidates; a shot that is not among them counts as missed."""
         lost = int(self.shots[~which].sum())
-        return Candidates(
-            self.lesson[which], self.onsets[which], self.rows[which], self.shots[which], self.missed + lost
-        )
+        onsets, loudest, rows = self.onsets[which], self.loudest[which], self.rows[which]
+        return Candidates(self.lesson[which], onsets, loudest, rows, self.shots[which], self.missed + lost)
 
 
 def candidates(film: Mix, tier: QualityRules, lesson: int) -> Candidates:
@@ -42,14 +43,14 @@ def candidates(film: Mix, tier: QualityRules, lesson: int) -> Candidates:
     """
     grid = Grid(RATE_HZ)
     clip = Clip(film.samples[:, None], RATE_HZ)
-    found = [
-        (stretch.start, described(stretch, grid, tier, gate=let_all_pass, screen=let_all_pass))
-        for stretch in stretches(pieces([clip], RATE_HZ))
-    ]
-    at = np.concatenate([start + each.onsets for start, each in found])
-    rows = np.concatenate([each.rows for _, each in found]).astype(np.float32)
+    found = []
+    for stretch in stretches(pieces([clip], RATE_HZ)):
+        each = described(stretch, grid, tier, gate=let_all_pass, screen=let_all_pass)
+        loudest = loudest_around(stretch.peak, each.onsets // grid.step, grid=grid)
+        found.append((stretch.start + each.onsets, loudest, each.rows.astype(np.float32)))
+    at, loudest, rows = (np.concatenate(parts) for parts in zip(*found, strict=True))
     shots, sure, missed = _labels(at, film)
-    return Candidates(np.full(int(sure.sum()), lesson), at[sure], rows[sure], shots[sure], missed)
+    return Candidates(np.full(int(sure.sum()), lesson), at[sure], loudest[sure], rows[sure], shots[sure], missed)
 
 
 def joined(parts: Sequence[Candidates]) -> Candidates:
@@ -57,6 +58,7 @@ def joined(parts: Sequence[Candidates]) -> Candidates:
     return Candidates(
         np.concatenate([part.lesson for part in parts]),
         np.concatenate([part.onsets for part in parts]),
+        np.concatenate([part.loudest for part in parts]),
         np.concatenate([part.rows for part in parts]),
         np.concatenate([part.shots for part in parts]),
         sum(part.missed for part in parts),

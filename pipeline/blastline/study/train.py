@@ -56,16 +56,17 @@ def _listen(tier: QualityRules, item: tuple[int, Kept]) -> Candidates:
     return candidates(heard(item[1]), tier, item[0])
 
 
-def _look(item: tuple[Kept, NDArray[np.intp]]) -> tuple[NDArray[np.float16], NDArray[np.float16]]:
+def _look(item: tuple[Kept, Candidates]) -> tuple[NDArray[np.float16], NDArray[np.float16]]:
     """Return the pictures of candidates of a lesson, near and wide, in half precision."""
-    shown = pictures(heard(item[0]).samples, item[1], RATE_HZ)
+    lesson, found = item
+    shown = pictures(heard(lesson).samples, found.onsets, RATE_HZ, found.loudest)
     return shown.near.astype(np.float16), shown.wide.astype(np.float16)
 
 
 def look(every: Candidates, kept: Sequence[Kept], pool: ProcessPoolExecutor) -> Examples:
     """Return the pictures of candidates with their features and labels; they are in order of lessons."""
     numbers = np.unique(every.lesson).tolist()
-    wanted = [(kept[number], every.onsets[every.lesson == number]) for number in numbers]
+    wanted = [(kept[number], every.taken(every.lesson == number)) for number in numbers]
     near, wide = zip(*pool.map(_look, wanted, chunksize=4), strict=True)
     return Examples(np.concatenate(near), np.concatenate(wide), every.rows, every.shots)
 
