@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from blastline.detect.contrast import contrasts
 from blastline.detect.network import NetworkFile, log_odds, wired
 from blastline.detect.picture import NEAR, WIDE, Pictures
+from blastline.study.networks import between
 from blastline.study.teaching import FURTHER, SETTINGS, Examples, fit_network, teach_further
 
 pytest.importorskip("torch")
@@ -62,6 +63,18 @@ def test_who_is_taught_further_knows_the_old_and_the_new(averaged: bool) -> None
     further = teach_further(first, both, 3, settings=QUICK)
     for each in (old, new):
         assert np.mean((said(further, each) > 0) == each.shots) > 0.93
+
+
+def test_between_two_networks_lie_both_and_the_way_back_is_the_same() -> None:
+    first, second = (
+        fit_network(examples(100, 1), seed, averaged=False, settings=QUICK | {"epochs": 1}) for seed in (3, 4)
+    )
+    assert between(first, second, 0.0) == first
+    assert between(first, second, 1.0) == second
+    assert between(first, second, 0.25) == between(second, first, 0.75)
+    both = [network.head[0].weights for network in (first, second)]
+    mean = 0.75 * np.array(both[0]) + 0.25 * np.array(both[1])
+    assert np.allclose(between(first, second, 0.25).head[0].weights, mean, rtol=1e-4)
 
 
 def test_the_same_seed_teaches_the_same_and_another_one_something_else() -> None:

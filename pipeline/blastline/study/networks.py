@@ -84,6 +84,16 @@ def exported(judge: Judge, means: NDArray[np.float64], spreads: NDArray[np.float
     )
 
 
+def between(before: NetworkFile, after: NetworkFile, share: float) -> NetworkFile:
+    """Return the network with a share of the weights after and the rest of those before (Wortsman et al. 2022).
+
+    Both take their features in the same spreads: the one was taught further to become the other.
+    """
+    parts = ((before.near, after.near), (before.wide, after.wide), (before.head, after.head))
+    near, wide, head = ([_layer_between(*pair, share) for pair in zip(*part, strict=True)] for part in parts)
+    return NetworkFile(after.means, after.spreads, near, wide, head)
+
+
 def restored(file: NetworkFile, near: Tensor, wide: Tensor, rows: Tensor, dropout: float) -> Judge:
     """Return the network that was exported, ready to be taught further: it says what the file's network says.
 
@@ -111,6 +121,12 @@ def restored(file: NetworkFile, near: Tensor, wide: Tensor, rows: Tensor, dropou
         norm = next(layer for layer in judge.head if isinstance(layer, nn.BatchNorm1d))
         _centred(norm, dense[0](torch.cat([*seen, rows], dim=1)), torch.zeros(HIDDEN))
     return judge
+
+
+def _layer_between(before: LayerFile, after: LayerFile, share: float) -> LayerFile:
+    weights = (1.0 - share) * np.array(before.weights) + share * np.array(after.weights)
+    biases = (1.0 - share) * np.array(before.biases) + share * np.array(after.biases)
+    return LayerFile(after.stride, [_short(row) for row in weights], _short(biases))
 
 
 def _weights(layer: LayerFile) -> Tensor:

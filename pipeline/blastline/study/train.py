@@ -5,8 +5,7 @@
 Candidates on a shot's onset are positives, all others negatives. Some films, and with `--hold-out` a part of the
 sources of recordings, are never learnt from; what the file scores on them is written into it. With `--more` the
 networks also learn from lessons of other seeds, with `--again` from each lesson as other films; gate and screen need
-fewer. With `--further` every other network of a file goes on learning from the new lessons; gate and screen and the
-others begin anew.
+fewer. With `--further` the networks of a file go on learning from the new lessons; gate and screen begin anew.
 """
 
 import argparse
@@ -34,12 +33,15 @@ from .candidates import Candidates, best_f1, candidates, joined
 from .courses import FOLDS, courses
 from .lots import Kept, Lot, heard, keep_lessons, times_more
 from .mixes import MIX_S, RATE_HZ
+from .networks import between
 from .sieves import GATE_SETTINGS, SCREEN_SETTINGS, fit_sieve
 from .teaching import FURTHER, SETTINGS, Examples, fit_network, teach_further
 
 _Thing = TypeVar("_Thing")
 
 GATE_LOSS, SCREEN_LOSS = 0.01, 0.025
+AFTER_SHARE = 0.6
+"""Of the weights of a network that was taught further; the rest is as before."""
 
 
 def as_taught(tier: QualityRules) -> QualityRules:
@@ -95,15 +97,13 @@ def fit_sieves(learnt: Candidates, seed: int) -> tuple[SieveFile, SieveFile]:
 
 
 def _network(examples: Examples, seed: int, number: int, known: Sequence[NetworkFile]) -> NetworkFile:
-    """Return the network of a number: one annealed, one averaged, and so on in turns.
+    """Return the network of a number: a known one taught further, or a new one, annealed and averaged in turns.
 
-    Of known ones the annealed, the surer of what is like the lessons, go on learning. The averaged are there for what
-    was never heard, of which a network knows less the longer it learns: they begin anew.
+    Of a known one it is the mean of the weights before and after: what was forgotten of the old lessons comes back.
     """
-    averaged = number % 2 == 1
-    if number < len(known) and not averaged:
-        return teach_further(known[number], examples, seed + number)
-    return fit_network(examples, seed + number, averaged=averaged)
+    if number < len(known):
+        return between(known[number], teach_further(known[number], examples, seed + number), AFTER_SHARE)
+    return fit_network(examples, seed + number, averaged=number % 2 == 1)
 
 
 def score(model: ModelFile, tested: Candidates, kept: Sequence[Kept], pool: ProcessPoolExecutor) -> dict[str, Any]:
@@ -188,7 +188,7 @@ def _record(
         "screen": SCREEN_SETTINGS | {"loss": SCREEN_LOSS},
         "networks": SETTINGS,
     }
-    return record | {"further": FURTHER, "before": before.training} if before else record
+    return record | {"further": FURTHER, "after_share": AFTER_SHARE, "before": before.training} if before else record
 
 
 def main() -> None:
@@ -207,7 +207,7 @@ def main() -> None:
         help="lessons of another seed, for the networks alone",
     )
     parser.add_argument("--again", type=int, default=0, help="hear each lesson so many times more, each time changed")
-    parser.add_argument("--further", type=Path, metavar="MODEL", help="teach every other network of this file further")
+    parser.add_argument("--further", type=Path, metavar="MODEL", help="teach the networks of this file further")
     parser.add_argument("--hold-out", type=int, choices=range(FOLDS), help="test on this fold of the sources")
     parser.add_argument("--work", type=Path, help="keep the lessons in this folder, and use what it has")
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (default: %(default)s)")
