@@ -222,12 +222,13 @@ def test_candidates_are_judged_one_by_one() -> None:
     assert log_odds(network, rows[:0], Contrasts(shown.near[:0], shown.wide[:0])).shape == (0,)
 
 
-def test_the_runtime_judges_as_pytorch_does() -> None:
+@pytest.mark.parametrize("size", ["small", "large"])
+def test_the_runtime_judges_as_pytorch_does(size: str) -> None:
     torch = pytest.importorskip("torch")
-    from blastline.study.networks import exported, new_judge
+    from blastline.study.networks import SIZES, exported, new_judge
 
     torch.manual_seed(1)
-    judge = new_judge(5, 0.3)
+    judge = new_judge(5, 0.3, SIZES[size])
     rng = np.random.default_rng(4)
     shown, rows = some_contrasts(rng, 32), rng.standard_normal((32, 5))
     seen = [torch.from_numpy(each).permute(0, 3, 1, 2) for each in (shown.near, shown.wide)]

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from blastline.detect.contrast import contrasts
 from blastline.detect.network import NetworkFile, log_odds, wired
 from blastline.detect.picture import NEAR, WIDE, Pictures
-from blastline.study.networks import between
+from blastline.study.networks import SIZES, between, size_of
 from blastline.study.teaching import FURTHER, SETTINGS, Examples, fit_network, teach_further
 
 pytest.importorskip("torch")
@@ -28,9 +28,10 @@ def examples(count: int, seed: int, *, late_in: str = "near") -> Examples:
     return Examples(near.astype(np.float16), wide.astype(np.float16), rows.astype(np.float32), shots)
 
 
-@pytest.mark.parametrize("averaged", [False, True])
-def test_a_network_tells_what_it_was_taught_from_what_it_was_not_shown(averaged: bool) -> None:
-    network = fit_network(examples(600, 1), 3, averaged=averaged, settings=QUICK)
+@pytest.mark.parametrize(("averaged", "size"), [(False, "small"), (True, "small"), (False, "large")])
+def test_a_network_tells_what_it_was_taught_from_what_it_was_not_shown(averaged: bool, size: str) -> None:
+    network = fit_network(examples(600, 1), 3, averaged=averaged, size=size, settings=QUICK)
+    assert size_of(network) == SIZES[size]
     fresh = examples(300, 2)
     assert np.mean((said(network, fresh) > 0) == fresh.shots) > 0.95
 
@@ -40,11 +41,11 @@ def said(network: NetworkFile, of: Examples) -> NDArray[np.float64]:
     return log_odds(wired(network), of.rows.astype(np.float64), contrasts(pictures))
 
 
-@pytest.mark.parametrize("averaged", [False, True])
-def test_who_is_taught_nothing_further_says_what_was_said_before(averaged: bool) -> None:
+@pytest.mark.parametrize(("averaged", "size"), [(False, "small"), (True, "small"), (False, "large")])
+def test_who_is_taught_nothing_further_says_what_was_said_before(averaged: bool, size: str) -> None:
     """At no pace only the normalisations look: what was folded away is there again and is folded away once more."""
     known, fresh = examples(600, 1), examples(300, 2)
-    network = fit_network(known, 3, averaged=averaged, settings=QUICK)
+    network = fit_network(known, 3, averaged=averaged, size=size, settings=QUICK)
     still = {"epochs": 1, "learning_rate": 0.0, "batch": 600}
     same = teach_further(network, known, 4, settings=FURTHER | still)
     odds = said(network, fresh)

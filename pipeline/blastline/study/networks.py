@@ -18,10 +18,20 @@ from ..detect.picture import NEAR, WIDE, Raster
 if TYPE_CHECKING:
     from torch import Tensor, nn
 
-# output channels and stride of each convolution
-NEAR_LAYERS = ((16, 1), (24, 2), (48, 2), (48, 2))
-WIDE_LAYERS = ((16, 2), (32, 2), (48, 2), (64, 2))
-HIDDEN = 96
+
+@dataclass(frozen=True)
+class Size:
+    """Output channels and stride of each convolution over either picture, and the width of the dense layers."""
+
+    near: tuple[tuple[int, int], ...]
+    wide: tuple[tuple[int, int], ...]
+    hidden: int
+
+
+SIZES = {
+    "small": Size(((16, 1), (24, 2), (48, 2), (48, 2)), ((16, 2), (32, 2), (48, 2), (64, 2)), 96),
+    "large": Size(((32, 1), (48, 2), (96, 2), (96, 2)), ((32, 2), (64, 2), (96, 2), (128, 2)), 192),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,22 +57,22 @@ class Judge:
         return nn.ModuleList([self.near, self.wide, self.head])
 
 
-def new_judge(features: int, dropout: float) -> Judge:
-    """Return a network with random weights."""
+def new_judge(features: int, dropout: float, size: Size) -> Judge:
+    """Return a network of a size with random weights."""
     from torch import nn
 
-    near, near_values = _convolutions(NEAR, NEAR_LAYERS)
-    wide, wide_values = _convolutions(WIDE, WIDE_LAYERS)
+    near, near_values = _convolutions(NEAR, size.near)
+    wide, wide_values = _convolutions(WIDE, size.wide)
     head = nn.Sequential(
         nn.Dropout(dropout),
-        nn.Linear(near_values + wide_values + features, HIDDEN),
-        nn.BatchNorm1d(HIDDEN),
+        nn.Linear(near_values + wide_values + features, size.hidden),
+        nn.BatchNorm1d(size.hidden),
         nn.ReLU(),
         nn.Dropout(dropout),
-        nn.Linear(HIDDEN, HIDDEN),
+        nn.Linear(size.hidden, size.hidden),
         nn.ReLU(),
         nn.Dropout(dropout),
-        nn.Linear(HIDDEN, 1),
+        nn.Linear(size.hidden, 1),
     )
     return Judge(near, wide, head)
 
@@ -84,6 +94,12 @@ def exported(judge: Judge, means: NDArray[np.float64], spreads: NDArray[np.float
     )
 
 
+def size_of(file: NetworkFile) -> Size:
+    """Return the size of a network."""
+    near, wide = (tuple((len(layer.biases), layer.stride) for layer in part) for part in (file.near, file.wide))
+    return Size(near, wide, len(file.head[0].biases))
+
+
 def between(before: NetworkFile, after: NetworkFile, share: float) -> NetworkFile:
     """Return the network with a share of the weights after and the rest of those before (Wortsman et al. 2022).
 
@@ -102,7 +118,8 @@ def restored(file: NetworkFile, near: Tensor, wide: Tensor, rows: Tensor, dropou
     import torch
     from torch import nn
 
-    judge = new_judge(len(file.means), dropout)
+    size = size_of(file)
+    judge = new_judge(len(file.means), dropout, size)
     judge.parts().eval()
     with torch.no_grad():
         seen = []
@@ -119,7 +136,7 @@ def restored(file: NetworkFile, near: Tensor, wide: Tensor, rows: Tensor, dropou
             linear.weight.copy_(_weights(layer))
             linear.bias.copy_(torch.tensor(layer.biases))
         norm = next(layer for layer in judge.head if isinstance(layer, nn.BatchNorm1d))
-        _centred(norm, dense[0](torch.cat([*seen, rows], dim=1)), torch.zeros(HIDDEN))
+        _centred(norm, dense[0](torch.cat([*seen, rows], dim=1)), torch.zeros(size.hidden))
     return judge
 
 

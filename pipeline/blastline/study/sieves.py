@@ -5,8 +5,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..detect.forest import ForestFile, Tree
-from ..detect.verify import SieveFile
+from ..detect.bandshape import bandshape_names
+from ..detect.features import feature_names
+from ..detect.forest import ForestFile, Tree, grown
+from ..detect.verify import Sieve, SieveFile
+from .candidates import Candidates
 
 _COMMON = {
     "min_samples_leaf": 30,
@@ -16,6 +19,30 @@ _COMMON = {
 }
 GATE_SETTINGS = _COMMON | {"max_iter": 40, "learning_rate": 0.2, "max_leaf_nodes": 10}
 SCREEN_SETTINGS = _COMMON | {"max_iter": 120, "learning_rate": 0.12, "max_leaf_nodes": 20}
+GATE_LOSS, SCREEN_LOSS = 0.01, 0.025
+
+
+def sieved(every: Candidates, gate: SieveFile, screen: SieveFile) -> Candidates:
+    """Return the candidates that pass gate and screen."""
+    rows = every.rows.astype(np.float64)
+    sketches = rows[:, : len(bandshape_names())]
+    passed = Sieve(grown(gate.forest), gate.threshold).lets_pass(sketches)
+    passed[passed] = Sieve(grown(screen.forest), screen.threshold).lets_pass(rows[passed])
+    return every.taken(passed)
+
+
+def fit_sieves(learnt: Candidates, seed: int) -> tuple[SieveFile, SieveFile]:
+    """Return the gate, fitted to the rough shapes, and the screen, fitted to all features of what passes the gate."""
+    names = bandshape_names()
+    gate = fit_sieve(
+        learnt.rows[:, : len(names)], learnt.shots, names=names, loss=GATE_LOSS, settings=GATE_SETTINGS, seed=seed
+    )
+    sketches = learnt.rows[:, : len(names)].astype(np.float64)
+    past = learnt.taken(Sieve(grown(gate.forest), gate.threshold).lets_pass(sketches))
+    screen = fit_sieve(
+        past.rows, past.shots, names=feature_names(), loss=SCREEN_LOSS, settings=SCREEN_SETTINGS, seed=seed
+    )
+    return gate, screen
 
 
 def fit_sieve(

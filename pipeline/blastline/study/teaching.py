@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..detect.contrast import contrasts
 from ..detect.network import FEATURE_LIMIT, NetworkFile
 from ..detect.picture import Pictures
-from .networks import Judge, exported, new_judge, restored
+from .networks import SIZES, Judge, exported, new_judge, restored
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -86,14 +86,16 @@ class Material:
         return near, wide, rows, self.shots[which]
 
 
-def fit_network(examples: Examples, seed: int, *, averaged: bool, settings: dict[str, Any] = SETTINGS) -> NetworkFile:
+def fit_network(
+    examples: Examples, seed: int, *, averaged: bool, size: str = "small", settings: dict[str, Any] = SETTINGS
+) -> NetworkFile:
     """Return a network trained on the examples; the same seed on the same machine gives the same network."""
     import torch
 
     torch.manual_seed(seed)
     means = examples.rows.mean(axis=0, dtype=np.float64)
     spreads = examples.rows.std(axis=0, dtype=np.float64) + 1e-6
-    judge = new_judge(examples.rows.shape[1], settings["dropout"])
+    judge = new_judge(examples.rows.shape[1], settings["dropout"], SIZES[size])
     material = _material(examples, means, spreads)
     return exported(_taught(judge, material, settings, averaged=averaged), means, spreads)
 

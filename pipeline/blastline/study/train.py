@@ -22,24 +22,21 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ..detect.bandshape import bandshape_names
-from ..detect.features import feature_names
 from ..detect.forest import grown
 from ..detect.network import NetworkFile, wired
 from ..detect.picture import Pictures, pictures
-from ..detect.verify import SCHEMA, ModelFile, Sieve, SieveFile, Verifier, read_model
+from ..detect.verify import SCHEMA, ModelFile, Sieve, Verifier, read_model
 from ..ruleset import QualityRules, load_rules
 from .candidates import Candidates, best_f1, candidates, joined
 from .courses import FOLDS, courses
 from .lots import Kept, Lot, heard, keep_lessons, times_more
 from .mixes import MIX_S, RATE_HZ
-from .networks import between
-from .sieves import GATE_SETTINGS, SCREEN_SETTINGS, fit_sieve
+from .networks import SIZES, between
+from .sieves import GATE_LOSS, GATE_SETTINGS, SCREEN_LOSS, SCREEN_SETTINGS, fit_sieves, sieved
 from .teaching import FURTHER, SETTINGS, Examples, fit_network, teach_further
 
 _Thing = TypeVar("_Thing")
 
-GATE_LOSS, SCREEN_LOSS = 0.01, 0.025
 AFTER_SHARE = 0.6
 """Of the weights of a network that was taught further; the rest is as before."""
 
@@ -73,37 +70,14 @@ def look(every: Candidates, kept: Sequence[Kept], pool: ProcessPoolExecutor) -> 
     return Examples(np.concatenate(near), np.concatenate(wide), every.rows, every.shots)
 
 
-def sieved(every: Candidates, gate: SieveFile, screen: SieveFile) -> Candidates:
-    """Return the candidates that pass gate and screen."""
-    rows = every.rows.astype(np.float64)
-    sketches = rows[:, : len(bandshape_names())]
-    passed = Sieve(grown(gate.forest), gate.threshold).lets_pass(sketches)
-    passed[passed] = Sieve(grown(screen.forest), screen.threshold).lets_pass(rows[passed])
-    return every.taken(passed)
-
-
-def fit_sieves(learnt: Candidates, seed: int) -> tuple[SieveFile, SieveFile]:
-    """Return the gate, fitted to the rough shapes, and the screen, fitted to all features of what passes the gate."""
-    names = bandshape_names()
-    gate = fit_sieve(
-        learnt.rows[:, : len(names)], learnt.shots, names=names, loss=GATE_LOSS, settings=GATE_SETTINGS, seed=seed
-    )
-    sketches = learnt.rows[:, : len(names)].astype(np.float64)
-    past = learnt.taken(Sieve(grown(gate.forest), gate.threshold).lets_pass(sketches))
-    screen = fit_sieve(
-        past.rows, past.shots, names=feature_names(), loss=SCREEN_LOSS, settings=SCREEN_SETTINGS, seed=seed
-    )
-    return gate, screen
-
-
-def _network(examples: Examples, seed: int, number: int, known: Sequence[NetworkFile]) -> NetworkFile:
-    """Return the network of a number: a known one taught further, or a new one, annealed and averaged in turns.
+def _network(examples: Examples, seed: int, number: int, size: str, known: Sequence[NetworkFile]) -> NetworkFile:
+    """Return the network of a number: a known one taught further, or one of a size, annealed and averaged in turns.
 
     Of a known one it is the mean of the weights before and after: what was forgotten of the old lessons comes back.
     """
     if number < len(known):
         return between(known[number], teach_further(known[number], examples, seed + number), AFTER_SHARE)
-    return fit_network(examples, seed + number, averaged=number % 2 == 1)
+    return fit_network(examples, seed + number, averaged=number % 2 == 1, size=size)
 
 
 def score(model: ModelFile, tested: Candidates, kept: Sequence[Kept], pool: ProcessPoolExecutor) -> dict[str, Any]:
@@ -125,11 +99,17 @@ def score(model: ModelFile, tested: Candidates, kept: Sequence[Kept], pool: Proc
 
 
 def train(
-    lots: Sequence[Lot], work: Path, *, networks: int, jobs: int, again: int = 0, before: ModelFile | None = None
+    lots: Sequence[Lot],
+    work: Path,
+    *,
+    networks: Sequence[str],
+    jobs: int,
+    again: int = 0,
+    before: ModelFile | None = None,
 ) -> ModelFile:
     """Return a verifier trained on the lots, or one from before taught further; the first lot's seed is the model's.
 
-    The networks hear each lesson `again` times more, each time as another film.
+    Its networks are of the sizes named, and hear each lesson `again` times more, each time as another film.
     """
     listen = partial(_listen, as_taught(load_rules("reference").tier))
     seed = lots[0].seed
@@ -149,7 +129,10 @@ def train(
         _say(f"{left.shots.size} of them pass gate and screen, {int(left.shots.sum())} of them shots")
         examples = look(left, kept, pool)
         known = before.networks if before else []
-        judges = [_said(_network(examples, seed, number, known), f"network {number + 1}") for number in range(networks)]
+        judges = [
+            _said(_network(examples, seed, number, size, known), f"network {number + 1}")
+            for number, size in enumerate(networks)
+        ]
         training = _record(lots, learnt, left, again, before)
         model = ModelFile(SCHEMA, gate, screen, judges, training)
         scores = {}
@@ -197,7 +180,9 @@ def main() -> None:
     parser.add_argument("--corpus", type=Path, action="append", default=[], help="a folder with annotations.csv")
     parser.add_argument("--synthetic", type=int, default=600, help="synthetic films of a minute (default: %(default)s)")
     parser.add_argument("--recorded", type=int, default=240, help="mixes of recordings (default: %(default)s)")
-    parser.add_argument("--networks", type=int, default=3, help="how many networks (default: %(default)s)")
+    parser.add_argument(
+        "--networks", type=_sizes, default="small,small,small", help="their sizes in order (default: %(default)s)"
+    )
     parser.add_argument(
         "--more",
         type=_lot,
@@ -229,6 +214,14 @@ def _lot(text: str) -> tuple[int, int, int]:
     """Return the three numbers of a lot; ValueError, of which argparse tells, where there are others."""
     seed, synthetic, recorded = (int(part) for part in text.split(","))
     return seed, synthetic, recorded
+
+
+def _sizes(text: str) -> tuple[str, ...]:
+    """Return the sizes that are named; ValueError, of which argparse tells, for one that there is not."""
+    sizes = tuple(text.split(","))
+    if not set(sizes) <= set(SIZES):
+        raise ValueError(text)
+    return sizes
 
 
 def _said(thing: _Thing, what: str) -> _Thing:
