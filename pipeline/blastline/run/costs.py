@@ -14,10 +14,9 @@ from pathlib import Path
 from time import process_time
 
 import msgspec
-import numpy as np
 
 from ..detect import Detection, audio_around, find_shots, load_verifier, shot_at
-from ..model import Clip, Quality, Shot, Span
+from ..model import Quality, Shot
 from ..render import plan_windows
 from ..report import MOST_PICTURES, OverviewMeter
 from ..ruleset import Rules, rules_path
@@ -25,11 +24,11 @@ from ..soundtrack import Soundtrack, open_soundtrack
 from . import names
 from .checking import checked
 from .driving import open_drive, write_drive_of
-from .listening import BLOCK, Listened, Mark, assemble, event_id, listen
+from .listening import Listened, Mark, assemble, event_id, listen
 from .options import RenderOptions, Setup, set_up
 from .progress import Progress, no_note, no_progress
 from .rendering import write_formats, write_report_of
-from .sampling import TIMED_FRAMES, Sampled, room_for_samples, sampled
+from .sampling import Sampled, room_for_samples, sampled, shorter_sample
 
 FEW_SHOTS, FEW_PICTURES = 6, 3
 """About so many shots of the sample are rendered in each tier, from all over it, and so many pictures drawn.
@@ -161,24 +160,12 @@ class Gauge:
         began = process_time()
         verifier = load_verifier(path, networks=networks)
         verifier_s = process_time() - began
-        timed, rate_hz = self._timed(sides=rules.tier.channels.sides), self._track.rate_hz
+        timed = shorter_sample(self._track, self._sample.stride, sides=rules.tier.channels.sides)
+        rate_hz = self._track.rate_hz
         began = process_time()
         blocks = timed if self._meter is None else OverviewMeter(rate_hz).watch(timed)
         find_shots(blocks, rate_hz=rate_hz, tier=rules.tier, verifier=verifier)
         return verifier_s, (process_time() - began) / (timed[-1].span.stop / rate_hz)
-
-    def _timed(self, *, sides: bool) -> list[Clip]:
-        """Return every so manyth few seconds of the sample, as blocks that follow one another, as a run hears them."""
-        frames, stride = self._track.source().frames, self._sample.stride * TIMED_FRAMES
-        starts = [at for first in range(0, frames, stride) for at in range(first, first + TIMED_FRAMES, BLOCK)]
-        blocks: list[Clip] = []
-        for start in starts:
-            if start < frames:
-                cut = self._track.cut(Span(start, min(start + BLOCK, frames)), sides=sides)
-                position = blocks[-1].span.stop if blocks else 0
-                beside = None if cut.sides is None else cut.sides.astype(np.float32)
-                blocks.append(Clip(cut.samples.astype(np.float32), cut.rate_hz, position, beside))
-        return blocks
 
     def _shots(self, heard: Listened, rules: Rules, most: int) -> Sequence[Shot]:
         """Return the shots of windows from all over the sample, `most` or a few more; else its loudest moment."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .. import dsp
 from ..errors import OutputError, SoundtrackError
-from ..model import Source
+from ..model import Clip, Source, Span
 from ..soundtrack import Soundtrack, as_front, write_excerpt
 from ..units import samples_from_ms
 from .listening import BLOCK
@@ -53,6 +53,20 @@ class Sampled:
     source: Source
     decode_per_s: float
     hash_s: float
+
+
+def shorter_sample(sample: Soundtrack, stride: int, *, sides: bool) -> list[Clip]:
+    """Return every `stride`th few seconds of a sample, as blocks that follow one another, as a run hears them."""
+    frames, starts_apart = sample.source().frames, stride * TIMED_FRAMES
+    starts = [at for first in range(0, frames, starts_apart) for at in range(first, first + TIMED_FRAMES, BLOCK)]
+    blocks: list[Clip] = []
+    for start in starts:
+        if start < frames:
+            cut = sample.cut(Span(start, min(start + BLOCK, frames)), sides=sides)
+            position = blocks[-1].span.stop if blocks else 0
+            beside = None if cut.sides is None else cut.sides.astype(np.float32)
+            blocks.append(Clip(cut.samples.astype(np.float32), cut.rate_hz, position, beside))
+    return blocks
 
 
 def timed_s(film_s: float) -> float:
