@@ -100,6 +100,15 @@ def size_of(file: NetworkFile) -> Size:
     return Size(near, wide, len(file.head[0].biases))
 
 
+def named_size(file: NetworkFile) -> str:
+    """Return the name of a network's size; ValueError for one without."""
+    size = size_of(file)
+    for name, named in SIZES.items():
+        if named == size:
+            return name
+    raise ValueError(f"{size} has no name: expected one of {', '.join(SIZES)}")
+
+
 def between(before: NetworkFile, after: NetworkFile, share: float) -> NetworkFile:
     """Return the network with a share of the weights after and the rest of those before (Wortsman et al. 2022).
 

@@ -31,7 +31,7 @@ from .candidates import Candidates, best_f1, candidates, joined
 from .courses import FOLDS, courses
 from .lots import Kept, Lot, heard, keep_lessons, times_more
 from .mixes import MIX_S, RATE_HZ
-from .networks import SIZES, between
+from .networks import SIZES, between, named_size
 from .sieves import GATE_LOSS, GATE_SETTINGS, SCREEN_LOSS, SCREEN_SETTINGS, fit_sieves, sieved
 from .teaching import FURTHER, SETTINGS, Examples, fit_network, teach_further
 
@@ -39,6 +39,7 @@ _Thing = TypeVar("_Thing")
 
 AFTER_SHARE = 0.6
 """Of the weights of a network that was taught further; the rest is as before."""
+NETWORKS = ("small", "small", "small")
 
 
 def as_taught(tier: QualityRules) -> QualityRules:
@@ -181,7 +182,10 @@ def main() -> None:
     parser.add_argument("--synthetic", type=int, default=600, help="synthetic films of a minute (default: %(default)s)")
     parser.add_argument("--recorded", type=int, default=240, help="mixes of recordings (default: %(default)s)")
     parser.add_argument(
-        "--networks", type=_sizes, default="small,small,small", help="their sizes in order (default: %(default)s)"
+        "--networks",
+        type=_sizes,
+        metavar="SIZES",
+        help=f"their sizes ({', '.join(SIZES)}) in order (default: {','.join(NETWORKS)}, or those of --further)",
     )
     parser.add_argument(
         "--more",
@@ -204,9 +208,13 @@ def main() -> None:
         for seed, made, mixed in [(options.seed, options.synthetic, options.recorded), *options.more]
     ]
     before = read_model(options.further) if options.further else None
+    known = tuple(named_size(network) for network in before.networks) if before else ()
+    sizes = options.networks or known or NETWORKS
+    if sizes[: len(known)] != known:
+        parser.error(f"--networks {','.join(sizes)}: expected {','.join(known)} first, as in {options.further}")
     with tempfile.TemporaryDirectory(prefix="blastline-") as made:
         work = options.work or Path(made)
-        model = train(lots, work, networks=options.networks, jobs=options.jobs, again=options.again, before=before)
+        model = train(lots, work, networks=sizes, jobs=options.jobs, again=options.again, before=before)
     options.output.write_bytes(msgspec.json.encode(model) + b"\n")
 
 

@@ -1,0 +1,66 @@
+"""A training run, from lessons to the file that is shipped. scikit-learn and PyTorch come with the extra `train`."""
+
+import sys
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from blastline.detect.verify import ModelFile, read_model
+from blastline.ruleset import rules_path
+from blastline.study.courses import Course
+from blastline.study.lessons import plain_mix
+from blastline.study.lots import Lot
+from blastline.study.networks import named_size
+from blastline.study.train import main, train
+
+SEED = 5
+LOTS = [Lot(SEED, [Course("plain", plain_mix(SEED), 6, 3)])]
+
+
+@pytest.fixture(scope="module")
+def work(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("work")
+
+
+@pytest.fixture(scope="module")
+def model(work: Path) -> ModelFile:
+    """Return what six minutes of textbook sounds teach, of which two are held out."""
+    pytest.importorskip("torch")
+    pytest.importorskip("sklearn")
+    return train(LOTS, work, networks=("small",), jobs=1, again=1)
+
+
+def test_what_is_learnt_of_some_minutes_is_worth_something_in_others(model: ModelFile) -> None:
+    by_screen, by_all = model.training["held_out"]["plain"]["f1_by_networks"]
+    assert by_screen > 0.5
+    assert by_all > 0.5
+
+
+def test_the_same_lessons_teach_the_same(model: ModelFile, work: Path) -> None:
+    assert msgspec.json.encode(train(LOTS, work, networks=("small",), jobs=1, again=1)) == msgspec.json.encode(model)
+
+
+def test_the_file_is_read_as_it_was_trained_and_its_networks_are_taught_further(model: ModelFile, work: Path) -> None:
+    path = work / "model.json"
+    path.write_bytes(msgspec.json.encode(model))
+    before = read_model(path)
+    assert msgspec.json.encode(before) == path.read_bytes()
+    further = train(LOTS, work, networks=("small", "small"), jobs=1, before=before)
+    assert [named_size(network) for network in further.networks] == ["small", "small"]
+    assert further.training["before"] == model.training
+    assert further.networks[0].means == model.networks[0].means  # goes on; the second one began with other lessons
+    assert further.networks[1].means != model.networks[0].means
+
+
+@pytest.mark.parametrize("sizes", ["small", "large,small,small,small", "huge"])
+def test_networks_other_than_those_that_are_taught_further_are_refused(
+    sizes: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shipped, output = rules_path("verifier/shots.json"), tmp_path / "model.json"
+    monkeypatch.setattr(sys, "argv", ["train", "--further", str(shipped), "--networks", sizes, "-o", str(output)])
+    with pytest.raises(SystemExit) as refused:
+        main()
+    assert refused.value.code == 2
+    assert sizes in capsys.readouterr().err
+    assert not output.exists()
