@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from blastline import run
 from blastline.detect import find_shots, load_verifier
 from blastline.errors import TimelineError
-from blastline.model import Clip, Timeline, encode
+from blastline.model import Clip, Quality, Timeline, encode
 from blastline.render import mix_that_drives
 from blastline.ruleset import load_rules, rules_path
 from blastline.run import RenderOptions
@@ -113,14 +113,14 @@ def test_a_film_that_is_decoded_once_is_driven_like_a_file_of_samples(beyond: Pa
 
 
 @pytest.mark.parametrize("quality", ["draft", "standard"])
-def test_a_shot_that_is_moved_by_hand_stays_in_the_sides(beyond: Path, tmp_path: Path, quality: str) -> None:
+def test_a_shot_that_is_moved_by_hand_stays_in_the_sides(beyond: Path, tmp_path: Path, quality: Quality) -> None:
     found = timeline_of(beyond / "out")
     plain = msgspec.to_builtins(found)
     plain["events"][1]["onset_sample"] += 96
     plain["events"][1]["onset_s"] += 0.002
     edited = tmp_path / "edited.json"
     edited.write_bytes(msgspec.json.encode(plain))
-    options = RenderOptions(report=False, timeline=edited, original=beyond / "out" / "timeline.json", quality=quality)  # type: ignore[arg-type]
+    options = RenderOptions(report=False, timeline=edited, original=beyond / "out" / "timeline.json", quality=quality)
     made = run.render(beyond / "film.wav", tmp_path / "out", options)
     assert [event.origin for event in made.events] == ["found", "moved", "found"]
     assert {event.heard_in for event in made.events} == {"sides"}
