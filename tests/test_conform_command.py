@@ -11,6 +11,7 @@ import pytest
 
 from blastline.export import read_timeline
 from blastline.model import SCHEMA, Decision, DriveInfo, Event, Reflection, Source, Span, Timeline, Window, encode
+from blastline.ruleset import load_rules
 from blastline.study.conforming import made_film, score_one
 from blastline.study.cuts import CASES
 from commands import blastline
@@ -110,6 +111,19 @@ def test_every_span_of_an_event_moves_with_it(films: tuple[Path, Path, Path], tm
         assert (echo.delay_ms, echo.level_db) == pytest.approx((50.0, -9.0))
         assert after.window.start < after.onset_sample < after.window.stop <= len(NEW)
         assert after.peak_dbfs == pytest.approx(-12.02, abs=0.01)
+
+
+def test_a_moved_timeline_names_the_rules_that_its_windows_are_planned_by(
+    films: tuple[Path, Path, Path], tmp_path: Path
+) -> None:
+    timeline, old, new = films
+    longer = tmp_path / "rules" / "quality" / "standard.toml"
+    longer.parent.mkdir(parents=True)
+    longer.write_text('schema = 1\nsource = "a test"\n[windows]\nsource = "a test"\nfade_out_ms = 50.0\n')
+    blastline("conform", timeline, "--from", old, "--to", new, "--rules", tmp_path / "rules", "-o", tmp_path / "out")
+    made = read_timeline(tmp_path / "out" / "timeline.json")
+    assert made.rules_digest == load_rules("standard", tmp_path / "rules").digest
+    assert made.rules_digest != read_timeline(timeline).rules_digest
 
 
 def test_what_is_left_of_a_burst_is_numbered_anew(films: tuple[Path, Path, Path], tmp_path: Path) -> None:

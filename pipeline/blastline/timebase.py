@@ -55,7 +55,7 @@ def parse_timebase(start_timecode: str | None, frame_rate: str | None) -> Timeba
     match = _RATE.fullmatch(frame_rate)
     rate = standard_rate(Fraction(match[1])) if match else None
     if match is None or rate is None:
-        expected = "23.976, 24, 25, 29.97, 29.97df, 30, 48, 50, 59.94, 59.94df or 60"
+        expected = "23.976, 24, 25, 29.97, 29.97df, 30, 48, 50, 59.94, 59.94df, 60, 100, 119.88, 119.88df or 120"
         raise RuleError(f"--frame-rate {frame_rate!r}: no rate of film timecode; expected {expected}")
     drop_frame = None if match[2] is None else match[2].lower() == "df"
     if drop_frame and rate not in DROP_FRAME_RATES:

@@ -63,10 +63,6 @@ class FrameScale:
         """Return the timecode of a frame; see `label`."""
         return label(frame, self.nominal, drop_frame=self.drop_frame)
 
-    def seconds(self, frame: int) -> Fraction:
-        """Return when a frame starts, in seconds of real time from 00:00:00:00."""
-        return frame / self.rate
-
 
 class FrameTime(NamedTuple):
     """A moment as the frame that starts nearest to it, and how many seconds later (or, below 0, earlier) it is."""

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from ..dsp import Analogue
 
 Values = NDArray[np.float64]
-Roots = NDArray[np.complex128]
 
 _DB = 10.0 / math.log(10.0)
 _DAMPING = {1: (0.05, 3.0), -1: (0.005, 3.0)}

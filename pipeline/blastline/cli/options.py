@@ -75,7 +75,8 @@ Mix = Annotated[
     str,
     typer.Option(
         metavar="MIX",
-        help="Which channels to listen to: mains (all but the LFE), lfe, center, all, or their numbers from 0: 0,1.",
+        help="Which channels drive: mains (all but the LFE), lfe, center, all, or their numbers from 0: 0,1. "
+        "The same are listened to; with lfe and all it is the mains.",
         rich_help_panel=FINDING,
     ),
 ]
@@ -191,7 +192,8 @@ FrameRate = Annotated[
     str | None,
     typer.Option(
         metavar="RATE",
-        help="Frames a second: 23.976, 24, 25, 29.97, 29.97df, 30, 48, 50, 59.94, 59.94df, 60.",
+        help="Frames a second: 23.976, 24, 25, 29.97, 29.97df, 30, 48, 50, 59.94, 59.94df, 60, 100, 119.88, 119.88df "
+        "or 120.",
         show_default="as the film says",
         rich_help_panel=TIMECODE,
     ),

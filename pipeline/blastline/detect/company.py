@@ -56,9 +56,9 @@ def in_company(
     along what reaches `company_threshold` within `company_s`. A row of even fire is believed as a whole where it sounds
     like that in the mean (`fire.py`); of a long one that does not, only what is sure by itself is left. Two shots in a
     burst take along the other rounds of it from `round_threshold` on: what lies within `longest_gap_ms` from one to the
-    next, unless it is `echo_drop_db` softer than they are. A slower even row (`RowRules`) and an even run of more than
-    `most_unsure`, of which fewer than half are sure by themselves, have no shots and vouch for none; nor has what turns
-    with a loop of ambience.
+    next, unless it is `echo_drop_db` softer than they are. An even run of more than `most_unsure`, of which fewer
+    than half are sure by themselves, has no shots and vouches for none; nor has a slower even row (`RowRules`), where
+    even fire counts as sure as well, nor what turns with a loop of ambience.
     """
     left = sorted(shots, key=lambda s: s.onset)
     refused: list[Rejection] = []

@@ -1,4 +1,4 @@
-"""A shot that somebody else has found: its parts, and the rise nearest to where it was said to be."""
+"""A shot that somebody else has found: its parts."""
 
 import numpy as np
 

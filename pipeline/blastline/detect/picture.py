@@ -80,10 +80,6 @@ class Pictures:
     near: NDArray[np.float32]
     wide: NDArray[np.float32]
 
-    def taken(self, which: NDArray[np.intp]) -> "Pictures":
-        """Return the pictures of some of the candidates."""
-        return Pictures(self.near[which], self.wide[which])
-
 
 def pictures(
     samples: NDArray[np.float32], onsets: NDArray[np.intp], rate_hz: int, loudest: NDArray[np.float32] = _FULL_SCALE

@@ -35,7 +35,7 @@ _T = TypeVar("_T", bound=Table)
 
 @dataclass(frozen=True)
 class Rules:
-    """All rules of a run but the actuator's, with the digest of everything that was read."""
+    """All rules of a run but the actuator's, with the digest of these and of the verifier's model."""
 
     quality: Quality
     tier: QualityRules

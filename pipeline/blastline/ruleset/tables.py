@@ -157,9 +157,10 @@ class RowRules(Table, frozen=True):
     """What an even row is: `fewest` sounds or more, each gap within `unevenness` of the one before.
 
     The gaps are `shortest_gap_ms` to `longest_gap_ms`. Steps, hammers and drums come so. A row of which fewer than half
-    are sure by themselves has no shots. Nor has a loop: what comes `fewest_turns` times, each time after the same time
-    of up to `longest_loop_s` and with the same before it, up to `backdrop_bits` of 50, tells how long it is. All that
-    turns with it is its, peaks within `loop_level_db` and sounds, in the mean, within `loop_sound_db`.
+    are sure, by themselves or as even fire, has no shots. Nor has a loop: what comes `fewest_turns` times, each time
+    after the same time of up to `longest_loop_s` and with the same before it, up to `backdrop_bits` of 50, tells how
+    long it is. All that turns with it is its, peaks within `loop_level_db` and sounds, in the mean, within
+    `loop_sound_db`.
     """
 
     fewest: Annotated[int, Meta(ge=3, le=10_000)]

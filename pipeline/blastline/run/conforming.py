@@ -133,6 +133,7 @@ def _conformed(
     made = msgspec.structs.replace(
         timeline,
         version=__version__,
+        rules_digest=rules.digest,
         source=source,
         actuator=None,
         events=_events(shots, source, rules),

@@ -39,7 +39,8 @@ _Thing = TypeVar("_Thing")
 
 AFTER_SHARE = 0.6
 """Of the weights of a network that was taught further; the rest is as before."""
-NETWORKS = ("small", "small", "small")
+NETWORKS = ("small", "large", "small", "small")
+"""As many as the reference tier asks: the first stands for itself, the second judges what it doubts."""
 
 
 def as_taught(tier: QualityRules) -> QualityRules:
