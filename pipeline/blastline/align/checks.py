@@ -52,8 +52,9 @@ def check_files(
         return (*checks, *_timing_checks(shared, (), None))
     parts = parts_of(timeline.events, lead=shared.samples(shared.lead_ms))
     telling = [is_telling(shared, event, part) for event, part in zip(timeline.events, parts, strict=True)]
-    timing = time_film(shared, timeline.events, parts, telling)
-    checks += _timing_checks(shared, [e for e, tells in zip(timeline.events, telling, strict=True) if tells], timing)
+    placing = [tells and _can_lead(shared, event) for event, tells in zip(timeline.events, telling, strict=True)]
+    timing = time_film(shared, timeline.events, parts, placing)
+    checks += _timing_checks(shared, [e for e, places in zip(timeline.events, placing, strict=True) if places], timing)
     for event, tells, figures, lag in zip(timeline.events, telling, timing.figures, timing.lags, strict=True):
         checks += _window_checks(event, shared.rate_hz)
         checks += _shot_checks(shared, event, figures, lag) if tells else _noted(shared, event, figures, lag)
@@ -154,6 +155,8 @@ def _shot_checks(shared: Comparison, event: Event, figures: ShotFigures | None, 
         allowed_ms = delay_ms + shared.bend_ms  # late as it is meant to be: the profile's own band delays by more
     if figures is not None and not figures.exact:
         allowed_ms = max(allowed_ms, shared.bend_ms)  # so much the actuator's limit alone may bend a lag of nothing
+    if not _can_lead(shared, event):
+        allowed_ms = max(allowed_ms, shared.lead_ms)
     yield Check(f"{subject}_lag", event.id, _within(late_ms, allowed_ms), late_ms, allowed_ms, "ms")
     likeness, wanted = figures.match.correlation if figures else 0.0, likeness_limit(shared, event)
     yield Check(f"{subject}_correlation", event.id, likeness >= wanted, likeness, wanted, "ratio")
@@ -166,6 +169,11 @@ def _shot_checks(shared: Comparison, event: Event, figures: ShotFigures | None, 
     still = early_db is None or early_db <= allowed_db
     yield Check("pre_echo", event.id, still, early_db, allowed_db, "dB of its peak")
     yield Check("peak", event.id, figures.peak <= rules.peak, figures.peak, rules.peak, "of the limit")
+
+
+def _can_lead(shared: Comparison, event: Event) -> bool:
+    """Return whether the film has room for the lead before a shot: without it, a solved drive comes late."""
+    return event.onset_sample >= shared.samples(shared.lead_ms)
 
 
 def _noted(shared: Comparison, event: Event, figures: ShotFigures | None, lag: float | None) -> Iterator[Check]:

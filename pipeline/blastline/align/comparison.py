@@ -1,6 +1,5 @@
 """What the checks of every shot share: both films, the rules, and the actuator as it acts on them."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
@@ -23,14 +22,16 @@ _SETTLE_TIMES = 18.0
 A film that stands off zero is a step where they begin: the band's high-pass needs 0.6 s for 1e-8 of it."""
 
 _FADED = 1e-3
-"""H has forgotten what is left with this share."""
+"""H has forgotten what is left with this share of its answer's amplitude."""
 
-_SLOWEST_MEMORY_S = 0.25
-"""The longest time constant of H that is waited for."""
+_LONGEST_MEMORY_S = 1.7
+"""No longer is waited for H to forget: seven time constants of 0.25 s."""
 
-_BEND_MS, _BEND_AT_HZ = 0.1, 1000.0
+_BEND_MS: dict[Phase, float] = {"causal": 0.1, "zero": 0.15}
+_BEND_AT_HZ = 1000.0
 """How far the actuator's limit alone can bend the plain correlation's peak aside, in a band up to there: 1.1 samples at
-48 kHz was the most seen. A band that ends lower swings more slowly; one up to 80 Hz was bent by 0.5 ms."""
+48 kHz was the most seen, without delay 5.8. A band that ends lower swings more slowly; one up to 80 Hz was bent by
+0.5 ms."""
 
 _LOWEST_HZ = 1.0
 """Where the search for the greatest response begins."""
@@ -90,6 +91,7 @@ def compare(
     """Return what the checks of every shot share."""
     rate_hz = audio.rate_hz
     response, compensator = dsp.felt_response(profile), dsp.compensator(profile)
+    felt = dsp.digital(response, rate_hz)
     frequencies_hz = np.geomspace(_LOWEST_HZ, rate_hz / 2.0, 2048)
     shortest_s, longest_s = _SETTLE_S
     poles = np.concatenate([response.poles, compensator.poles])
@@ -102,14 +104,14 @@ def compare(
         phase,
         background,
         level_db,
-        felt=dsp.digital(response, rate_hz),
+        felt=felt,
         band=dsp.digital(dsp.band(profile), rate_hz),
         band_gains=_band_gains(profile, rate_hz, phase),
         compensated=_compensation(profile, rate_hz, phase),
         step=1.0 / float(np.max(np.abs(response.at(frequencies_hz)) ** 2)),
         settle=round(settle_s * rate_hz),
-        memory=round(-math.log(_FADED) * _slowest_s(response.poles, _SLOWEST_MEMORY_S) * rate_hz),
-        bend_ms=_BEND_MS * max(1.0, _BEND_AT_HZ / profile.lowpass.corner_hz),
+        memory=_memory(felt, rate_hz),
+        bend_ms=_BEND_MS[phase] * max(1.0, _BEND_AT_HZ / profile.lowpass.corner_hz),
     )
 
 
@@ -126,14 +128,14 @@ def _band_gains(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Callabl
 
 
 def _compensation(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Callable[[Samples], Samples]:
-    """Return what makes a drive of a sound: designed at its first use, for a direct drive does without."""
+    """Return what makes a drive of a sound, by the filters that render it; a direct drive does without their design."""
 
     @lru_cache(maxsize=1)
     def sections() -> tuple[Samples, Samples | None]:
         if phase == "causal":
-            return dsp.digital(dsp.compensator(profile), rate_hz), None
+            return dsp.digital(dsp.compensator(profile), rate_hz, lean=True), None
         half = dsp.half_band(profile)
-        return dsp.digital(dsp.inverse(profile) * half, rate_hz), dsp.digital(half, rate_hz)
+        return dsp.digital(dsp.inverse(profile) * half, rate_hz, lean=True), dsp.digital(half, rate_hz, lean=True)
 
     def compensated(samples: Samples) -> Samples:
         forwards, backwards = sections()
@@ -141,6 +143,14 @@ def _compensation(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Calla
         return drive if backwards is None else dsp.run_filter(backwards, drive[::-1])[::-1]
 
     return compensated
+
+
+def _memory(felt: Samples, rate_hz: int) -> int:
+    """Return how many samples H remembers: poles that lie together fade later than one, so its own answer tells."""
+    impulse = np.zeros(round(_LONGEST_MEMORY_S * rate_hz))
+    impulse[0] = 1.0
+    left = np.cumsum(dsp.run_filter(felt, impulse)[::-1] ** 2)[::-1]
+    return int(np.count_nonzero(left > _FADED**2 * left[0]))
 
 
 def _slowest_s(poles_rad_s: NDArray[np.complex128], most_s: float) -> float:

@@ -86,7 +86,8 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
     """Return the sound of a shot over its part and `margin` samples on either side."""
     settle = shared.settle
     span = Span(part.span.start - margin, part.span.stop + margin)
-    audio = stretch_of(shared.audio, Span(span.start - settle, span.stop + settle), source_of(event))
+    wide = Span(span.start - settle, span.stop + settle)
+    audio = stretch_of(shared.audio, wide, source_of(event))
     kept = slice(settle, settle + len(span))
     undelayed = _without_delay(shared, audio)[kept]
     intended = undelayed
@@ -95,21 +96,23 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
     dry, wet = np.clip(audio, -1.0, 1.0), None
     beside = dry[kept] if source_of(event) == "mains" else np.clip(stretch_of(shared.audio, span), -1.0, 1.0)
     if is_direct(event):
-        wet = audio[kept]
+        wet = audio
     elif not (part.opens and is_solved(event)):
-        wet = shared.compensated(audio)[kept]
+        wet = shared.compensated(audio)
     if part.before_db:
-        relative = _relative_gain(shared, part, span)
-        undelayed, intended = relative * undelayed, relative * intended
+        relative = _relative_gain(shared, part, wide)
         wet = None if wet is None else relative * wet
+        undelayed, intended = relative[kept] * undelayed, relative[kept] * intended
+        if wet is not None and not is_solved(event) and not is_direct(event):
+            intended = dsp.run_filter(shared.felt, wet)[kept]  # H rings on with the shot before, however soft this one
     return Heard(
         span,
         slice(margin, margin + len(part.span)),
         intended,
         undelayed,
-        direct=dsp.run_filter(shared.felt, _of_window(dry, event, span.start - settle)[: kept.stop])[kept],
+        direct=dsp.run_filter(shared.felt, _of_window(dry, event, wide.start)[: kept.stop])[kept],
         background=beside if shared.background == "direct" else np.zeros(len(span)),
-        wet=wet,
+        wet=None if wet is None else wet[kept],
         weights=_weights(event, span),
         solved=is_solved(event),
         gain=gain_from_db(event.gain_db + shared.level_db),

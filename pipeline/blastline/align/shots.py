@@ -77,7 +77,7 @@ def measure(shared: Comparison, event: Event, part: Part, *, place: Place) -> Sh
     None where soundtrack or drive are silent.
     """
     search = shared.samples(shared.rules.search_ms)
-    heard = hear(shared, event, part, margin=max(search, shared.memory))
+    heard = hear(shared, event, part, margin=max(search, shared.memory, shared.samples(shared.lead_ms)))
     core = heard.core
     pattern = slice(core.start, min(core.stop, core.start + shared.samples(shared.rules.longest_ms)))
     felt = feel(shared, event, heard.span, place=place)
@@ -133,8 +133,8 @@ def _refined(
     believed = abs(match.correlation) >= likeness_limit(shared, event)
     late = round(match.lag) if believed else 0
     felt, shown = read(late)
-    exact = is_direct(event)
-    if not exact:
+    exact = is_direct(event) and bool(felt.free[pattern].all())
+    if not is_direct(event):
         asked = part.followed or event.window.fade_out_samples < shared.memory
         stop = min(pattern.stop, heard.core.stop - (shared.memory if asked else 0))
         bend = _bend(shared, shown, felt, slice(pattern.start, stop))

@@ -26,6 +26,9 @@ is not what was rendered, and no lag of it is exact: one that was made louder an
 _STILL_MS = 10.0
 """A drive at rest for this long has left its window."""
 
+_STRETCHES = (0.5, 2.0)
+"""No drive runs slower or faster than this beside its film: what points to less or more is another film's."""
+
 
 Lag = tuple[float, float]
 """A shot's onset, and by how much later than there the drive holds it; in samples."""
@@ -146,7 +149,9 @@ def _guesses(
         guesses += [pattern] if pattern else []
     told = [index for index, tells in enumerate(telling) if tells]
     probes = _by_probes(shared, [events[index] for index in told], [parts[index] for index in told])
-    return guesses + ([probes] if probes else [])
+    guesses += [probes] if probes else []
+    slowest, fastest = _STRETCHES
+    return [guess for guess in guesses if slowest <= guess.stretch <= fastest]
 
 
 def _by_windows(shared: Comparison, events: Sequence[Event]) -> Place | None:

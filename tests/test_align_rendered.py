@@ -1,0 +1,106 @@
+"""What `render` makes of a timeline passes its checks; what somebody else did to the drive fails, without a crash."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+from numpy.typing import NDArray
+
+from blastline import run
+from blastline.model import Phase, Timeline
+from blastline.run import RenderOptions
+
+Samples = NDArray[np.float64]
+RATE_HZ = 48_000
+
+
+def film(path: Path, onsets: Sequence[int], peaks: Sequence[float], *, decay_s: float = 0.05, seed: int = 1) -> Path:
+    """Write blasts with noisy decays, as 24-bit sound."""
+    rng = np.random.default_rng(seed)
+    samples = 1e-5 * rng.standard_normal(70_000)
+    for onset, peak in zip(onsets, peaks, strict=True):
+        t = np.arange(min(samples.size - onset, round(0.4 * RATE_HZ))) / RATE_HZ
+        blast = (1.0 - t / 0.002) * np.exp(-t / 0.002)
+        samples[onset : onset + t.size] += peak * (blast + 0.2 * rng.standard_normal(t.size) * np.exp(-t / decay_s))
+    soundfile.write(path, np.clip(samples, -1.0, 1.0 - 2.0**-23), RATE_HZ, subtype="PCM_24")
+    return path
+
+
+def rendered(path: Path, onsets: Sequence[int], options: RenderOptions, gains_db: Sequence[float] = ()) -> Timeline:
+    """Render shots at given onsets, each as much softer or louder as asked, beside their film."""
+    edited = path.with_suffix(".csv")
+    rows = zip(onsets, gains_db or [0.0] * len(onsets), strict=True)
+    edited.write_text("onset_sample,gain_db\n" + "".join(f"{onset},{gain}\n" for onset, gain in rows))
+    return run.render(path, path.parent / "out", replace(options, timeline=edited))
+
+
+def failures(made: Timeline) -> list[tuple[str, str | None, float | None]]:
+    return [(check.name, check.event, check.measured) for check in made.checks if not check.passed]
+
+
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+@pytest.mark.parametrize("gap_ms", [50, 100])
+@pytest.mark.parametrize("peak", [0.01, 0.03])
+def test_a_faint_shot_before_a_loud_one_passes(tmp_path: Path, phase: Phase, gap_ms: int, peak: float) -> None:
+    onsets = [14_400, 14_400 + gap_ms * 48, 48_000]
+    path = film(tmp_path / "film.wav", onsets, [peak, 1.0, 0.5])
+    assert failures(rendered(path, onsets, RenderOptions(report=False, phase=phase))) == []
+
+
+@pytest.mark.parametrize("gain_db", [-12.0, -20.0, -28.0])
+def test_a_shot_that_is_asked_to_be_softer_than_the_one_before_passes(tmp_path: Path, gain_db: float) -> None:
+    onsets = [14_400, 19_200, 24_000]
+    path = film(tmp_path / "film.wav", onsets, [0.03] * 3, decay_s=0.03)
+    assert failures(rendered(path, onsets, RenderOptions(report=False), [0.0, 0.0, gain_db])) == []
+
+
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_direct_drive_that_is_raised_into_the_limit_passes(tmp_path: Path, phase: Phase, seed: int) -> None:
+    onsets = [14_400, 26_400, 40_000]
+    path = film(tmp_path / "film.wav", onsets, [0.6] * 3, seed=seed)
+    options = RenderOptions(report=False, drive="direct", level_db=12.0, phase=phase)
+    assert failures(rendered(path, onsets, options)) == []
+
+
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+def test_a_film_that_begins_with_a_shot_passes(tmp_path: Path, phase: Phase) -> None:
+    onsets = [0, 24_000, 40_000]
+    path = film(tmp_path / "film.wav", onsets, [0.9] * 3)
+    assert failures(rendered(path, onsets, RenderOptions(report=False, phase=phase))) == []
+
+
+def test_a_lead_longer_than_the_checks_search_is_checked_as_well(tmp_path: Path) -> None:
+    rules = tmp_path / "rules" / "quality" / "standard.toml"
+    rules.parent.mkdir(parents=True)
+    rules.write_text('schema = 1\nsource = "a test"\n[render]\nsource = "a test"\nlead_ms = 30.0\n')
+    path = film(tmp_path / "film.wav", [14_400, 40_000], [0.9, 0.05])
+    made = rendered(path, [14_400, 40_000], RenderOptions(report=False, rules=tmp_path / "rules"))
+    assert {check.event for check in made.checks} > {"shot-0001", "shot-0002"}
+
+
+def first_half(drive: Samples) -> Samples:
+    return np.concatenate([drive[:20_000], np.zeros(drive.size - 20_000)])
+
+
+def swapped(drive: Samples) -> Samples:
+    return np.roll(drive, drive.size // 2)
+
+
+def constant(drive: Samples) -> Samples:
+    return np.full_like(drive, 0.3)
+
+
+@pytest.mark.parametrize("wrong", [first_half, swapped, constant, np.flip])
+def test_a_drive_that_is_not_this_films_fails_and_nothing_else_happens(
+    tmp_path: Path, wrong: Callable[[Samples], Samples]
+) -> None:
+    onsets = [10_000, 30_000, 50_000]
+    path = film(tmp_path / "film.wav", onsets, [0.3] * 3)
+    rendered(path, onsets, RenderOptions(report=False, drive="direct"))
+    drive, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    soundfile.write(tmp_path / "wrong.wav", wrong(drive), RATE_HZ, subtype="PCM_24")
+    assert failures(run.check(tmp_path / "out", audio=path, drive=tmp_path / "wrong.wav"))
