@@ -37,6 +37,23 @@ def test_the_same_film_is_one_stretch() -> None:
     assert conformed(OLD, OLD) == near(list(ONSETS_S))
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_shot_on_the_first_sample_is_placed_there(seed: int) -> None:
+    onsets_s = (0.0, 3.0, 7.5)
+    old = film(10.0, onsets_s, seed=seed)
+    times = conformed(old, old, onsets_s)
+    assert times == near(list(onsets_s))
+    assert all(time is not None and time >= 0.0 for time in times)
+
+
+@pytest.mark.parametrize("kept_s", [(0.0, 6.0), (31.0, 60.0)])
+def test_what_is_lost_is_listed_within_the_new_film(kept_s: tuple[float, float]) -> None:
+    one, other = heard(OLD), heard(seconds(OLD, *kept_s))
+    lost = [each for each in place(ONSETS_S, courses(one, other), one, other, load_conform()) if isinstance(each, Lost)]
+    assert lost
+    assert all(0.0 <= each.near_s <= other.duration_s for each in lost)
+
+
 @pytest.mark.parametrize("offset", [-70_001, 3, 123_457])
 def test_a_reel_offset_moves_every_shot_by_itself(offset: int) -> None:
     new = np.concatenate([murmur(20.0, seed=21)[:offset], OLD]) if offset > 0 else OLD[-offset:]

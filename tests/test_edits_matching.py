@@ -254,6 +254,30 @@ def test_of_sample_and_seconds_the_one_that_was_edited_counts(tmp_path: Path, ro
     assert (wish.onset, wish.unmoved) == (onset, onset == 48_001)
 
 
+def test_seconds_of_few_digits_in_a_document_were_typed(tmp_path: Path) -> None:
+    found = msgspec.structs.replace(EVENT, onset_sample=49_920, onset_s=1.04, blast=Span(49_920, 50_100))
+    fields = msgspec.to_builtins(timeline(found))
+    fields["events"][0]["onset_s"] = 1.0
+    file = tmp_path / "edited.json"
+    file.write_bytes(msgspec.json.encode(fields))
+    [wish] = match(read_edits(file), {found.id: found}, rate_hz=48_000).wishes
+    assert (wish.onset, wish.unmoved) == (48_000, False)
+
+
+@pytest.mark.parametrize("inside", ["\x0b", "\x0c", "\x85", "\u2028"])
+def test_what_ends_no_line_divides_no_row(tmp_path: Path, inside: str) -> None:
+    text = f"id,onset_sample,note\nshot-0001,48001,a{inside}b\nshot-0002,57601,c\n"
+    first, second = table(tmp_path, text, EVENT, MATE).wishes
+    assert first.unmoved
+    assert second.unmoved
+
+
+def test_an_id_with_more_digits_than_any_count_is_only_a_name(tmp_path: Path) -> None:
+    name = f"shot-{'9' * 5000}"
+    fresh, named = table(tmp_path, f"id,onset_sample\n{name},48001\n,5\n").wishes
+    assert (fresh.id, named.id) == ("shot-0001", name)
+
+
 def test_a_short_number_that_somebody_typed_is_exact(tmp_path: Path) -> None:
     longer = "shot-0002,1.200020833\n"
     [first, _] = table(tmp_path, f"id,onset_s\nshot-0001,1\n{longer}", EVENT, MATE).wishes

@@ -167,6 +167,7 @@ def test_nothing_is_an_empty_label_track_or_a_table_without_rows(tmp_path: Path)
         ("id,onset_s\na,soon\n", "line 2: onset_s = 'soon': expected a number"),
         ('id,onset_s\na,"1,5"\n', "line 2: onset_s = '1,5': expected a number"),
         ("id;onset_s\na;1.234,5\n", "line 2: onset_s = '1.234,5': expected a number"),
+        ("id;onset_sample\na;48.000\n", "line 2: onset_sample = '48.000': expected a whole number of samples, without"),
         ("onset_s\nnan\n", "line 2: onset_s = 'nan': expected a number"),
         ("onset_s\n1e999999999\n", "line 2: onset_s = '1e999999999': expected a number"),
         ("onset_s\n1_0\n", "line 2: onset_s = '1_0': expected a number"),

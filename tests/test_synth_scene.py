@@ -298,6 +298,7 @@ def test_a_shot_beside_the_edge_of_a_block_is_listed_once(tmp_path: Path) -> Non
         ("rate_hz = 16000", "rate_hz = 100", r"rate_hz = 100: Expected `int` >= 8000"),
         ("level_dbfs = -40.0", "level_dbfs = -40.0\nstart_s = 1.0\nstop_s = 1.0", r"beds\[0\]\.stop_s = 1\.0"),
         ("seed = 5", "seed = ", r"not a TOML file"),
+        ("seed = 5\n", "seed = 5\nrandom = {shots = 1, shot_snr_db = [-1e9, 1e9]}\n", r"random\.shot_snr_db\[0\]"),
         ('"rain"', '"hail"', r"beds\[0\]\.kind = 'hail'"),
     ],
 )

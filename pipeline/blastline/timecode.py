@@ -158,9 +158,7 @@ def timecode_at(source: Source, sample: int) -> str:
 
 
 def time_of_start(source: Source) -> int:
-    """Return the samples between midnight and the first sample by the source's timecode, 0 where it has none."""
-    if source.start_timecode is None:
-        return 0
+    """Return the samples between midnight and the first sample by the source's timecode; one without begins at 0."""
     scale = frame_scale(source)
     start = clock_seconds(source.start_timecode) if scale is None else scale.start / scale.rate
     return max(0, _nearest((start + exact_offset(source)) * source.sample_rate_hz))

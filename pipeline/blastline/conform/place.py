@@ -69,17 +69,18 @@ def _place(
         found, least = _heard(onset_s, room_s, course, old, new, rules)
         seen = max(seen, found.likeness)
         new_s = course.stretch.line.at(onset_s) + found.late_s
-        if found.likeness < least or not 0.0 <= new_s < new.duration_s:
+        if found.likeness < least or not -0.5 / new.rate_hz <= new_s < new.duration_s:
             continue
         if not holds and _claimed(new_s, index, courses, rules.shortest_ms / 1000.0):
             continue
         if best is None or found.likeness > best.likeness + 0.1:
-            best = Placed(new_s, found.late_s * 1000.0, found.likeness, index)
+            best = Placed(max(0.0, new_s), found.late_s * 1000.0, found.likeness, index)
         if holds:
             break
     if best is not None:
         return best
-    return Lost(Loss.CHANGED if inside else Loss.REMOVED, _nearest(onset_s, courses), seen)
+    near_s = min(_nearest(onset_s, courses), new.duration_s)
+    return Lost(Loss.CHANGED if inside else Loss.REMOVED, max(0.0, near_s), seen)
 
 
 def _candidates(onset_s: float, courses: Sequence[Course], reach_s: float) -> list[int]:

@@ -33,7 +33,6 @@ Layout = Literal["mono", "stereo", "5.1", "7.1"]
 Seconds = Annotated[float, Meta(ge=0.0, le=86_400.0)]
 LevelDb = Annotated[float, Meta(ge=-120.0, le=40.0)]
 Peak = Annotated[float, Meta(ge=-100.0, le=0.0)]
-Ascending = tuple[float, float]
 
 
 class Item(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -93,8 +92,8 @@ class RandomItems(Item, frozen=True, kw_only=True):
 
     shots: Annotated[int, Meta(ge=0, le=5_000)] = 0
     negatives: Annotated[int, Meta(ge=0, le=20_000)] = 0
-    shot_snr_db: Ascending = (8.0, 40.0)
-    negative_snr_db: Ascending = (3.0, 38.0)
+    shot_snr_db: tuple[LevelDb, LevelDb] = (8.0, 40.0)
+    negative_snr_db: tuple[LevelDb, LevelDb] = (3.0, 38.0)
     spacing_s: Annotated[float, Meta(ge=0.0, le=60.0)] = 0.3
     kinds: tuple[NegativeKind, ...] = ()
 

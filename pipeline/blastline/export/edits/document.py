@@ -1,6 +1,7 @@
 """The edited `timeline.json`: every field of an event but its onset may be missing, and is found out again."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
@@ -78,7 +79,8 @@ def _edit(event: _Event, index: int, path: Path) -> Edit:
 def _written(sample: int | None, seconds: Decimal) -> Point:
     exponent = seconds.as_tuple().exponent
     assert isinstance(exponent, int)  # JSON holds no NaN
-    return Point(sample, Fraction(seconds), Fraction(10) ** exponent)
+    point = Point(sample, Fraction(seconds), Fraction(10) ** exponent)
+    return replace(point, step_s=point.tool_step_s)  # nobody cuts off the digits of a whole column, as in a table
 
 
 def _as_it_was(plain: list[Any], path: Path) -> Mapping[str, Event]:

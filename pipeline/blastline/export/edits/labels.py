@@ -5,6 +5,7 @@ from pathlib import Path
 
 from ...errors import TimelineError
 from .row import Cell, Edit, EditedFile
+from .text import lines_of
 
 _FREQUENCIES = "\\"
 """Begins the line that follows a label with a selection of frequencies."""
@@ -16,7 +17,7 @@ def read_labels(text: str, path: Path) -> EditedFile:
 
 
 def _edits(text: str, path: Path) -> Iterator[Edit]:
-    for line, label in enumerate(text.splitlines(), start=1):
+    for line, label in enumerate(lines_of(text), start=1):
         if not label.strip() or label.startswith(_FREQUENCIES):
             continue
         place, cells = f"line {line}", label.split("\t", 2)

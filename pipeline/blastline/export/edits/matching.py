@@ -16,7 +16,7 @@ from .meaning import WITH_CONFIDENCE, confidence, ends, gain_db, settled
 from .nexts import without_ends_at_the_next
 from .row import EditedFile, Pair
 
-_OWN_ID = re.compile(r"shot-\d+\b")
+_OWN_ID = re.compile(r"shot-\d{1,18}\b")
 
 
 @dataclass(frozen=True)

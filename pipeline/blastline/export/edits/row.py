@@ -1,6 +1,7 @@
 """One event as an edited file has it, and its numbers as they are written there."""
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal, InvalidOperation
@@ -13,6 +14,9 @@ from ...model import Event, Origin, Rejection, Source
 
 _COARSEST_S = Fraction(1, 1000)
 """The step of the coarsest tool, REAPER: what is off by more was moved."""
+
+_WHOLE = re.compile(r"[+-]?\d+(,0*|\.0?)?|[^.,]*")
+"""A whole number of a table with decimal commas, where a point may part thousands: `48.000` is 48000 or 48."""
 
 _LONGEST_NUMBER = 40
 _WIDEST_EXPONENT = 100
@@ -137,6 +141,8 @@ class Cell:
     def sample(self, *, comma: bool = False) -> int:
         """Return the sample index that the text is; `48001.0` is one, `1.2E+08` has lost digits."""
         number = self.number(comma=comma)
+        if comma and not _WHOLE.fullmatch(self.text.strip()):
+            raise self.refused("a whole number of samples, without a point between its thousands")
         if number != number.to_integral_value() or _exponent(number) > 0:
             raise self.refused("a whole number of samples, with all its digits")
         if number < 0:

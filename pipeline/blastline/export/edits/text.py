@@ -48,12 +48,17 @@ def decoded(content: bytes, path: Path) -> str:
     return text
 
 
+def lines_of(text: str) -> list[str]:
+    """Return the lines of a text; a vertical tab, as Excel writes for a break in a cell, or U+2028 ends none."""
+    return re.split(r"\r\n|\r|\n", text)
+
+
 def separated(text: str, path: Path) -> Grid:
     """Return the rows of a table, without empty ones; its separator is the one that the header has most of.
 
     Where that is not a comma, numbers may have a decimal comma. Excel's first line `sep=;` is understood.
     """
-    lines = text.splitlines(keepends=True)
+    lines = [line + "\n" for line in lines_of(text)]
     skipped = 0
     separator = None
     if lines and (said := _SEPARATOR_LINE.fullmatch(lines[0].strip().strip('"'))):
