@@ -61,6 +61,13 @@ def test_an_unsure_shot_needs_the_company_of_a_sure_one() -> None:
     ]
 
 
+def test_a_run_that_only_the_sides_hear_has_to_be_as_sure_as_their_company() -> None:
+    own = TIER.channels.sides_company_threshold
+    for probability, number in (((VERIFY.burst_threshold + own) / 2, 0), (own, 3)):
+        run_ = [shot(20_000 + n * FAST_MS, probability) for n in range(3)]
+        assert len(believed_ms(*(msgspec.structs.replace(each, heard_in="sides") for each in run_))) == number
+
+
 def test_two_shots_of_a_burst_take_its_rounds_along_before_and_after_them() -> None:
     reach = (BURSTS.most_unsure - 2) // 2
     numbers = [n for n in range(-reach, reach + 1) if n not in (0, 1)]

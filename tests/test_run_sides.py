@@ -16,6 +16,7 @@ from blastline.model import Clip, Quality, Timeline, encode
 from blastline.render import mix_that_drives
 from blastline.ruleset import load_rules, rules_path
 from blastline.run import RenderOptions
+from blastline.soundtrack import open_soundtrack
 from blastline.synth import Scene, render_scene
 from media import write_media
 
@@ -230,3 +231,70 @@ def test_a_film_without_two_channels_is_not_what_such_a_drive_was_made_of(
     alone = written(tmp_path / "alone.wav", [shots])
     with pytest.raises(TimelineError, match=r"alone\.wav: .*the drive of shot-0001 .*'sides'"):
         run.check(beyond / "out", audio=alone)
+
+
+@pytest.mark.parametrize("quality", ["draft", "standard"])
+def test_a_pair_drives_alike_from_every_container_and_again_from_its_timeline(
+    beyond: Path, tmp_path: Path, quality: Quality
+) -> None:
+    samples, _ = soundfile.read(beyond / "film.wav")
+    soundfile.write(tmp_path / "film.flac", samples, RATE_HZ, subtype="PCM_24")
+    found = timeline_of(beyond / "out")
+    for film, folder in ((beyond / "film.wav", "wav"), (tmp_path / "film.flac", "flac")):
+        (tmp_path / "edited.csv").write_text("onset_s\n" + "".join(f"{event.onset_s}\n" for event in found.events))
+        options = RenderOptions(report=False, timeline=tmp_path / "edited.csv", quality=quality)
+        run.render(film, tmp_path / folder, options)
+        again = RenderOptions(report=False, timeline=tmp_path / folder / "timeline.json", quality=quality)
+        run.render(film, tmp_path / f"{folder} again", again)
+        np.testing.assert_array_equal(drive_of(tmp_path / f"{folder} again"), drive_of(tmp_path / folder))
+    np.testing.assert_array_equal(drive_of(tmp_path / "flac"), drive_of(tmp_path / "wav"))
+
+
+def test_an_untouched_timeline_of_a_compressed_pair_drives_as_it_did_in_draft(
+    beyond: Path, shots: Samples, tmp_path: Path
+) -> None:
+    film = tmp_path / "film.flac"
+    soundfile.write(film, np.stack([shots, -0.4 * shots], axis=1), RATE_HZ, subtype="PCM_24")
+    made = run.render(film, tmp_path / "out", RenderOptions(report=False, quality="draft"))
+    assert made.events
+    edited = RenderOptions(report=False, quality="draft", timeline=tmp_path / "out" / "timeline.json")
+    run.render(film, tmp_path / "again", edited)
+    np.testing.assert_array_equal(drive_of(tmp_path / "again"), drive_of(tmp_path / "out"))
+
+
+def test_a_moved_shot_of_compressed_sides_is_measured_in_them(shots: Samples, tmp_path: Path) -> None:
+    voice = 0.2 * np.random.default_rng(2).standard_normal(len(shots)).clip(-3.0, 3.0)
+    none = np.zeros_like(shots)
+    made = {}
+    for name in ("film.wav", "film.flac"):
+        soundfile.write(
+            tmp_path / name, np.stack([0.3 * shots, none, voice, none, none, none], axis=1), RATE_HZ, subtype="PCM_24"
+        )
+        found = run.detect(tmp_path / name)
+        aside = [event for event in found.events if event.heard_in == "sides"]
+        assert aside
+        plain = msgspec.to_builtins(found)
+        for event in plain["events"]:
+            event["onset_sample"], event["onset_s"] = event["onset_sample"] + 48, event["onset_s"] + 0.001
+        (tmp_path / "edited.json").write_bytes(msgspec.json.encode(plain))
+        options = RenderOptions(report=False, timeline=tmp_path / "edited.json", overwrite=True)
+        made[name] = run.render(tmp_path / name, tmp_path / "out", options)
+    for one, other in zip(made["film.wav"].events, made["film.flac"].events, strict=True):
+        assert one.heard_in == other.heard_in
+        assert other.peak_dbfs == pytest.approx(one.peak_dbfs, abs=0.01)
+        assert other.window == one.window
+
+
+def test_a_timeline_of_another_mix_is_refused_with_the_way_to_give_it(beyond: Path, tmp_path: Path) -> None:
+    timeline = beyond / "out" / "timeline.json"
+    with pytest.raises(TimelineError, match="give --mix mains"):
+        run.render(beyond / "film.wav", tmp_path / "out", RenderOptions(report=False, timeline=timeline, mix="0"))
+    driven = RenderOptions(report=False, timeline=timeline, mix="all")
+    assert run.render(beyond / "film.wav", tmp_path / "out", driven).events
+
+
+def test_listening_alone_keeps_nothing_of_a_compressed_film(beyond: Path, tmp_path: Path) -> None:
+    samples, _ = soundfile.read(beyond / "film.wav")
+    soundfile.write(tmp_path / "film.flac", samples, RATE_HZ, subtype="PCM_24")
+    with open_soundtrack(tmp_path / "film.flac", cuts=False, spool_folder=tmp_path / "nowhere") as track:
+        assert sum(len(block.span) for block in track.blocks()) == len(samples)

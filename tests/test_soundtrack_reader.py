@@ -397,6 +397,14 @@ def test_a_film_that_is_silent_throughout_is_told(tmp_path: Path) -> None:
     assert not read(wav(tmp_path / "last.wav", still))[1].warnings
 
 
+def test_a_silent_channel_that_drives_is_told_though_what_is_heard_is_not(tmp_path: Path) -> None:
+    sounding = np.random.default_rng(1).uniform(-0.3, 0.3, (4_800, 6))
+    sounding[:, 3] = 0
+    path = wav(tmp_path / "film.wav", sounding)
+    assert any("mix lfe is silent" in line for line in read(path, mix="lfe")[1].warnings)
+    assert not read(path, mix="all")[1].warnings
+
+
 @pytest.mark.parametrize(("other", "warned"), [(-1.0, True), (-0.999, False), (0.0, False)])
 def test_a_mix_that_is_silent_though_the_film_is_not_is_told(tmp_path: Path, other: float, warned: bool) -> None:
     """Since its channels cancel, or since the one that is asked for does not sound."""

@@ -24,7 +24,7 @@ from .timecode import (
     timecode_at,
 )
 
-_RATE = re.compile(r"(\d+(?:\.\d+)?|\d+/0*[1-9]\d*)(df|ndf)?", re.IGNORECASE)
+_RATE = re.compile(r"(\d{1,9}(?:\.\d{1,99})?|\d{1,18}/0*[1-9]\d{0,17})(df|ndf)?", re.IGNORECASE)
 
 _MOST_DECIMALS = 24
 """A clock of so many tells any two floats below a frame's length apart, but for the very least."""

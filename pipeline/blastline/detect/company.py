@@ -86,7 +86,8 @@ def _belief(shots: Sequence[Shot], *, rate_hz: int, tier: QualityRules) -> _Beli
     aside = np.array([shot.heard_in == "sides" for shot in shots], bool)
     by_itself = probability >= np.where(aside, channels.sides_threshold, rules.threshold)
     rounds = probability >= np.where(aside, channels.sides_company_threshold, rules.round_threshold)
-    sure = by_itself | _in_a_run(onsets, probability, rules.burst_threshold, rate_hz=rate_hz, rules=bursts)
+    fired = np.where(aside, channels.sides_company_threshold, rules.burst_threshold)
+    sure = by_itself | _in_a_run(onsets, probability, fired, rate_hz=rate_hz, rules=bursts)
     likely = probability >= np.where(aside, channels.sides_company_threshold, rules.company_threshold)
     believed = sure | (likely & _near(onsets, onsets[sure], samples_from_s(rules.company_s, rate_hz)))
     peaks_dbfs = np.array([shot.peak_dbfs for shot in shots])
@@ -174,7 +175,12 @@ def _near(places: NDArray[np.intp], others: NDArray[np.intp], reach: int) -> NDA
 
 
 def _in_a_run(
-    onsets: NDArray[np.intp], probability: NDArray[np.float64], least: float, *, rate_hz: int, rules: BurstRules
+    onsets: NDArray[np.intp],
+    probability: NDArray[np.float64],
+    least: NDArray[np.float64],
+    *,
+    rate_hz: int,
+    rules: BurstRules,
 ) -> NDArray[np.bool_]:
     """Return which candidates belong to a run that is sure as a whole; of those too near each other one counts."""
     shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))

@@ -64,9 +64,13 @@ def joined(mains: Sorted, sides: Sorted, *, rate_hz: int, tier: QualityRules) ->
     near, apart = (samples_from_ms(ms, rate_hz) for ms in (SAME_MS, tier.bursts.shortest_gap_ms))
     shots, beside_it = list(mains[0]), sides[0]
     for index, shot in enumerate(shots):
-        there = max((s.confidence for s in beside_it if abs(s.onset - shot.onset) <= near), default=0.0)
-        if shot.confidence < min(sure, there):
-            shots[index] = msgspec.structs.replace(shot, confidence=there, heard_in="sides")
+        there = max(
+            (other for other in beside_it if abs(other.onset - shot.onset) <= near),
+            key=lambda other: other.confidence,
+            default=None,
+        )
+        if there is not None and shot.confidence < min(sure, there.confidence):
+            shots[index] = _judged_as(shot, there)
     known, certain = [shot.onset for shot in shots], [shot.onset for shot in shots if shot.confidence >= sure]
     shots += [
         msgspec.structs.replace(shot, heard_in="sides")
@@ -82,6 +86,15 @@ def joined(mains: Sorted, sides: Sorted, *, rate_hz: int, tier: QualityRules) ->
         if not _any_near(known, each.at_sample, near)
     ]
     return shots, refused
+
+
+def _judged_as(shot: Shot, there: Shot) -> Shot:
+    """Return a shot of the mains with the verdict of the sides, and who gave it."""
+    evidence = shot.evidence
+    if evidence is not None and there.evidence is not None:
+        who = {"screen": there.evidence.screen, "networks": there.evidence.networks}
+        evidence = msgspec.structs.replace(evidence, **who)
+    return msgspec.structs.replace(shot, confidence=there.confidence, heard_in="sides", evidence=evidence)
 
 
 def _any_near(places: Sequence[int], at: int, near: int) -> bool:

@@ -86,7 +86,7 @@ def hear_edited(
             f"{editing.named_by}: is of {_named(editing.source)}, but the film has {track.rate_hz} Hz; {_MEND}"
         )
     wanted = match(edited, editing.original, rate_hz=track.rate_hz)
-    blocks = told(track.blocks(BLOCK, sides=True), progress, track.expected_frames)
+    blocks = told(track.blocks(BLOCK, kept_sides=True), progress, track.expected_frames)
     for _ in meter.watch(blocks) if meter else blocks:
         pass
     source = track.source()
@@ -119,8 +119,18 @@ def _require_same_film(editing: Editing, found: Source) -> None:
             f"{editing.named_by}: is of sound stream {expected.stream} of {expected.name}, not {found.stream}; "
             f"give --stream {expected.stream}"
         )
+    if found.sha256 == expected.sha256 and _heard_mix(found) != _heard_mix(expected):
+        raise TimelineError(
+            f"{editing.named_by}: its shots were heard in the mix {expected.mix}, not {found.mix}; "
+            f"give --mix {expected.mix}"
+        )
     if (found.sha256, found.frames) != (expected.sha256, expected.frames):
         raise TimelineError(f"{editing.named_by}: is of {_named(expected)}, but the film is {_named(found)}; {_MEND}")
+
+
+def _heard_mix(source: Source) -> str:
+    """Return what detection listens to: the mains with every mix that only drives."""
+    return "mains" if source.mix in ("lfe", "all") else source.mix.replace(" ", "")
 
 
 def _inside(wish: Wish, source: Source, path: Path) -> Wish:

@@ -62,7 +62,7 @@ def detect(
     BlastlineError for input, rules or a time base that cannot be used.
     """
     read = load_rules(quality, rules)
-    with open_soundtrack(film, stream=stream, mix=mix, timebase=timebase) as track:
+    with open_soundtrack(film, stream=stream, mix=mix, cuts=False, timebase=timebase) as track:
         found = assemble(listen(track, read, progress), read, {}, None)
     return msgspec.structs.replace(found, budget=budget)
 

@@ -36,8 +36,8 @@ class Condition:
         return samples
 
     def hear(self, samples: Samples, mix: Samples) -> None:
-        """Note whether the track sounds and whether its mix does, up to the first sound of each."""
-        self._mix_sounds = self._mix_sounds or bool(mix.any())
+        """Note whether the track sounds, and what drives, the last column: up to the first sound of each."""
+        self._mix_sounds = self._mix_sounds or bool(mix[:, -1].any())
         self._track_sounds = self._track_sounds or self._mix_sounds or bool(samples.any())
 
     def require_usable(self) -> None:

@@ -98,9 +98,12 @@ class FilmTrack:
             lines.append(
                 f"the first time stamp is {self._first_stamp_off_s:+.3f} s off those that follow; these were believed"
             )
-        for position, jump in self._placement.jumps:
+        if jumps := self._placement.jumps:
+            (position, jump), rest = jumps[0], jumps[1:]
+            total = sum(jump for _, jump in jumps)
+            more = f", and {len(rest)} times more, by {total / rate_hz:+.3f} s in all" if rest else ""
             lines.append(
-                f"the time stamps jump by {jump / rate_hz:+.3f} s at {position / rate_hz:.3f} s; "
+                f"the time stamps jump by {jump / rate_hz:+.3f} s at {position / rate_hz:.3f} s{more}; "
                 "the sound was kept in one piece, so what follows may play beside its picture"
             )
         if self._table is not None and self._table.data_bytes == 0:

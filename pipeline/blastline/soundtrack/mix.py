@@ -13,6 +13,7 @@ scale keeps its level in the channel where it was mixed, and the sum of several 
 a plain pair, which is averaged, so that a mono film and the same film as two equal channels give the same drive.
 """
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -25,6 +26,7 @@ Matrix = NDArray[np.float32]
 LFE_GAIN = 10.0**0.5
 """The low-frequency channel is mixed 10 dB low on the medium and raised in the cinema."""
 
+_CHANNEL = re.compile("[0-9]{1,6}")
 _HALF_POWER = 0.5**0.5
 _WEIGHTS = {"FL": _HALF_POWER, "FR": _HALF_POWER, "FLC": _HALF_POWER, "FRC": _HALF_POWER, "FC": 1.0}
 _OTHER_WEIGHT = 0.5
@@ -141,7 +143,7 @@ def mixed(samples: NDArray[np.float32], matrix: Matrix, order: Sequence[int] | N
 
 def _indices(mix: str, channels: int) -> list[int]:
     parts = [part.strip() for part in mix.split(",")]
-    if not all(part.isascii() and part.isdigit() for part in parts):
+    if not all(_CHANNEL.fullmatch(part) for part in parts):
         raise SoundtrackError(
             f"mix {mix!r}: expected mains, lfe, center, all, or channel numbers counted from 0, such as 0,2"
         )

@@ -21,12 +21,14 @@ def open_soundtrack(
     stream: int | None = None,
     mix: str = "mains",
     spool_folder: Path | None = None,
+    cuts: bool = True,
     timebase: Timebase = AS_FILMED,
 ) -> Soundtrack:
     """Open one sound track of an audio file or a film.
 
     `stream` counts the sound tracks from 0; without it the one that the file marks as default is taken, else the
-    first. `mix` is explained in `mix.py`. Compressed sound is spooled to a temporary file in `spool_folder`.
+    first. `mix` is explained in `mix.py`. Compressed sound is spooled to a temporary file in `spool_folder`,
+    but without `cuts`: nothing of it can be cut afterwards then.
     `timebase` is what the user knows better about its timecode. Raises SoundtrackError where the file cannot be read
     or has no such track or channel, RuleError where the time base does not go with the film.
     """
@@ -40,7 +42,7 @@ def open_soundtrack(
                 limits = f"{MIN_RATE_HZ} to {MAX_RATE_HZ} Hz"
                 raise SoundtrackError(f"the sample rate is {facts.rate_hz} Hz; expected {limits}")
             matrix = mix_matrix(facts.layout, facts.channels, mix)
-            spool = None if isinstance(track, PcmTrack) else Spool(spool_folder)
+            spool = Spool(spool_folder) if cuts and not isinstance(track, PcmTrack) else None
             opened = Soundtrack(path, track, matrix=matrix, mix=mix, spool=spool, timebase=timebase, opened=state)
             opened.described()
         except BaseException:

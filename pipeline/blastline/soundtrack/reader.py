@@ -94,12 +94,15 @@ class Soundtrack:
         """
         return None if self._azimuths_deg is None else Channels(self._azimuths_deg, self._centre, self._channels)
 
-    def blocks(self, frames: int = PIECE, *, sides: bool = False, remembered_s: float = 0.0) -> Iterator[Clip]:
+    def blocks(
+        self, frames: int = PIECE, *, sides: bool = False, kept_sides: bool = False, remembered_s: float = 0.0
+    ) -> Iterator[Clip]:
         """Yield the mixed sound from its first sample to its last, float32; this is the one decoding pass.
 
-        Every block has `frames` frames but the last. With `sides`, those that the film has come with it. The channels
-        of the last `remembered_s` seconds can be read `around` what has come by. Raises SoundtrackError where the file
-        proves to be unreadable, OutputError where the disk has no room for the decoded sound.
+        Every block has `frames` frames but the last. With `sides`, those that the film has come with it; with
+        `kept_sides` they can be cut afterwards, as those of a pair always can. The channels of the last `remembered_s`
+        seconds can be read `around` what has come by. Raises SoundtrackError where the file proves to be unreadable,
+        OutputError where the disk has no room for the decoded sound.
         """
         if frames < 1:
             raise ValueError(f"a block must have at least 1 frame, not {frames}")
@@ -109,7 +112,7 @@ class Soundtrack:
         if remembered_s and self._azimuths_deg is not None and not isinstance(self._track, PcmTrack):
             self._recent = Recent(frames + round(remembered_s * self.rate_hz))
         start = 0
-        for samples in in_blocks(self._mixed_pieces(sides=sides), frames):
+        for samples in in_blocks(self._mixed_pieces(sides=sides, kept_sides=kept_sides or self.is_pair), frames):
             yield self._clip(samples, start)
             start += samples.shape[0]
         if start == 0:
@@ -140,8 +143,8 @@ class Soundtrack:
     def cut(self, span: Span, *, sides: bool = False) -> Clip:
         """Return the exact samples of a span inside the track, float64, once all blocks have been taken.
 
-        With `sides`, those that the film has come with it, if the file can be read twice, or if the film is a pair and
-        `blocks` was asked for them. Raises ValueError where the span leaves the track, SoundtrackError where a file
+        With `sides`, those that the film has come with it, if the file can be read twice, if the film is a pair, or if
+        `blocks` was asked to keep them. Raises ValueError where the span leaves the track, SoundtrackError where a file
         that is read twice has changed.
         """
         if self._frames is None or span.start < 0 or span.stop > self._frames:
@@ -202,17 +205,18 @@ class Soundtrack:
             return self._read(self._track, span)
         return None if self._recent is None else self._recent.read(span)
 
-    def _mixed_pieces(self, *, sides: bool) -> Iterator[Samples]:
+    def _mixed_pieces(self, *, sides: bool, kept_sides: bool) -> Iterator[Samples]:
+        kept_sides, given = kept_sides and self._spool is not None, self.columns + (sides and self.has_sides)
         with naming(self._path):
             for raw in self._track.pieces():
                 samples = self._condition.usable(raw)
-                columns = self._mixed(samples, sides=sides)
+                columns = self._mixed(samples, sides=sides or kept_sides)
                 self._condition.hear(samples, columns[:, : self.columns])
                 if self._spool is not None:
-                    self._spool.append(np.ascontiguousarray(columns[:, : self.columns + self.is_pair]))
+                    self._spool.append(np.ascontiguousarray(columns if kept_sides else columns[:, : self.columns]))
                 if self._recent is not None:
                     self._recent.append(samples)
-                yield columns
+                yield columns[:, :given]
         if self._spool is not None:
             self._spool.finish()
 
