@@ -136,6 +136,14 @@ def test_a_budget_too_small_names_one_that_would_do(film: Path, tmp_path: Path) 
     assert not (tmp_path / "t.json").exists()
 
 
+def test_an_earlier_result_is_refused_before_anything_is_measured(film: Path, tmp_path: Path) -> None:
+    (tmp_path / "drive.wav").write_bytes(b"earlier")
+    ended = blastline("render", film, "-o", tmp_path, "--budget", "1h")
+    assert ended.code == 2
+    assert "drive.wav: exists already" in ended.err
+    assert "measuring" not in ended.err
+
+
 def test_a_generous_budget_takes_the_most_accurate_and_says_so(film: Path, tmp_path: Path) -> None:
     ended = blastline("detect", film, "--budget", "2h", "-o", tmp_path / "t.json")
     made = msgspec.json.decode((tmp_path / "t.json").read_bytes(), type=Timeline)

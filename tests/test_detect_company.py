@@ -68,6 +68,19 @@ def test_a_run_that_only_the_sides_hear_has_to_be_as_sure_as_their_company() -> 
         assert len(believed_ms(*(msgspec.structs.replace(each, heard_in="sides") for each in run_))) == number
 
 
+@pytest.mark.parametrize("inside", [1, 2, 3])
+def test_a_slow_row_that_the_end_of_a_core_cuts_is_parted_on_both_sides(inside: int) -> None:
+    onsets = np.array([20_000 + 600 * n for n in range(4)]) * (RATE_HZ // 1000)
+    every = looked(onsets, np.full(4, (VERIFY.round_threshold + VERIFY.company_threshold) / 2))
+    end = int(onsets[inside - 1]) + 300 * RATE_HZ // 1000
+    for core in (Span(0, end), Span(end, 100 * RATE_HZ)):
+        mine = (onsets >= core.start) & (onsets < core.stop)
+        here = looked(onsets[mine], np.full(mine.sum(), (VERIFY.round_threshold + VERIFY.company_threshold) / 2))
+        assert worth_parting(here, [None] * int(mine.sum()), rate_hz=RATE_HZ, tier=TIER, core=core).all()
+    far = worth_parting(every, [None] * 4, rate_hz=RATE_HZ, tier=TIER, core=Span(0, 100 * RATE_HZ))
+    assert not far.any(), "the others are rounds of no burst"
+
+
 def test_two_shots_of_a_burst_take_its_rounds_along_before_and_after_them() -> None:
     reach = (BURSTS.most_unsure - 2) // 2
     numbers = [n for n in range(-reach, reach + 1) if n not in (0, 1)]

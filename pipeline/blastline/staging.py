@@ -85,6 +85,11 @@ def staged(
                 parent.rmdir()
 
 
+def require_free(folder: Path, *, names: Collection[str], overwrite: bool, films: Collection[Path] = ()) -> None:
+    """Raise what `staged` would raise of these files before anything is written, for who has long to go until then."""
+    _refuse_existing(_Results(folder, names, (), (), films, (), overwrite), names)
+
+
 def require_utf_8(path: Path, *, advice: str = "choose another folder for the results") -> None:
     """Raise OutputError for a name that no text can hold, and the libraries that write and read sound cannot use."""
     try:

@@ -89,6 +89,7 @@ def render(
         original=original,
     )
     if allowed is not None:
+        run.require_place(film, folder, options)  # before minutes of measuring
         options = _within(film, allowed, options, drives=True, quiet=quiet)
     notes: list[str] = []
     with shown_progress(quiet=quiet) as progress:

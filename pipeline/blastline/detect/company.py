@@ -152,13 +152,17 @@ def worth_parting(
 ) -> NDArray[np.bool_]:
     """Return which candidates `in_company` could believe, given those of a stretch's core and the rows among them.
 
-    The others need no parts: they are rounds of no burst. What a burst or a row beyond the core may reach is worth it.
+    The others need no parts: they are rounds of no burst. What a burst or a row beyond the core may reach is worth it,
+    a slow row of shots too, which the networks alone may believe.
     """
     longest = samples_from_ms(tier.bursts.longest_gap_ms, rate_hz) + _ROUNDING
     fired = np.array([row == "fire" for row in rows], bool)
     worth: NDArray[np.bool_] = (looked.odds.by_all >= log_odds_of(tier.verify.company_threshold)) | fired
     likeliest = np.maximum(looked.odds.by_all, looked.odds.by_networks)
     members = np.flatnonzero((likeliest >= log_odds_of(tier.verify.round_threshold)) | worth)
+    reach = (tier.rows.fewest - 1) * samples_from_ms(tier.rows.longest_gap_ms, rate_hz)
+    cut = (looked.onsets < core.start + reach) | (looked.onsets >= core.stop - reach)
+    worth |= cut & (looked.odds.by_networks >= log_odds_of(tier.verify.round_threshold))
     for run in runs_of(looked.onsets[members], longest):
         burst = members[run]
         at = looked.onsets[burst]

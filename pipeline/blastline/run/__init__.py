@@ -20,7 +20,7 @@ from .names import DRIVE
 from .options import RenderOptions
 from .pictures import actuator_picture
 from .progress import Progress, no_progress
-from .rendering import render
+from .rendering import render, require_place
 
 __all__ = [
     "DRIVE",
@@ -42,6 +42,7 @@ __all__ = [
     "identify_actuator",
     "no_progress",
     "render",
+    "require_place",
     "synthesise",
     "within",
 ]

@@ -13,7 +13,7 @@ from ..export import FORMATS, HAPTIC_FORMATS, export_timeline, known_formats, ne
 from ..model import Edits, Timeline
 from ..report import OverviewMeter, write_report
 from ..soundtrack import Soundtrack, open_soundtrack
-from ..staging import require_utf_8, staged
+from ..staging import require_free, require_utf_8, staged
 from . import names
 from .checking import checked
 from .driving import open_drive, write_drive_of
@@ -57,6 +57,18 @@ def render(
     return timeline
 
 
+def require_place(film: Path, folder: Path, options: RenderOptions) -> None:
+    """Raise OutputError or RuleError where `render` could not write what is asked for, before it listens."""
+    require_utf_8(folder)
+    require_free(folder, names=_names(options), overwrite=options.overwrite, films=[film])
+
+
+def _names(options: RenderOptions) -> list[str]:
+    """Return the files of a result."""
+    files = [file for each in known_formats(options.formats) for file in each.files]
+    return [names.DRIVE, *files, *([names.REPORT] * options.report)]
+
+
 def _place(film: Path, folder: Path, options: RenderOptions) -> AbstractContextManager[Path]:
     """Return the place for the results, from which no file of an earlier film stays where it may be overwritten."""
     require_utf_8(folder)
@@ -65,7 +77,7 @@ def _place(film: Path, folder: Path, options: RenderOptions) -> AbstractContextM
     formats, every = known_formats(options.formats), known_formats((*FORMATS, *HAPTIC_FORMATS))
     return staged(
         folder,
-        names=[names.DRIVE, *(file for each in formats for file in each.files), *([names.REPORT] * options.report)],
+        names=_names(options),
         sets=[pattern for each in formats for pattern in each.sets],
         stale=[names.DRIVE, names.REPORT, *(name for each in every for name in (*each.files, *each.sets))],
         films=[film],
