@@ -9,7 +9,7 @@ from ..model import Background, Check, Cutter, Event, Phase, SoundFile, Span, Ti
 from ..ruleset import ActuatorProfile, AlignRules
 from ..units import ms_from_samples, samples_from_ms
 from .comparison import Comparison, compare
-from .hearing import is_direct
+from .hearing import is_direct, is_solved
 from .sanity import fade_margin, heard_rise_db, is_rise_owed, order_faults
 from .shots import ShotFigures, likeness_limit, parts_of
 from .sounds import Sound, stretch_of
@@ -173,7 +173,7 @@ def _shot_checks(shared: Comparison, event: Event, figures: ShotFigures | None, 
 
 def _can_lead(shared: Comparison, event: Event) -> bool:
     """Return whether the film has room for the lead before a shot: without it, a solved drive comes late."""
-    return event.onset_sample >= shared.samples(shared.lead_ms)
+    return not is_solved(event) or event.onset_sample >= shared.samples(shared.lead_ms)
 
 
 def _noted(shared: Comparison, event: Event, figures: ShotFigures | None, lag: float | None) -> Iterator[Check]:

@@ -27,10 +27,10 @@ _FADED = 1e-3
 _LONGEST_MEMORY_S = 1.7
 """No longer is waited for H to forget: seven time constants of 0.25 s."""
 
-_BEND_MS: dict[Phase, float] = {"causal": 0.1, "zero": 0.15}
+_BEND_MS: dict[Phase, float] = {"causal": 0.1, "zero": 0.125}
 _BEND_AT_HZ = 1000.0
 """How far the actuator's limit alone can bend the plain correlation's peak aside, in a band up to there: 1.1 samples at
-48 kHz was the most seen, without delay 5.8. A band that ends lower swings more slowly; one up to 80 Hz was bent by
+48 kHz was the most seen, without delay 5.7. A band that ends lower swings more slowly; one up to 80 Hz was bent by
 0.5 ms."""
 
 _LOWEST_HZ = 1.0

@@ -11,6 +11,7 @@ def told_interrupted() -> int:
     # Python remembers an interruption inside any exec, which imports use, although it was caught, and would end by the
     # signal instead of our exit code; the next exec makes it forget
     exec("")
-    with suppress(OSError, AttributeError):  # where nobody can be told, stderr None, the exit code still tells
-        sys.stderr.write("blastline: interrupted; nothing was written\n")
+    if sys.stderr is not None:
+        with suppress(OSError):  # where nobody can be told, the exit code still tells
+            sys.stderr.write("blastline: interrupted; nothing was written\n")
     return INTERRUPTED

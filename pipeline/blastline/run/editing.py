@@ -17,7 +17,7 @@ from ..model import Clip, Decision, Edits, Event, HeardIn, Rejection, Shot, Sour
 from ..render import is_lacking, plan_windows, window_between, with_gains
 from ..report import OverviewMeter
 from ..ruleset import Rules
-from ..soundtrack import Soundtrack, open_soundtrack
+from ..soundtrack import Soundtrack, heard_mix, open_soundtrack
 from ..timebase import Timebase, recalled
 from ..units import ms_from_samples, samples_from_ms
 from . import names
@@ -119,18 +119,13 @@ def _require_same_film(editing: Editing, found: Source) -> None:
             f"{editing.named_by}: is of sound stream {expected.stream} of {expected.name}, not {found.stream}; "
             f"give --stream {expected.stream}"
         )
-    if found.sha256 == expected.sha256 and _heard_mix(found) != _heard_mix(expected):
+    if found.sha256 == expected.sha256 and heard_mix(found.mix) != heard_mix(expected.mix):
         raise TimelineError(
             f"{editing.named_by}: its shots were heard in the mix {expected.mix}, not {found.mix}; "
             f"give --mix {expected.mix}"
         )
     if (found.sha256, found.frames) != (expected.sha256, expected.frames):
         raise TimelineError(f"{editing.named_by}: is of {_named(expected)}, but the film is {_named(found)}; {_MEND}")
-
-
-def _heard_mix(source: Source) -> str:
-    """Return what detection listens to: the mains with every mix that only drives."""
-    return "mains" if source.mix in ("lfe", "all") else source.mix.replace(" ", "")
 
 
 def _inside(wish: Wish, source: Source, path: Path) -> Wish:

@@ -6,9 +6,18 @@
 
 from ..timecode import timecode_at
 from .bwf import Cue
-from .mix import as_front
+from .mix import as_front, heard_mix
 from .opening import open_soundtrack
 from .reader import Soundtrack
 from .writer import write_drive, write_excerpt
 
-__all__ = ["Cue", "Soundtrack", "as_front", "open_soundtrack", "timecode_at", "write_drive", "write_excerpt"]
+__all__ = [
+    "Cue",
+    "Soundtrack",
+    "as_front",
+    "heard_mix",
+    "open_soundtrack",
+    "timecode_at",
+    "write_drive",
+    "write_excerpt",
+]

@@ -26,6 +26,7 @@ Matrix = NDArray[np.float32]
 LFE_GAIN = 10.0**0.5
 """The low-frequency channel is mixed 10 dB low on the medium and raised in the cinema."""
 
+_HEARS_MAINS = ("mains", "lfe", "all")
 _CHANNEL = re.compile("[0-9]{1,6}")
 _HALF_POWER = 0.5**0.5
 _WEIGHTS = {"FL": _HALF_POWER, "FR": _HALF_POWER, "FLC": _HALF_POWER, "FRC": _HALF_POWER, "FC": 1.0}
@@ -69,6 +70,11 @@ def mix_matrix(layout: Sequence[str] | None, channels: int, mix: str) -> Matrix:
     return np.stack([mains, low if mix == "lfe" else mains + low], axis=1)
 
 
+def heard_mix(mix: str) -> str:
+    """Return the mix that detection listens to: the mains with those that only drive."""
+    return "mains" if mix in _HEARS_MAINS else mix.replace(" ", "")
+
+
 def names_of(layout: Sequence[str] | None, channels: int) -> tuple[str, ...]:
     """Return what the channels are called; those of the usual order where the file does not say, else nothing."""
     names = tuple(layout) if layout else _USUAL_ORDER.get(channels, ())
@@ -96,7 +102,7 @@ def sides_matrix(layout: Sequence[str] | None, channels: int, mix: str) -> Matri
     mains = _mains_of(names)
     centre = centre_of(layout, channels)
     is_pair = len(mains) == 2 and "FC" not in mains
-    if mix not in ("mains", "lfe", "all") or not (is_pair or centre is not None):
+    if mix not in _HEARS_MAINS or not (is_pair or centre is not None):
         return None
     weights = _mains(names)[:, None]
     if centre is not None:

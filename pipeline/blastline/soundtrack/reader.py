@@ -206,7 +206,8 @@ class Soundtrack:
         return None if self._recent is None else self._recent.read(span)
 
     def _mixed_pieces(self, *, sides: bool, kept_sides: bool) -> Iterator[Samples]:
-        kept_sides, given = kept_sides and self._spool is not None, self.columns + (sides and self.has_sides)
+        kept_sides = kept_sides and self._spool is not None
+        given = self.columns + (sides and self.has_sides)
         with naming(self._path):
             for raw in self._track.pieces():
                 samples = self._condition.usable(raw)

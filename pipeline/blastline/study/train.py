@@ -40,7 +40,7 @@ _Thing = TypeVar("_Thing")
 AFTER_SHARE = 0.6
 """Of the weights of a network that was taught further; the rest is as before."""
 NETWORKS = ("small", "large", "large")
-"""As many as the reference tier asks: the first stands for itself, the second judges what it doubts."""
+"""As many as the reference tier asks: the first stands for itself, the others judge what it doubts."""
 
 
 def as_taught(tier: QualityRules) -> QualityRules:
