@@ -20,7 +20,7 @@ import numpy as np
 
 from blastline import run
 from blastline.model import Quality, Timeline
-from blastline.study.matching import Counts, count, match, settled
+from blastline.study.matching import Counts, count, match
 from blastline.synth import Scene, Truth
 from blastline.synth.files import write_scene
 from blastline.synth.film import film_scene
@@ -47,12 +47,10 @@ class Tally:
         onsets_ms = np.array([event.onset_s * 1000.0 for event in found.events])
         places_ms = [tuple(at * 1000.0 / truth.rate_hz for at in shot.accept_samples) for shot in truth.shots]
         forgiven_ms = [each.at_s * 1000.0 for each in truth.negatives if each.kind == "explosion"]
-        forgiven_ms += [at for each in places_ms for at in each]
         true_ms = np.array([shot.onset_s * 1000.0 for shot in truth.shots])
-        true_ms = settled(onsets_ms, true_ms, places_ms, WINDOW_MS)
-        self.counts += count(onsets_ms, true_ms, WINDOW_MS, forgiven_ms=forgiven_ms)
+        self.counts += count(onsets_ms, true_ms, WINDOW_MS, alternatives_ms=places_ms, forgiven_ms=forgiven_ms)
         self.minutes += truth.frames / truth.rate_hz / 60.0
-        for index, true in match(onsets_ms, true_ms, WINDOW_MS):
+        for index, true in match(onsets_ms, true_ms, WINDOW_MS, places_ms):
             expected, told = truth.shots[true].azimuth_deg, found.events[index].azimuth_deg
             if expected is not None and told is None:
                 self.unplaced += 1

@@ -37,7 +37,7 @@ from blastline.render import drive_filters, hear_window, measure, needed_audio, 
 from blastline.render.filters import felt
 from blastline.ruleset import Rules, load_actuator, load_rules, rules_path
 from blastline.soundtrack import Soundtrack, open_soundtrack
-from blastline.study.matching import Counts, count, settled
+from blastline.study.matching import Counts, count
 from blastline.study.truth import synthesised
 from blastline.synth import Truth
 
@@ -134,8 +134,8 @@ def counted(shots: Sequence[Shot], truth: Truth) -> Counts:
     found_ms = np.array([shot.onset for shot in shots], np.float64) * 1000.0 / truth.rate_hz
     others = [tuple(at * 1000.0 / truth.rate_hz for at in shot.accept_samples) for shot in truth.shots]
     forgiven = [each.at_s * 1000.0 for each in truth.negatives if each.kind == "explosion"]
-    true_ms = settled(found_ms, np.array([shot.onset_s * 1000.0 for shot in truth.shots]), others, 10.0)
-    return count(found_ms, true_ms, 10.0, forgiven_ms=[*forgiven, *(at for each in others for at in each)])
+    true_ms = np.array([shot.onset_s * 1000.0 for shot in truth.shots])
+    return count(found_ms, true_ms, 10.0, alternatives_ms=others, forgiven_ms=forgiven)
 
 
 def scan_s(path: Path, rules: Rules) -> float:

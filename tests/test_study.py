@@ -1,5 +1,7 @@
 """Scores: counted as mir_eval counts them."""
 
+from itertools import permutations
+
 import mir_eval
 import numpy as np
 import pytest
@@ -44,3 +46,33 @@ def test_the_error_rate_is_that_of_its_definition(seed: int) -> None:
 def test_what_is_forgiven_is_neither_right_nor_wrong() -> None:
     counts = count(np.array([100.0, 108.8, 500.0]), np.array([108.8]), 2.0, forgiven_ms=[100.0])
     assert counts == Counts(hits=1, false=1, missed=0)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_of_all_largest_matchings_the_nearest_is_taken(seed: int) -> None:
+    """Against every order of pairing, with places besides the first."""
+    rng = np.random.default_rng(seed)
+    true_ms = np.sort(rng.uniform(0.0, 200.0, 4))
+    others = [tuple(true_ms[shot] - rng.uniform(5.0, 40.0, rng.integers(0, 3))) for shot in range(4)]
+    found_ms = np.sort(rng.uniform(-20.0, 220.0, 6))
+
+    def cost(found: int, shot: int) -> tuple[bool, float]:
+        """Return whether a shot's own place is out of reach, and how far away the nearest in reach is."""
+        away_ms = [abs(float(found_ms[found]) - place) for place in (float(true_ms[shot]), *others[shot])]
+        return away_ms[0] > 30.0, away_ms[0] if away_ms[0] <= 30.0 else min(away_ms)
+
+    def rank(pairs: list[tuple[int, int]]) -> tuple[int, int, float]:
+        costs = [cost(*pair) for pair in pairs]
+        return len(pairs), -sum(aside for aside, _ in costs), -sum(away for _, away in costs)
+
+    every = [[(found, shot) for shot, found in enumerate(order)] for order in permutations(range(6), 4)]
+    best = max(rank([pair for pair in pairs if cost(*pair)[1] <= 30.0]) for pairs in every)
+    assert rank(match(found_ms, true_ms, 30.0, others)) == pytest.approx(best)
+
+
+def test_a_shot_is_met_at_its_shock_only_by_what_is_left() -> None:
+    found_ms, true_ms = np.array([900.0, 1015.0]), np.array([1000.0, 1060.0])
+    assert match(found_ms, true_ms, 50.0, [(), (900.0,)]) == [(1, 0), (0, 1)]
+    assert count(found_ms, true_ms, 50.0, alternatives_ms=[(), (900.0,)]) == Counts(2, 0, 0)
+    late = count(np.array([900.0, 1000.0, 1060.0]), true_ms, 50.0, alternatives_ms=[(), (900.0,)])
+    assert late == Counts(2, 0, 0)  # the shock of a shot that was found is neither right nor wrong

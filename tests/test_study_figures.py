@@ -262,3 +262,68 @@ def test_recordings_are_films_of_their_own(tmp_path: Path) -> None:
     assert burst.bursts == ((0, 1, 2),)
     assert not slow.timed.any()
     assert drum.true_ms.size == 0
+
+
+ROWS = ("path,source,label,sub_label,duration_s,onsets_s,notes", "a.wav,range,gunshot,rifle,2.0,0.5;0.6,")
+
+
+@pytest.mark.parametrize(
+    ("line", "complaint"),
+    [
+        ("b.wav,range,gunshot,rifle,,0.5,", "line 3: duration_s = '': expected seconds from 0 on"),
+        ("b.wav,range,gunshot,rifle,abc,0.5,", "line 3: duration_s = 'abc'"),
+        ("b.wav,range,gunshot,rifle,2.0,0.5;x,", "line 3: onsets_s = '0.5;x': expected seconds from 0 on, with a semi"),
+        ('b.wav,range,gunshot,rifle,2.0,"0.5,0.7",', "line 3: onsets_s = '0.5,0.7'"),
+        ("b.wav,range,gunshot,rifle,2.0,-0.5,", "line 3: onsets_s = '-0.5'"),
+        ("b.wav,range,gunshot,rifle,2.0,nan,", "line 3: onsets_s = 'nan'"),
+        ("b.wav,range,gunshot,rifle,2.0,99,", "expected seconds before the end, at 2 s"),
+        ("b.wav,range,gunshot,rifle,2.0,0.7;0.5,", "expected each later than the one before"),
+        ("b.wav,range,gunshot,rifle,2.0,0.5;0.5,", "expected each later than the one before"),
+        ("b.wav,range,gunshot,rifle,2.0,,", "expected the onset of each shot, as it is a gunshot"),
+        ("b.wav,range,negative,drum,2.0,0.5,", "expected none, as it is a negative"),
+        ("b.wav,range,Gunshot,rifle,2.0,0.5,", "line 3: label = 'Gunshot': expected gunshot or negative"),
+        (",range,gunshot,rifle,2.0,0.5,", "line 3: path = '': expected a name"),
+        ("b.wav,range,gunshot,rifle,2.0", "line 3: 5 cells; expected 7, as the first line names"),
+        ("b.wav,range,gunshot,rifle,2.0,0.5,,,", "line 3: 9 cells; expected 7"),
+        ("a.wav,range,gunshot,rifle,2.0,0.5,", "already; expected each recording once"),
+    ],
+)
+def test_a_table_that_says_what_cannot_be_is_refused(tmp_path: Path, line: str, complaint: str) -> None:
+    (tmp_path / "annotations.csv").write_text("\n".join([*ROWS, line]))
+    with pytest.raises(RuleError) as told:
+        read_corpus([tmp_path])
+    assert complaint in str(told.value)
+    assert str(tmp_path) in str(told.value)
+
+
+@pytest.mark.parametrize("data", [b"", "\n".join(ROWS).encode("utf-16"), "pf\u00e4d".encode("latin-1")])
+def test_a_table_that_is_none_is_refused(tmp_path: Path, data: bytes) -> None:
+    (tmp_path / "annotations.csv").write_bytes(data)
+    with pytest.raises(RuleError, match=r"annotations\.csv: "):
+        read_corpus([tmp_path])
+
+
+def test_two_sounds_of_one_name_in_two_folders_are_two(tmp_path: Path) -> None:
+    rows = [ROWS[0], *(f"{folder}/shot.wav,range,gunshot,rifle,2.0,0.5," for folder in ("near", "far"))]
+    (tmp_path / "annotations.csv").write_text("\n".join(rows))
+    assert [each.name for each in recordings(read_corpus([tmp_path]))] == ["range/near/shot.wav", "range/far/shot.wav"]
+
+
+def test_timing_is_told_of_the_onset_that_is_nearest() -> None:
+    true_ms = [1000.0, 2000.0, 3000.0]
+    found_ms = np.sort(np.concatenate([true_ms, np.array(true_ms) - 40.0]))
+    tally = Tally()
+    tally.add(case(true_ms), found_ms, minutes=0.1, spent=SPENT)
+    timing = tally.score("any").timing
+    assert timing is not None
+    assert (timing.shots, timing.p95_ms) == (3, 0.0)
+
+
+def test_what_another_shot_was_found_by_is_not_said_to_be_near() -> None:
+    found = heard([1000.0], {})
+    missed, *others = scored_events(case([1000.0, 1030.0]), found)
+    assert others == []
+    assert "away" not in missed.reason
+    (missed, false) = scored_events(case([1000.0]), heard([1030.0], {}))
+    assert missed.reason == "found +30.0 ms away"
+    assert false.kind == "false"

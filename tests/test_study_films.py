@@ -12,7 +12,9 @@ from blastline.errors import RuleError
 from blastline.study.cases import GUN_FREE_EVERY, Case, random_films, scenes
 from blastline.study.corpus import read_corpus
 from blastline.study.courses import FOLD_SEED, FOLDS, by_fold
+from blastline.study.detection import study_detection
 from blastline.study.filmlike import CLIP_S, film_mixes, one_shot_clips, stock
+from blastline.study.mixes import Sound, mix
 from blastline.study.peer_scores import PeerTally, heard_by, opened, warm
 from blastline.study.peers import PEERS, Peer, installed
 from blastline.study.sources import StudySource
@@ -194,3 +196,27 @@ def test_a_peer_that_is_not_installed_is_named() -> None:
     there, absent = installed([*PEERS[:1], peer])
     assert [each.package for each in there] == ["librosa"]
     assert absent == ("no_such_package",)
+
+
+def test_a_shot_is_as_loud_over_the_bed_as_its_own_peak() -> None:
+    wave = np.zeros(RATE_HZ)
+    wave[4_800], wave[24_000] = 0.9, 0.009
+    rng, bed = np.random.default_rng(1), 1e-2 * np.random.default_rng(2).standard_normal(4 * RATE_HZ)
+    made = mix(bed, [Sound(wave, (4_800, 24_000))], rng=rng, rate_hz=RATE_HZ, levels_db=(20.0, 20.0))
+    assert made.level_db == pytest.approx([20.0, -20.0], abs=0.1)
+
+
+def test_onsets_after_the_end_of_their_sound_are_refused(tmp_path: Path) -> None:
+    soundfile.write(tmp_path / "short.wav", bang(4_800, 24_000, 1), RATE_HZ)
+    rows = ["path,source,label,sub_label,duration_s,onsets_s,notes", "short.wav,one,gunshot,rifle,9.0,0.1;4.0,"]
+    (tmp_path / "annotations.csv").write_text("\n".join(rows))
+    told = r"short\.wav: .* 4 .*: expected seconds before the end of the sound, at 0\.5 s"
+    for source in (StudySource(corpus=(tmp_path,)), StudySource(corpus=(tmp_path,), mix_db=(6.0, 6.0), films=1)):
+        (tmp_path / str(source.mix_db)).mkdir()
+        with pytest.raises(RuleError, match=told):
+            study_detection(source, tmp_path / str(source.mix_db), "draft")
+
+
+def test_clips_and_mixes_are_not_asked_for_together(corpus: Path, tmp_path: Path) -> None:
+    with pytest.raises(RuleError, match="either --clips or --mix"):
+        StudySource(corpus=(corpus,), mix_db=(6.0, 30.0), clips=True).cases(tmp_path)

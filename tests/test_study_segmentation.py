@@ -130,7 +130,7 @@ def test_true_onsets_are_parted_as_the_detector_parts_them(tmp_path: Path) -> No
     path = tmp_path / "one.toml"
     path.write_text(SCENE)
     audio = render_scene(msgspec.toml.decode(path.read_bytes(), type=Scene))
-    film = Film("one", audio.read(0, audio.frames)[:, 0].astype(np.float32), truth_of(audio))
+    film = Film("one", None, audio.read(0, audio.frames)[:, 0].astype(np.float32), truth_of(audio))
     (shot,) = shots_at_truth(film, load_rules("standard").tier)
     assert shot.onset == film.truth.shots[0].onset_sample
     assert len(shot.blast) > 0

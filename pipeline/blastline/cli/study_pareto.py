@@ -122,6 +122,11 @@ def pareto_table(study: "ParetoStudy") -> str:
                 f"{point.cost.cpu_s_per_hour:7.1f} {point.cpu_s_per_window_s:7.4f} {point.ratio:6.3f} "
                 f"{point.correlation:6.3f} {100.0 * point.lost:8.3f} {point.above_best:11.2e}"
             )
+    elif study.rendering_asked:
+        lines += [
+            "",
+            "rendering: none of these shots is weak in direct conversion, so that no drive is better than another",
+        ]
     return "\n".join([*lines, "", *map(str, study.bars)])
 
 

@@ -26,7 +26,7 @@ _LEAN_FITS: Fits = ((_FEW_POLES, 5, 0.01), *_FITS)
 _ENOUGH, _ROUNDS = 10.0 ** (-40.3 / 20.0), 4
 
 _NEAR_ONE = 1e-6  # of two real poles p, q in one section, (1 - p)(1 - q) is known to 1e-16: at least this, to 1e-10
-_RUN, _SILENT = 65_536, 1e-290
+_RUN, _SILENT = 8_192, 1e-290  # in a longer run, most of what decays would be denormal before it is seen
 
 
 def digital(analogue: Analogue, rate_hz: int, *, lean: bool = False) -> NDArray[np.float64]:

@@ -67,7 +67,7 @@ def recordings(found: Iterable[Recording]) -> Iterator[Case]:
     for recording in found:
         onsets_ms = np.array(recording.onsets_s) * 1000.0
         yield Case(
-            name=f"{recording.source}/{recording.path.stem}",
+            name=recording.name,
             path=recording.path,
             true_ms=onsets_ms,
             snr_db=np.full(onsets_ms.size, np.nan),

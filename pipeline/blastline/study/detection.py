@@ -73,6 +73,16 @@ def unwatched(stage: str, done: int, total: int | None) -> None:
     """Tell nobody."""
 
 
+def _require_inside(case: Case, heard: Heard) -> None:
+    """Raise RuleError where a shot is said to be beyond the end of the sound."""
+    end_ms = heard.frames * 1000.0 / heard.rate_hz
+    if case.true_ms.size and case.true_ms[-1] >= end_ms:
+        raise RuleError(
+            f"{case.path}: a shot is said to be at {case.true_ms[-1] / 1000.0:g} s: "
+            f"expected seconds before the end of the sound, at {end_ms / 1000.0:g} s"
+        )
+
+
 def listener(name: str, tier: QualityRules, rules: Path | None = None) -> Listener:
     """Return a setting of detection, ready to listen."""
     model = rules_path(f"verifier/{tier.verify.model}", rules)
@@ -189,6 +199,7 @@ def sweep(
     progress("listening", 0, total)
     audience = _Audience(listeners, peers, repeats)
     for number, (case, done) in enumerate(each_of(audience, cases, jobs=jobs)):
+        _require_inside(case, done.heard[0])
         for tally, heard, cpu_s in zip(tallies, done.heard, done.cpu_s, strict=True):
             found_ms = np.array([shot.onset for shot in heard.detection.shots], np.float64) * 1000.0 / heard.rate_hz
             tally.add(case, found_ms, minutes=done.minutes, spent=Spent(cpu_s, done.read_s))

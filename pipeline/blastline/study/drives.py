@@ -45,6 +45,7 @@ class ShotRow(msgspec.Struct, frozen=True):
     """
 
     scene: str
+    rate_hz: int
     onset_s: float
     needed: float
     before_lead: float
@@ -161,6 +162,7 @@ def judged(window: Window, scene: str, setup: RenderSetup) -> WindowRow:
         rows.append(
             ShotRow(
                 scene=scene,
+                rate_hz=rate_hz,
                 onset_s=(start + onset) / rate_hz,
                 needed=window.needed,
                 before_lead=float(np.max(np.abs(before), initial=0.0)),

@@ -15,12 +15,13 @@ from ..soundtrack import open_soundtrack
 from ..units import samples_from_s
 from .cases import Case
 from .cost import Heard
-from .matching import match
-from .tally import SCORED_MS, TIMED_MS, reached
+from .tally import SCORED_MS, TIMED_MS, matched
 
 EXCERPT_BEFORE_S, EXCERPT_AFTER_S = 0.5, 1.0
 EVENTS, EXCERPTS = "events.csv", ("missed-*.wav", "false-*.wav")
 _NEAR_MS = 20.0
+_LONGEST_STEM = 80
+"""Of a film's name in that of an excerpt: file names end at 255 bytes."""
 
 
 class ScoredEvent(msgspec.Struct, frozen=True):
@@ -41,10 +42,9 @@ def scored_events(case: Case, heard: Heard) -> tuple[ScoredEvent, ...]:
     """Return what a film's detection got wrong at 10 ms, in order of time."""
     ms = 1000.0 / heard.rate_hz
     found_ms = np.array([shot.onset for shot in heard.detection.shots], np.float64) * ms
-    true_ms, order = reached(case, found_ms, SCORED_MS)
-    pairs = match(found_ms, true_ms, SCORED_MS)
-    events = [*_missed(case, heard, found_ms, {order[true] for _, true in pairs})]
-    events += _false(case, heard, found_ms, {found for found, _ in pairs})
+    pairs = matched(case, found_ms, SCORED_MS)
+    used, hit = {found for found, _ in pairs}, {shot for _, shot in pairs}
+    events = [*_missed(case, heard, np.delete(found_ms, sorted(used)), hit), *_false(case, heard, found_ms, used)]
     return tuple(sorted(events, key=lambda event: event.at_s))
 
 
@@ -58,7 +58,7 @@ def write_events(folder: Path, films: Sequence[tuple[Path, Sequence[ScoredEvent]
             names = []
             for event in events:
                 number += 1
-                stem = re.sub(r"[^\w.-]+", "_", event.film)
+                stem = re.sub(r"[^\w.-]+", "_", event.film)[-_LONGEST_STEM:]
                 names.append(f"{event.kind}-{number:04d}-{stem}-{event.at_s:.3f}s.wav" if excerpts else "")
                 row = msgspec.structs.astuple(event)
                 table.writerow([*("" if cell is None else cell for cell in row), names[-1]])
@@ -79,14 +79,14 @@ def excerpt(samples: NDArray[np.float32], at: int, *, start: int, rate_hz: int) 
     return cut
 
 
-def _missed(case: Case, heard: Heard, found_ms: NDArray[np.float64], hit: set[int]) -> Iterator[ScoredEvent]:
+def _missed(case: Case, heard: Heard, unused_ms: NDArray[np.float64], hit: set[int]) -> Iterator[ScoredEvent]:
     refused = heard.detection.rejections
     refused_ms = np.array([each.at_sample for each in refused], np.float64) * (1000.0 / heard.rate_hz)
     for shot, at_ms in enumerate(case.true_ms.tolist()):
         if shot in hit:
             continue
         level_db = float(case.snr_db[shot])
-        late_ms = _nearest(found_ms, at_ms, TIMED_MS)
+        late_ms = _nearest(unused_ms, at_ms, TIMED_MS)
         away_ms = _nearest(refused_ms, at_ms, _NEAR_MS)
         probability, reason = None, "no candidate that the screen let pass, or hardly a probability"
         if late_ms is not None:

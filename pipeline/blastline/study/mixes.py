@@ -12,12 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..units import gain_from_db
+from ..units import db_from_gain, gain_from_db, samples_from_ms
 
 Samples = NDArray[np.float64]
 
 RATE_HZ = 48_000
 MIX_S = 60.0
+_PEAK_MS = 50.0  # after an onset; a shot has peaked by then
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +37,7 @@ class Sound:
 class Mix:
     """A mixed stretch: float32 samples, the shots' onsets, ascending, and their levels.
 
-    `level_db` is a shot's peak over the rms of the bed around it.
+    `level_db` is a shot's own peak over the rms of the bed around it.
     """
 
     samples: NDArray[np.float32]
@@ -48,7 +49,10 @@ class Mix:
 def mix(
     bed: Samples, sounds: list[Sound], *, rng: np.random.Generator, rate_hz: int, levels_db: tuple[float, float]
 ) -> Mix:
-    """Place the sounds over the bed, none starting within 0.6 s of another's start, and master the sum."""
+    """Place the sounds over the bed, none starting within 0.6 s of another's start, and master the sum.
+
+    The loudest peak of each sound is at one of the levels over the bed.
+    """
     mixed = bed.copy()
     onsets: list[int] = []
     levels: list[float] = []
@@ -62,9 +66,9 @@ def mix(
         if peak <= 0.0:
             continue
         mixed[at : at + wave.shape[0]] += wave * (background * gain_from_db(level_db) / peak)
-        kept = [at + onset for onset in sound.onsets if onset < wave.shape[0]]
-        onsets += kept
-        levels += [level_db] * len(kept)
+        kept = [onset for onset in sound.onsets if onset < wave.shape[0]]
+        onsets += [at + onset for onset in kept]
+        levels += [level_db + softer_db for softer_db in _against_loudest_db(wave, kept, rate_hz)]
         unsure += [at + place for place in sound.unsure]
     order = np.argsort(onsets)
     return Mix(
@@ -73,6 +77,17 @@ def mix(
         level_db=np.array(levels, np.float64)[order],
         unsure=np.array(unsure, np.intp),
     )
+
+
+def _against_loudest_db(wave: Samples, onsets: list[int], rate_hz: int) -> list[float]:
+    """Return how much each shot peaks over the loudest moment of its sound: 0 dB or less."""
+    loudest = float(np.abs(wave).max())
+    ends = [*onsets[1:], wave.size] if onsets else []
+    peaks = [
+        float(np.abs(wave[onset : min(end, onset + samples_from_ms(_PEAK_MS, rate_hz))]).max())
+        for onset, end in zip(onsets, ends, strict=True)
+    ]
+    return [db_from_gain(peak / loudest) for peak in peaks]
 
 
 def as_16_bit(samples: Samples) -> NDArray[np.float32]:

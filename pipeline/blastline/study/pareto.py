@@ -30,7 +30,8 @@ APART = 2.0
 class ParetoStudy(msgspec.Struct, frozen=True):
     """The figures of all settings and peers; `on_front` are the names of those that nothing else beats.
 
-    `peak_memory_mb` is that of the tiers, on the longest film.
+    `peak_memory_mb` is that of the tiers, on the longest film. `rendering` is None where it was not asked for, and
+    where no shot of the films is weak.
     """
 
     protocol: str
@@ -40,6 +41,7 @@ class ParetoStudy(msgspec.Struct, frozen=True):
     peak_memory_mb: dict[str, float | None]
     on_front: tuple[str, ...]
     rendering: RenderingSweep | None
+    rendering_asked: bool
     rendering_on_front: tuple[str, ...]
     bars: tuple[Bar, ...]
 
@@ -87,6 +89,7 @@ def study_pareto(
         peak_memory_mb=memory_mb,
         on_front=tuple(each.name for each, there in zip(every, front, strict=True) if there),
         rendering=rendering,
+        rendering_asked=with_rendering,
         rendering_on_front=_felt_front(rendering) if rendering else (),
         bars=(*_detection_bars(listeners, done, scores), *(_rendering_bars(rendering) if rendering else ())),
     )

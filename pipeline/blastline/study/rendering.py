@@ -1,5 +1,6 @@
 """How faithful a drive within the limit is, and what it costs: every true shot of scenes, four ways, against bars."""
 
+import math
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -47,10 +48,7 @@ class RenderingScore(msgspec.Struct, frozen=True):
         """Return the means over the weak shots, of one scene or of all."""
         felt = [row.felt[drive] for row in self.shots[phase] if scene in (None, row.scene)]
         return Means(
-            *(
-                float(np.mean([getattr(each, name) for each in felt])) if felt else float("nan")
-                for name in ("peak", "ratio", "correlation", "lag_ms")
-            )
+            *(_mean([getattr(each, name) for each in felt]) for name in ("peak", "ratio", "correlation", "lag_ms"))
         )
 
 
@@ -87,8 +85,6 @@ def score(
             whole_ms = 1000.0 * scene.frames / scene.track.rate_hz
             tally.full_error = max(tally.full_error, windowed_error(scene, setup, preroll_ms=whole_ms))
         costs.append(_filter_and_read(scene, render_setup(profile, scene.track.rate_hz, "causal", tier.render)))
-    # the rate in which a lag of one sample is counted
-    rate_hz = scene.track.rate_hz
     weak = {
         phase: tuple(shot for row in tally.windows for shot in row.shots if shot.weak)
         for phase, tally in tallies.items()
@@ -101,7 +97,7 @@ def score(
         optima=tuple(optima),
         bars=(
             *_fidelity_bars(weak),
-            *_lag_bars(weak, rate_hz),
+            *_lag_bars(weak),
             *_window_bars(tallies),
             *_cost_bars(tallies, costs),
             *_optimum_bars(optima),
@@ -113,31 +109,31 @@ def _fidelity_bars(weak: dict[Phase, tuple[ShotRow, ...]]) -> list[Bar]:
     bars = []
     for phase, shots in weak.items():
         felt = [shot.felt["constrained"] for shot in shots]
-        if not felt:
-            continue
+        ratio, correlation = ([getattr(each, name) for each in felt] for name in ("ratio", "correlation"))
+        early = max((shot.before_lead for shot in shots), default=math.nan)
         bars += [
-            Bar(f"constrained, {phase}: mean ratio", float(np.mean([f.ratio for f in felt])), 0.83, better="above"),
-            Bar(
-                f"constrained, {phase}: mean correlation",
-                float(np.mean([f.correlation for f in felt])),
-                0.95,
-                better="above",
-            ),
-            Bar(f"constrained, {phase}: peak", max(f.peak for f in felt), 1.0),
-            Bar(f"constrained, {phase}: drive before the lead", max(shot.before_lead for shot in shots), 0.0),
+            Bar(f"constrained, {phase}: mean ratio", _mean(ratio), 0.83, better="above"),
+            Bar(f"constrained, {phase}: mean correlation", _mean(correlation), 0.95, better="above"),
+            Bar(f"constrained, {phase}: peak", max((each.peak for each in felt), default=math.nan), 1.0),
+            Bar(f"constrained, {phase}: drive before the lead", early, 0.0),
         ]
     return bars
 
 
-def _lag_bars(weak: dict[Phase, tuple[ShotRow, ...]], rate_hz: int) -> list[Bar]:
-    """Return the largest lag of any shot, of the filter, whose shape is the sound's, and of the constrained drive."""
+def _lag_bars(weak: dict[Phase, tuple[ShotRow, ...]]) -> list[Bar]:
+    """Return the largest lag of any shot, of the filter, whose shape is the sound's, and of the constrained drive.
+
+    In ms of a causal drive, in samples of its film of one without delay.
+    """
     bars = []
     drives: tuple[tuple[Drive, str], ...] = (("scaled", "filter"), ("constrained", "constrained"))
     for phase, shots in weak.items():
-        limit_ms = 0.5 if phase == "causal" else 1000.0 / rate_hz
+        limit, unit = (0.5, "ms") if phase == "causal" else (1.0, "samples")
         for drive, name in drives:
-            lags = [abs(shot.felt[drive].lag_ms) for shot in shots]
-            bars.append(Bar(f"{name}, {phase}: largest lag", max(lags, default=0.0), limit_ms, "ms"))
+            lags = [
+                abs(shot.felt[drive].lag_ms) * (1.0 if phase == "causal" else shot.rate_hz / 1000.0) for shot in shots
+            ]
+            bars.append(Bar(f"{name}, {phase}: largest lag", max(lags, default=math.nan), limit, unit))
     return bars
 
 
@@ -155,7 +151,7 @@ def _cost_bars(tallies: dict[Phase, _Tally], costs: Sequence[tuple[float, float]
     spent, seconds = sum(row.cpu_s["constrained"] for row in rows), sum(row.window_s for row in rows)
     filtering, reading = (sum(each) for each in zip(*costs, strict=True))
     return [
-        Bar("constrained rendering: CPU per second of window", spent / seconds if seconds else 0.0, 0.1, "s"),
+        Bar("constrained rendering: CPU per second of window", spent / seconds if seconds else math.nan, 0.1, "s"),
         Bar("filter: CPU against soundfile reading the windows", filtering / reading, 2.0, "times"),
     ]
 
@@ -189,6 +185,11 @@ def _filter_and_read(scene: TrueScene, setup: RenderSetup) -> tuple[float, float
             file.seek(planned.window.start)
             file.read(len(planned.window.span), dtype="float32")
     return filtering, time.process_time() - began
+
+
+def _mean(values: Sequence[float]) -> float:
+    """Return the mean; NaN, which meets no bar, of nothing."""
+    return float(np.mean(values)) if values else math.nan
 
 
 def _suits(row: WindowRow, window: Window, optima: Sequence[Optimum]) -> bool:

@@ -7,7 +7,6 @@ from itertools import islice
 import msgspec
 import numpy as np
 
-from ..errors import RuleError
 from ..ruleset import ActuatorProfile, QualityRules
 from .cases import Case
 from .cost import read_cpu_s
@@ -92,11 +91,11 @@ def sweep_rendering(
     repeats: int = 1,
     jobs: int = 1,
     progress: Progress = unwatched,
-) -> RenderingSweep:
+) -> RenderingSweep | None:
     """Render the true shots of films with every setting, and in the other ways there are with the first.
 
     The processor time of a window is the least of so many repeats, after one that does not count; so many films are
-    rendered at once as there are jobs. Raises RuleError where no shot is weak.
+    rendered at once as there are jobs. None where no shot is weak, and so nothing tells the drives apart.
     """
     fired = [case for case in cases if case.true_ms.size]
     rendering = _Rendering(settings, profile, repeats)
@@ -107,7 +106,7 @@ def sweep_rendering(
         progress("rendering", number + 1, len(fired))
     weak = every.weak
     if not weak:
-        raise RuleError("study: no shot that is weak in direct conversion; give films with shots that are")
+        return None
     lost = {name: float(np.mean([_lost(tally.felt[key]) for key in weak])) for name, tally in every.tallies.items()}
     points = tuple(
         RenderingPoint(

@@ -24,6 +24,7 @@ from ..soundtrack import open_soundtrack
 from ..synth import ShotTruth, Truth, film_scene, render_scene, truth_of
 from .bars import Bar
 from .bootstrap import Interval, intervals
+from .cost import listened
 from .matching import Counts, match
 from .mixes import as_16_bit
 from .truth import scenes_with_shots, synthesised
@@ -41,9 +42,10 @@ Echo = TypeVar("Echo", bound=Reflection)
 
 @dataclass(frozen=True, eq=False)
 class Film:
-    """A film as detection hears it, and its truth."""
+    """A film as detection hears it, its truth, and its file where it has one."""
 
     name: str
+    path: Path | None
     samples: NDArray[np.float32]
     truth: Truth
 
@@ -104,7 +106,7 @@ def scene_films(folder: Path, names: Collection[str] | None = None) -> Iterator[
     """Yield the scenes of a folder that have shots, or those of these names, synthesised; RuleError for none."""
     for name, path, truth in synthesised(scenes_with_shots(folder, names)):
         with open_soundtrack(path) as track:
-            yield Film(name, np.concatenate([clip.heard for clip in track.blocks()]).astype(np.float32), truth)
+            yield Film(name, path, np.concatenate([clip.heard for clip in track.blocks()]).astype(np.float32), truth)
 
 
 def random_films(seeds: Iterable[int], *, rate_hz: int = 48_000) -> Iterator[Film]:
@@ -112,7 +114,7 @@ def random_films(seeds: Iterable[int], *, rate_hz: int = 48_000) -> Iterator[Fil
     for seed in seeds:
         audio = render_scene(film_scene(seed, FILM_S, FILM_SHOTS, FILM_NEGATIVES, rate_hz=rate_hz))
         samples = as_16_bit(audio.read(0, audio.frames)[:, 0])
-        yield Film(f"film {seed}", samples.astype(np.float32), truth_of(audio))
+        yield Film(f"film {seed}", None, samples.astype(np.float32), truth_of(audio))
 
 
 def score(films: Iterable[Film], quality: Quality, rules: Path | None = None) -> SegmentationScore:
@@ -146,6 +148,9 @@ def shots_at_truth(film: Film, tier: QualityRules) -> tuple[Shot, ...]:
 
 
 def _found(film: Film, tier: QualityRules, verifier: Verifier) -> tuple[Shot, ...]:
+    """Return the shots that a run finds, in all channels of a file."""
+    if film.path is not None:
+        return listened(film.path, tier, verifier).detection.shots
     clip = Clip(film.samples[:, None], film.truth.rate_hz)
     return find_shots([clip], rate_hz=film.truth.rate_hz, tier=tier, verifier=verifier).shots
 

@@ -26,7 +26,7 @@ class StudySource:
     clips: bool = False
     fold: int | None = None
     random: int = 0
-    films: int = 20
+    films: int = 24
     seed: int = 1
 
     def cases(self, into: Path, *, jobs: int = 1) -> Iterator[Case]:
@@ -42,6 +42,8 @@ class StudySource:
                 raise RuleError("study: --mix, --clips and --fold are about recordings; give --corpus alone")
             made = scenes(self.fixtures, into, jobs=jobs) if self.fixtures is not None else ()
             return chain(made, random_films(into, films=self.random, seed=self.seed, jobs=jobs))
+        if self.clips and self.mix_db is not None:
+            raise RuleError("study: --clips have levels of their own; give either --clips or --mix")
         found = self._recordings()
         if self.clips:
             return one_shot_clips(stock(found), into, clips=self.films, seed=self.seed)

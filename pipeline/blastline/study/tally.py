@@ -8,7 +8,7 @@ import numpy as np
 
 from .bootstrap import Intervals, intervals
 from .cases import Case
-from .matching import Counts, Times, count, match, settled
+from .matching import Counts, Times, count, match
 
 WINDOWS_MS = (2.0, 10.0, 50.0, 500.0)
 SCORED_MS, TIMED_MS = 10.0, 50.0
@@ -125,17 +125,15 @@ class Tally:
 
     def _levels(self, case: Case, found_ms: Times) -> set[int]:
         """Note which shots were found at 10 ms, by level, and return their indices."""
-        true_ms, order = reached(case, found_ms, SCORED_MS)
-        hit = {int(order[true]) for _, true in match(found_ms, true_ms, SCORED_MS)}
+        hit = {shot for _, shot in matched(case, found_ms, SCORED_MS)}
         self.levels += [(float(level), index in hit) for index, level in enumerate(case.snr_db)]
         return hit
 
     def _errors(self, case: Case, found_ms: Times) -> None:
-        true_ms, order = reached(case, found_ms, TIMED_MS)
-        for found, true in match(found_ms, true_ms, TIMED_MS):
-            shot = int(order[true])
+        for found, shot in matched(case, found_ms, TIMED_MS):
             if case.timed[shot]:
-                error_ms = float(found_ms[found] - true_ms[true])
+                places_ms = (float(case.true_ms[shot]), *_places(case, shot))
+                error_ms = min((float(found_ms[found]) - at_ms for at_ms in places_ms), key=abs)
                 self.errors_ms.append(error_ms)
                 if not case.snr_db[shot] < CLEAR_SNR_DB and abs(error_ms) <= SCORED_MS:
                     self.clear_errors_ms.append(error_ms)
@@ -187,16 +185,12 @@ class Tally:
 
 def counted(case: Case, found_ms: Times, window_ms: float) -> Counts:
     """Return the counts of a film within a window."""
-    true_ms, _ = reached(case, found_ms, window_ms)
-    forgiven_ms = [*case.forgiven_ms, *(at for others in case.alternatives_ms for at in others)]
-    return count(found_ms, true_ms, window_ms, forgiven_ms=forgiven_ms)
+    return count(found_ms, case.true_ms, window_ms, alternatives_ms=case.alternatives_ms, forgiven_ms=case.forgiven_ms)
 
 
-def reached(case: Case, found_ms: Times, window_ms: float) -> tuple[Times, Sequence[int]]:
-    """Return the true onsets, ascending, at the places where they were found, and the shot that each is of."""
-    places_ms = settled(found_ms, case.true_ms, case.alternatives_ms, window_ms)
-    order = np.argsort(places_ms, kind="stable")
-    return places_ms[order], order.tolist()
+def matched(case: Case, found_ms: Times, window_ms: float) -> list[tuple[int, int]]:
+    """Return which found onset is which shot of a film, wherever that may be said to begin, within a window."""
+    return match(found_ms, case.true_ms, window_ms, case.alternatives_ms)
 
 
 def _places(case: Case, shot: int) -> tuple[float, ...]:

@@ -40,7 +40,10 @@ class Item(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
 
 
 class BedItem(Item, frozen=True, kw_only=True):
-    """A bed from `start_s` to `stop_s` (the end where None); its level is the rms in each channel that carries it."""
+    """A bed from `start_s` to `stop_s` (the end where None); its level is the rms of a channel that carries it.
+
+    In surround sound that is one of the mains: ambience is 3 dB softer behind, music 9.
+    """
 
     kind: BedKind
     level_dbfs: Annotated[float, Meta(ge=-120.0, le=-3.0)]
@@ -157,7 +160,12 @@ def _check_times(scene: Scene, path: Path) -> None:
                 raise RuleError(f"{where}: expected one of snr_db and peak_dbfs, not both and not neither")
             if item.at_s >= scene.duration_s:
                 raise RuleError(f"{where}.at_s = {item.at_s}: expected less than duration_s = {scene.duration_s}")
+    if scene.frames < 1:
+        raise RuleError(f"{path}: duration_s = {scene.duration_s}: expected at least a sample of {scene.rate_hz} Hz")
     for index, bed in enumerate(scene.beds):
+        if bed.start_s >= scene.duration_s:
+            where = f"{path}: beds[{index}].start_s = {bed.start_s}"
+            raise RuleError(f"{where}: expected less than duration_s = {scene.duration_s}")
         if bed.stop_s is not None and bed.stop_s <= bed.start_s:
             raise RuleError(f"{path}: beds[{index}].stop_s = {bed.stop_s}: expected more than start_s = {bed.start_s}")
     if scene.random is not None:

@@ -12,7 +12,7 @@ from .scene import BurstItem, NegativeItem, Scene, ShotItem
 from .weapons import WEAPONS
 
 BURST_CHANCE = 0.09
-"""How many of the draws are bursts or double taps; with 3-12 shots each, about four shots in ten are theirs."""
+"""How many of the draws are bursts or double taps; with 3-12 shots each, about a third of the shots are theirs."""
 
 ENDING_S = 1.0
 """The last second of a scene is left for what still sounds."""
