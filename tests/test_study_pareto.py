@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 import pytest
 
+from blastline.cli.study_pareto import pareto_table
 from blastline.study.detection import DetectionStudy
 from blastline.study.front import on_front
 from blastline.study.pareto import ParetoStudy, study_pareto
@@ -166,3 +167,16 @@ def test_the_command_ends_with_one_where_a_bar_is_missed(folder: Path, tmp_path:
         "study", "pareto", "--fixtures", folder, "--try", "scan.no=1", "-o", tmp_path / "none"
     ).complaint
     assert "scan.no=1" in complaint
+
+
+def test_detection_is_told_where_no_shot_is_weak(tmp_path: Path) -> None:
+    scenes = tmp_path / "scenes"
+    scenes.mkdir()
+    (scenes / "silent.toml").write_text(SCENE.partition("[[shots]]")[0])
+    source = StudySource(scenes)
+    found = study_pareto(source, changes={}, with_rendering=True)
+    assert found.rendering is None
+    assert len(found.detection) == len(TIERS)
+    assert "none of these shots is weak" in pareto_table(found)
+    write_pareto(tmp_path, found)
+    assert (tmp_path / "pareto.svg").is_file()

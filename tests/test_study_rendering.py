@@ -144,3 +144,18 @@ def test_command_prints_the_table_and_writes_every_figure(folder: Path, tmp_path
 def test_folder_without_shots_is_refused(tmp_path: Path) -> None:
     with pytest.raises(RuleError, match=r"no scene .* with shots"):
         score(tmp_path)
+
+
+def test_what_was_not_measured_meets_no_bar(tmp_path: Path) -> None:
+    (tmp_path / "faint.toml").write_text(SCENE.partition("[[shots]]\nat_s = 1.6")[0].replace("-1.5", "-60.0"))
+    scored = score(tmp_path, quality="draft")
+    assert not scored.shots["causal"]
+    for name in ("constrained, causal: mean ratio", "constrained, zero: largest lag", "constrained rendering: CPU"):
+        assert not bar(scored, name).met
+
+
+def test_a_lag_without_delay_is_counted_in_samples_of_its_own_film(scored: RenderingScore) -> None:
+    lags = [abs(row.felt["scaled"].lag_ms) * row.rate_hz / 1000.0 for row in scored.shots["zero"]]
+    found = bar(scored, "filter, zero: largest lag")
+    assert found.measured == pytest.approx(max(lags))
+    assert (found.limit, found.unit) == (1.0, "samples")

@@ -6,9 +6,13 @@ import msgspec
 import numpy as np
 import pytest
 
-from blastline.model import Reflection, Shot, Span
+from blastline.detect import find_shots
+from blastline.model import Clip, Reflection, Shot, Span
 from blastline.ruleset import load_rules
-from blastline.study.segmentation import Film, Parting, PartingTally, shots_at_truth
+from blastline.study.cases import scenes
+from blastline.study.cost import listened
+from blastline.study.detection import listener
+from blastline.study.segmentation import Film, Parting, PartingTally, scene_films, score, shots_at_truth
 from blastline.synth import Scene, ShotTruth, render_scene, truth_of
 from blastline.synth.truth import TrueReflection
 from commands import blastline
@@ -134,3 +138,26 @@ def test_true_onsets_are_parted_as_the_detector_parts_them(tmp_path: Path) -> No
     (shot,) = shots_at_truth(film, load_rules("standard").tier)
     assert shot.onset == film.truth.shots[0].onset_sample
     assert len(shot.blast) > 0
+
+
+def test_starts_are_compared_with_the_echo_that_is_nearest() -> None:
+    scored = parting(truth((20.0, -6.0, True), (27.0, -6.0, True)), found((27.0, -6.0)))
+    assert scored.start_p95_ms == 0.0
+
+
+def test_shots_are_found_beside_the_centre_as_a_run_finds_them(tmp_path: Path) -> None:
+    shots = "".join(
+        f'[[shots]]\nat_s = {at_s}\nweapon = "pistol"\nenvironment = "field"\nsnr_db = 3.0\nazimuth_deg = {side}\n'
+        for at_s, side in ((1.0, 100.0), (2.5, -100.0), (4.0, 100.0))
+    )
+    bed = '[[beds]]\nkind = "dialogue"\nlevel_dbfs = -18.0\n'
+    scene = f'schema = 1\nrate_hz = 48000\nduration_s = 6.0\nseed = 3\nlayout = "5.1"\n{bed}{shots}'
+    (tmp_path / "drowned.toml").write_text(scene)
+    tier = load_rules("standard").tier
+    aside = score(scene_films(tmp_path), "standard").found_shots
+    (case,) = scenes(tmp_path, tmp_path / "made")
+    there = listener("standard", tier)
+    assert aside == len(listened(case.path, tier, there.verifier).detection.shots) == 3
+    (film,) = scene_films(tmp_path)
+    clip = Clip(film.samples[:, None], film.truth.rate_hz)
+    assert len(find_shots([clip], rate_hz=48_000, tier=tier, verifier=there.verifier).shots) < 3
