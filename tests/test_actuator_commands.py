@@ -3,15 +3,18 @@
 import json
 import re
 import tomllib
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
 import pytest
 import soundfile
+from scipy.signal import chirp
 
 from actuator_signals import Seat, noise, run_through
 from blastline.dsp import felt_response
 from blastline.ruleset import load_actuator
+from blastline.run import actuator_picture
 from commands import BELIEVE, Ended, blastline, write_film
 
 RATE_HZ = 16_000
@@ -86,7 +89,8 @@ def test_channels_of_one_file_are_chosen(run: Path, tmp_path: Path) -> None:
     ended = blastline(*asked, "--excitation-channel", "1", "--response-channel", "0", "-q")
     assert ended.code == 0, ended
     assert off_db(tmp_path / "seat.toml") < 0.5
-    assert "there is no channel 2" in blastline(*asked, "--excitation-channel", "2", "-q").complaint
+    wrong = blastline(*asked, "--excitation-channel", "2", "--overwrite", "-q")
+    assert "there is no channel 2" in wrong.complaint
 
 
 @pytest.mark.parametrize(
@@ -137,7 +141,7 @@ def test_options_of_a_fit_reach_the_profile(run: Path, tmp_path: Path) -> None:
     assert profile.lowpass.corner_hz < 500.0
     assert (
         "no such perception curve"
-        in blastline("actuator", "fit", run / "seat.csv", "-o", path, "--perception", "x").err
+        in blastline("actuator", "fit", run / "seat.csv", "-o", tmp_path / "x.toml", "--perception", "x").err
     )
 
 
@@ -190,3 +194,76 @@ def test_a_picture_is_the_same_twice_and_needs_no_measurement(tmp_path: Path) ->
     assert wrong == f"{tmp_path / 'one.gif'}: expected a name that ends in .png, .svg, .pdf"
     alone = blastline("actuator", "show", "crowson-t108sm", "--perception", "iso-2631-wk").complaint
     assert "expected --picture FILE as well" in alone
+
+
+def test_a_level_that_is_asked_for_is_that_of_the_table(run: Path, tmp_path: Path) -> None:
+    """The rows by octave tell of the profile that was written, and no note asks for what was given."""
+    levels = {}
+    for peak_db in ("-7", "-30"):
+        path = tmp_path / f"seat{peak_db}.toml"
+        said = blastline("actuator", "fit", run / "seat.csv", "-o", path, "--peak-db", peak_db).out
+        rows = [line.split() for line in said.splitlines() if re.match(r" +[0-9.]+ +-?\d", line)]
+        levels[peak_db] = {float(row[0]): float(row[1]) for row in rows}
+        assert "--peak-db sets it" not in said
+        felt = felt_response(load_actuator(str(path))[0])
+        assert levels[peak_db][63.0] == pytest.approx(20.0 * np.log10(np.abs(felt.at(np.array([63.0]))[0])), abs=1.0)
+    assert levels["-7"][125.0] - levels["-30"][125.0] == pytest.approx(23.0, abs=0.02)
+
+
+def test_damaged_recordings_are_told_or_refused(run: Path, tmp_path: Path) -> None:
+    came, _ = soundfile.read(run / "came.wav")
+    half = (run / "came.wav").read_bytes()
+    (tmp_path / "cut.wav").write_bytes(half[: len(half) * 3 // 4])
+    asked = ("actuator", "identify", "--excitation", run / "sent.wav", "-q")
+    cut = blastline(*asked, "--response", tmp_path / "cut.wav", "-o", tmp_path / "cut.toml")
+    assert cut.code == 0, cut
+    assert re.search(r"^warning: \S*cut\.wav: the file declares .* could be read", cut.err, flags=re.MULTILINE)
+    came[: came.size // 3] = np.nan
+    soundfile.write(tmp_path / "nan.wav", came, RATE_HZ, subtype="FLOAT")
+    broken = blastline(*asked, "--response", tmp_path / "nan.wav", "-o", tmp_path / "nan.toml")
+    assert re.search(r"nan\.wav: .* samples are NaN", broken.complaint)
+    assert not (tmp_path / "nan.toml").exists()
+
+
+@pytest.mark.parametrize("kind", ["linear", "logarithmic"])
+def test_a_sweep_is_no_noise(tmp_path: Path, kind: str) -> None:
+    seconds = np.arange(16 * RATE_HZ) / RATE_HZ
+    method = "linear" if kind == "linear" else "logarithmic"
+    sent = 0.5 * chirp(seconds, 5.0, 16.0, 4000.0, method=method)
+    soundfile.write(tmp_path / "sent.wav", sent, RATE_HZ, subtype="PCM_24")
+    soundfile.write(tmp_path / "came.wav", run_through(SEAT, sent, RATE_HZ), RATE_HZ, subtype="PCM_24")
+    ended = identify(tmp_path, "came.wav", tmp_path / "seat.toml", "-q")
+    assert re.search(r"sent\.wav: most frequencies are heard in about \d of \d+ segments", ended.complaint)
+
+
+def test_what_is_wrong_with_the_place_is_told_before_anything_is_heard(run: Path, tmp_path: Path) -> None:
+    (tmp_path / "seat.toml").write_text("mine")
+    assert "exists already" in identify(run, "none.wav", tmp_path / "seat.toml", "-q").complaint
+    assert "ends in .toml" in identify(run, "none.wav", tmp_path / "seat.txt", "-q").complaint
+
+
+@pytest.mark.parametrize("name", ["Seat $A_$", "座席 A", "100 % \\alpha {"])
+def test_a_seat_may_have_any_name_in_its_picture(run: Path, tmp_path: Path, name: str) -> None:
+    asked = ("actuator", "fit", run / "seat.csv", "-o", tmp_path / "seat.toml", "--name", name, "-q")
+    assert blastline(*asked).code == 0
+    ended = blastline("actuator", "show", tmp_path / "seat.toml", "--picture", tmp_path / "seat.png")
+    assert (ended.code, ended.err) == (0, "")
+
+
+def test_a_band_that_the_table_does_not_hold_is_refused(run: Path, tmp_path: Path) -> None:
+    lines = (run / "seat.csv").read_text().splitlines()
+    wrong = [f"# band_hz: {5e5} {6e5}" if line.startswith("# band_hz") else line for line in lines]
+    (tmp_path / "seat.csv").write_text("\n".join(wrong))
+    told = blastline("actuator", "fit", tmp_path / "seat.csv", "-o", tmp_path / "seat.toml", "-q").complaint
+    assert "expected a band of the table, which runs from" in told
+
+
+def test_a_large_table_without_phase_is_drawn_in_little_room(tmp_path: Path) -> None:
+    frequencies_hz = np.linspace(5.0, 2000.0, 20_000)
+    rows = [f"{hz:.4f},{level:.3f}" for hz, level in zip(frequencies_hz, SEAT.level_db(frequencies_hz), strict=True)]
+    (tmp_path / "big.csv").write_text("\n".join(["frequency_hz,gain_db", *rows]))
+    tracemalloc.start()
+    actuator_picture("crowson-t108sm", tmp_path / "big.svg", measured=tmp_path / "big.csv")
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most < 200e6

@@ -131,7 +131,7 @@ def test_a_threshold_of_ones_own_is_read(tmp_path: Path) -> None:
             "frequency_hz,threshold\n20,1\n30,2\n",
             "the first line names frequency_hz, threshold; expected",
         ),
-        ("own.csv", "frequency_hz,threshold_db\n20,1\n", "frequencies_hz: expected `array` of length >= 2"),
+        ("own.csv", "frequency_hz,threshold_db\n20,1\n", "holds 1 row; expected at least 2"),
         ("own.csv", "frequency_hz,threshold_db\n20,1\n20,2\n", "line 3: frequency_hz = 20: expected more than 20 Hz"),
         (
             "own.toml",

@@ -11,7 +11,9 @@ from blastline.report.choice import MOST_PICTURES, pictured
 from blastline.report.figures import ShotPictures
 from blastline.report.overview import Overview
 from blastline.report.sounds import envelope, event_sound, spectrum_db
+from blastline.report.summary import verdict
 from blastline.report.track import film_track
+from blastline.report.words import allowed, measured
 
 
 def many(count: int) -> tuple[Event, ...]:
@@ -108,3 +110,20 @@ def test_marks_lie_where_the_shots_are() -> None:
     assert 'href="#row-shot-0002"' in svg
     assert svg.count("a check failed") == 1
     assert "01:00:05" in svg
+
+
+def test_a_film_without_shots_is_not_said_to_rest_where_its_sound_plays_on() -> None:
+    timeline = msgspec.structs.replace(make_film(onsets_s=(0.1,), peaks=(0.01,), seconds=0.5).timeline, events=())
+    for name, said in (
+        ("silence_outside_windows", "the drive is at rest from start to end"),
+        ("sound_outside_windows", "the drive is the film's own sound from start to end"),
+    ):
+        checked = msgspec.structs.replace(timeline, checks=(Check(name, None, True, 0.0, 0.0, "samples"),))
+        assert said in verdict(checked)
+
+
+@pytest.mark.parametrize(("excess", "told"), [(0, "as many as the film"), (3, "3 more than"), (-5, "5 fewer than")])
+def test_frames_are_told_as_a_difference(excess: int, told: str) -> None:
+    check = Check("frames", None, excess == 0, excess, 0.0, "frames")
+    assert told in measured(check)
+    assert allowed(check) == "exactly as many"

@@ -29,18 +29,24 @@ _INDEPENDENT = 0.947
 _HIGHEST_OF_RATE = 0.45
 _DELAY_BLOCKS = 8
 _ALIKE = 0.9
+_LEAST_STEADY = 0.2
 _TOLERATED_SHIFT = 0.005
 """A response that lies this share of a segment late is measured 0.04 dB too weak."""
 
 
 @dataclass(frozen=True, eq=False)
 class Spectra:
-    """Averaged power spectra of excitation and response and their cross spectrum, over `segments` segments."""
+    """Averaged power spectra of excitation and response and their cross spectrum, over `segments` segments.
+
+    `steady` is the share of these segments that hold a frequency of the excitation: half of them in the mean for noise,
+    all for what repeats itself in each, one for a sweep.
+    """
 
     frequencies_hz: Values
     excitation: Values
     response: Values
     cross: Spectrum
+    steady: Values
     segments: int
 
 
@@ -57,8 +63,8 @@ class Identified:
 def identify(excitation: Recording, response: Recording, *, rules: IdentifyRules) -> Identified:
     """Return an actuator's response from two recordings of one run, which may start and end at different times.
 
-    Raises SoundtrackError for recordings of different rates, too short a common part, a clipped response, or a
-    response that has nothing to do with the excitation.
+    Raises SoundtrackError for recordings of different rates, too short a common part, a clipped response, a sweep, or
+    a response that has nothing to do with the excitation.
     """
     _check(excitation, response, rules)
     rate_hz = excitation.rate_hz
@@ -107,7 +113,7 @@ def welch(excitation: Recording, response: Recording, *, lag: int, segment: int)
     window = np.hanning(segment + 1)[:-1]
     start, stop = _common(excitation, response, lag)
     frequencies_hz = rfftfreq(segment, 1.0 / excitation.rate_hz)
-    power_in, power_out = np.zeros(len(frequencies_hz)), np.zeros(len(frequencies_hz))
+    power_in, squared_in, power_out = (np.zeros(len(frequencies_hz)) for _ in range(3))
     cross = np.zeros(len(frequencies_hz), dtype=np.complex128)
     count = _count(start, stop, segment)
     for index in range(count):
@@ -116,9 +122,11 @@ def welch(excitation: Recording, response: Recording, *, lag: int, segment: int)
         sent_spectrum = rfft(window * (sent - np.mean(sent)))
         came_spectrum = rfft(window * (came - np.mean(came)))
         power_in += np.abs(sent_spectrum) ** 2
+        squared_in += np.abs(sent_spectrum) ** 4
         power_out += np.abs(came_spectrum) ** 2
         cross += np.conj(sent_spectrum) * came_spectrum
-    return Spectra(frequencies_hz, power_in / count, power_out / count, cross / count, count)
+    steady = power_in**2 / np.maximum(count * squared_in, 1e-300)
+    return Spectra(frequencies_hz, power_in / count, power_out / count, cross / count, steady, count)
 
 
 def usable_band(measured: MeasuredResponse, rules: IdentifyRules) -> tuple[float, float] | None:
@@ -156,6 +164,7 @@ def _measure(
     rows = (spectra.frequencies_hz <= highest_hz) & (np.arange(len(spectra.frequencies_hz)) >= 2)
     floor = 1e-12 * float(np.max(spectra.excitation))
     rows &= spectra.excitation > floor
+    _require_steady(excitation, spectra.steady[rows], spectra.segments)
     power_in, power_out, cross = spectra.excitation[rows], spectra.response[rows], spectra.cross[rows]
     transfer = cross / power_in
     coherence = np.abs(cross) ** 2 / np.maximum(power_in * power_out, 1e-300)
@@ -168,7 +177,7 @@ def _measure(
     )
     band_hz = usable_band(measured, rules)
     if band_hz is None or band_hz[1] < 2.0 * band_hz[0]:
-        best = float(np.max(measured.coherence)) if measured.coherence is not None else 0.0
+        best = float(np.max(measured.coherence, initial=0.0)) if measured.coherence is not None else 0.0
         raise SoundtrackError(
             f"{response.name}: follows {excitation.name} too little: the coherence reaches {best:.2f}, and not over an "
             "octave what a response needs; expected excitation and response of one run"
@@ -178,6 +187,17 @@ def _measure(
     assert excess is not None
     turned = np.angle(transfer * np.exp(2j * math.pi * measured.frequencies_hz * excess.delay_s))
     return replace(measured, phase_rad=turned, delay_s=lag / excitation.rate_hz + excess.delay_s), excess
+
+
+def _require_steady(excitation: Recording, steady: Values, segments: int) -> None:
+    """Raise SoundtrackError where most frequencies are sent once only: no segment then bears another out."""
+    typical = float(np.median(steady)) if steady.size else 1.0
+    if typical < _LEAST_STEADY:
+        raise SoundtrackError(
+            f"{excitation.name}: most frequencies are heard in about {typical * segments:.0f} of {segments} segments, "
+            "as in a sweep; expected noise, or what repeats itself in each segment: only where segments agree is a "
+            "gain known"
+        )
 
 
 def _check(excitation: Recording, response: Recording, rules: IdentifyRules) -> None:

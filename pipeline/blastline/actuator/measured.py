@@ -169,4 +169,7 @@ def _band(path: Path, read: Columns) -> tuple[float, float]:
         low_hz, high_hz = 0.0, 0.0
     if not 0.0 < low_hz < high_hz:
         raise RuleError(f"{path}: # band_hz: {text!r}: expected two ascending frequencies")
+    if not np.any((frequencies_hz >= low_hz) & (frequencies_hz <= high_hz)):
+        table = f"{frequencies_hz[0]:g} to {frequencies_hz[-1]:g} Hz"
+        raise RuleError(f"{path}: # band_hz: {text!r}: expected a band of the table, which runs from {table}")
     return low_hz, high_hz

@@ -1,9 +1,10 @@
 """A fitted model as an actuator profile, with the band filters that its drive needs, and as the text of its file."""
 
+import tomllib
 from pathlib import Path
 
 from ..dsp import felt_response
-from ..ruleset import ActuatorProfile, FitRules, Response, check_stable, toml_lines
+from ..ruleset import ActuatorProfile, FitRules, Response, check_stable, convert, toml_lines
 from .fit import FittedResponse
 from .inverse import band_filters, peak
 from .rational import analogue
@@ -12,7 +13,10 @@ from .rational import analogue
 def fitted_profile(
     fitted: FittedResponse, *, name: str, source: str, origin: str, rules: FitRules, peak_db: float | None = None
 ) -> ActuatorProfile:
-    """Return the profile of a fitted response; its peak gets the level `peak_db`, or stays as measured."""
+    """Return the profile of a fitted response; its peak gets the level `peak_db`, or stays as measured.
+
+    Raises RuleError where it is one that `load_actuator` would not read.
+    """
     model = fitted.best.model
     felt = analogue(model)
     raised = 0.0 if peak_db is None else peak_db - peak(model, fitted.target.band_hz)[1]
@@ -31,7 +35,7 @@ def fitted_profile(
         highpass=high,
     )
     check_stable(profile, Path(name))
-    return profile
+    return convert(tomllib.loads(profile_text(profile)), ActuatorProfile, Path(name))
 
 
 def profile_text(profile: ActuatorProfile) -> str:

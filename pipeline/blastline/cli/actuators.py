@@ -178,6 +178,8 @@ def identify(
             channels=(excitation_channel, response_channel),
             progress=progress,
         )
+    for warning in made.warnings:
+        typer.echo(f"warning: {warning}", err=True)
     if not quiet:
         say_measured(made)
         say_fitted(made)

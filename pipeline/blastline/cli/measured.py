@@ -9,6 +9,8 @@ if TYPE_CHECKING:
 
 _FAR_FROM_0_DB = 20.0
 _POOR_DB = 1.0
+_STRANGE_DEG = 40.0
+"""Beyond this, a phase and its opposite are nearly as far from minimum phase."""
 
 
 def say_measured(made: "MadeProfile") -> None:
@@ -18,7 +20,7 @@ def say_measured(made: "MadeProfile") -> None:
     measured, excess = identified.measured, identified.excess
     low_hz, high_hz = measured.band_hz
     _say("delay", f"{1000.0 * measured.delay_s:.3f} ms, taken out")
-    _say("polarity", "inverted: the seat moves against the drive" if excess.inverted else "as sent")
+    _say("polarity", _polarity(excess.rest_deg, inverted=excess.inverted))
     _say("phase", f"{excess.rest_deg:.1f} degrees rms off that of the levels (minimum phase)")
     _say(
         "usable",
@@ -43,15 +45,22 @@ def say_fitted(made: "MadeProfile") -> None:
     _say("felt best", f"at {made.peak_hz:.4g} Hz, {made.peak_db:+.1f} dB")
     _say("inverse", f"gains {made.inversion_db:.1f} dB more at its worst frequency than at its best")
     if made.identified is None and made.excess is not None and made.excess.inverted:
-        _say("polarity", "inverted: the seat moves against the drive")
+        _say("polarity", _polarity(made.excess.rest_deg, inverted=True))
     if fitted.best.error_db > _POOR_DB:
         _say("note", "the model is far from the measurement; `actuator show --picture --measured` shows where")
-    if abs(made.peak_db) > _FAR_FROM_0_DB:
+    if abs(made.peak_db) > _FAR_FROM_0_DB and not made.asked:
         _say("note", "this level is the recorder's unless it was calibrated; --peak-db sets it (-7 dB is usual)")
     typer.echo(f"\n{'octave Hz':>9} {'felt dB':>8} {'mean dB':>8} {'rms dB':>8} {'worst dB':>9}")
     for row in made.errors:
         errors = f"{row.mean_db:+8.2f} {row.rms_db:8.2f} {row.worst_db:+9.2f}"
         typer.echo(f"{_nominal(row.centre_hz):>9} {row.level_db:8.2f} {errors}")
+
+
+def _polarity(rest_deg: float, *, inverted: bool) -> str:
+    """Return what a phase tells of polarity; one that is far from minimum phase with any delay tells nothing."""
+    if rest_deg > _STRANGE_DEG:
+        return f"not known: with any delay, the phase is {rest_deg:.0f} degrees rms off that of the levels"
+    return "inverted: the seat moves against the drive" if inverted else "as sent"
 
 
 def _say(what: str, text: str) -> None:
@@ -64,5 +73,5 @@ def _counted(number: int, noun: str) -> str:
 
 def _nominal(frequency_hz: float) -> str:
     """Return a frequency as octaves are called: 31.5, 63, 125 Hz and so on for those with the centre 1 kHz."""
-    names = {15.625: "16", 31.25: "31.5", 62.5: "63"}
+    names = {3.90625: "4", 7.8125: "8", 15.625: "16", 31.25: "31.5", 62.5: "63"}
     return names.get(frequency_hz, f"{frequency_hz:.3g}" if frequency_hz < 100.0 else f"{frequency_hz:.0f}")

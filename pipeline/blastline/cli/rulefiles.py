@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ..ruleset import check_rules, load_conform, load_haptics, load_measuring, load_rules, toml_lines
+from ..ruleset import load_conform, load_haptics, load_measuring, load_rules, toml_lines
 from .options import QualityOption, RulesOption, rules_folder
 
 group = typer.Typer(help="The numbers that blastline works with, and yours in their place.")
@@ -44,5 +44,7 @@ def check(
 
     Example: `blastline rules check my-rules`
     """
-    for name in check_rules(folder):
+    from .. import run
+
+    for name in run.check_rules(folder):
         typer.echo(name)

@@ -10,7 +10,7 @@ from .direction import placed
 from .find import LATENCY_S, Detection, find_shots
 from .given import audio_around, shot_at
 from .sides import as_heard
-from .verify import Verifier, load_verifier
+from .verify import Verifier, load_verifier, read_model
 
 __all__ = [
     "LATENCY_S",
@@ -23,5 +23,6 @@ __all__ = [
     "load_verifier",
     "part_from_echoes",
     "placed",
+    "read_model",
     "shot_at",
 ]

@@ -2,6 +2,7 @@
 skin, both together with the model that was fitted, and the compensator.
 """
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -80,12 +81,15 @@ def write_bode(
         FigureCanvasAgg(figure)
         _draw(figure, profile, columns, coherence=actuator if actuator and actuator.coherence is not None else None)
         metadata = {"Date": None} if path.suffix.lower() == ".svg" else None
-        figure.savefig(path, metadata=metadata)
+        with warnings.catch_warnings():
+            # letters that the font lacks are drawn as boxes, which the picture shows
+            warnings.filterwarnings("ignore", message="Glyph .* missing from font", category=UserWarning)
+            figure.savefig(path, metadata=metadata)
 
 
 def _draw(figure: Any, profile: ActuatorProfile, columns: Columns, *, coherence: BodeCurve | None) -> None:
     width = _COLUMN_IN * len(columns)
-    figure.text(_LEFT_IN / width, 0.953, profile.name, fontsize=13, fontweight="bold")
+    figure.text(_LEFT_IN / width, 0.953, profile.name, fontsize=13, fontweight="bold", parse_math=False)
     low_hz, high_hz = profile.highpass.corner_hz, profile.lowpass.corner_hz
     band = f"shaded: the band of the drive, {low_hz:g} to {high_hz:g} Hz"
     figure.text(_LEFT_IN / width, 0.918, band, fontsize=8.5, color=INK["soft"])

@@ -32,11 +32,13 @@ def verdict(timeline: Timeline) -> str:
     if not checks:
         return '<div class="verdict warn" role="status"><strong>Not checked.</strong></div>'
     if not failed:
+        plays_on = any(check.name == "sound_outside_windows" for check in checks)
         if not timeline.events:
-            text = f"All {len(checks)} checks passed: the drive is at rest from start to end."
+            text = "is the film's own sound" if plays_on else "is at rest"
+            text = f"All {len(checks)} checks passed: the drive {text} from start to end."
             return f'<div class="verdict good" role="status"><strong>No shots.</strong> <span>{text}</span></div>'
         text = f"All {len(checks)} checks passed: every vibration starts with its bang, and nothing moves in between."
-        if any(check.name == "sound_outside_windows" for check in checks):
+        if plays_on:
             text = f"All {len(checks)} checks passed: every vibration starts with its bang."
         return f'<div class="verdict good" role="status"><strong>Aligned.</strong> <span>{text}</span></div>'
     text = f"{len(failed)} of {len(checks)} checks failed. Do not use this drive before you have looked at them."

@@ -56,19 +56,19 @@ def figure(value: float | None, digits: int = 2) -> str:
     """
     if value is None or not math.isfinite(value):
         return "–"
-    rounded = f"{value:.{digits}f}"
+    rounded = f"{value:z.{digits}f}"
     if "." in rounded:
         rounded = rounded.rstrip("0").rstrip(".")
-    return rounded.replace("-0", "0").replace("-", "−") if float(rounded) == 0.0 else rounded.replace("-", "−")
+    return rounded.replace("-", "−")
 
 
 def fixed(value: float, digits: int) -> str:
     """Return a number with so many decimals, as in a column of a table.
 
-    >>> fixed(-0.25, 1), fixed(1.0, 3)
-    ('−0.2', '1.000')
+    >>> fixed(-0.25, 1), fixed(1.0, 3), fixed(-0.04, 1)
+    ('−0.2', '1.000', '0.0')
     """
-    return f"{value:.{digits}f}".replace("-", "−")
+    return f"{value:z.{digits}f}".replace("-", "−")
 
 
 def signed(value: float | None, digits: int = 1) -> str:
@@ -85,6 +85,9 @@ def measured(check: Check) -> str:
     """Return what a check measured, with its unit."""
     if check.measured is None:
         return "could not be measured" if not check.passed else "nothing to measure"
+    if check.name == "frames":
+        more = "more" if check.measured >= 0.0 else "fewer"
+        return f"{figure(abs(check.measured), 0)} {more} than the film" if check.measured else "as many as the film"
     if check.unit.startswith("dB") and check.measured <= SILENCE_DB:
         return "nothing at all"
     return f"{figure(check.measured, _digits(check))}{_unit(check)}"
@@ -94,6 +97,8 @@ def allowed(check: Check) -> str:
     """Return what a check allows, with its unit."""
     if check.limit is None:
         return "–"
+    if check.name == "frames":
+        return "exactly as many"
     limit = f"{figure(check.limit, _digits(check))}{_unit(check)}"
     if check.name in _EXACT:
         return f"exactly {limit}"

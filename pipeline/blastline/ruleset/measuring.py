@@ -18,8 +18,8 @@ class IdentifyRules(Table, frozen=True):
 
     segments_s: Annotated[tuple[Annotated[float, Meta(ge=0.1, le=60.0)], ...], Meta(min_length=1)]
     fewest_segments: Annotated[int, Meta(ge=4)]
-    longest_delay_s: Annotated[float, Meta(gt=0.0, le=10.0)]
-    highest_hz: Positive
+    longest_delay_s: Annotated[float, Meta(ge=0.001, le=10.0)]
+    highest_hz: Annotated[float, Meta(ge=20.0)]
     random_error_db: Positive
     least_coherence: Ratio
     clipped_ratio: Ratio
@@ -40,7 +40,7 @@ class FitRules(Table, frozen=True):
     negligible_db: Positive
     highest_hz: Positive
     band_hz: Positive
-    rumble_hz: Positive
+    rumble_hz: Annotated[float, Meta(ge=0.1)]
 
 
 class MeasuringRules(Table, frozen=True):

@@ -7,6 +7,9 @@ from .columns import FREQUENCY, read_columns
 from .files import builtin, convert, read_toml, rules_path
 from .folder import require_folder
 from .measuring import PerceptionCurve
+from .table import LEAST_SOURCE
+
+_FEWEST_ROWS = 2
 
 
 def perception_names(overlay: Path | None = None) -> list[str]:
@@ -30,9 +33,15 @@ def load_perception(name: str, overlay: Path | None = None) -> PerceptionCurve:
     if path.suffix.lower() != ".csv":
         return convert(read_toml(path), PerceptionCurve, path)
     read = read_columns(path, needed=(FREQUENCY, "threshold_db"))
+    rows = len(read.values[FREQUENCY])
+    if rows < _FEWEST_ROWS:
+        raise RuleError(f"{path}: holds {rows} row{'s' * (rows != 1)}; expected at least {_FEWEST_ROWS}")
+    source = read.notes.get("source") or f"the user's table {path.name}"
+    if len(source) < LEAST_SOURCE:
+        raise RuleError(f"{path}: # source: {source!r}: expected at least {LEAST_SOURCE} characters, or no such note")
     plain = {
         "schema": 1,
-        "source": read.notes.get("source") or f"the user's table {path.name}",
+        "source": source,
         "name": path.stem,
         "frequencies_hz": read.values[FREQUENCY].tolist(),
         "threshold_db": read.values["threshold_db"].tolist(),

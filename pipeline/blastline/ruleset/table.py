@@ -14,7 +14,8 @@ Ratio = Annotated[float, Meta(ge=0.0, le=1.0)]
 Level = Annotated[float, Meta(ge=-200.0, le=200.0)]
 Difference = Annotated[float, Meta(ge=0.1, le=60.0)]
 Count = Annotated[int, Meta(ge=1)]
-Source = Annotated[str, Meta(min_length=3)]
+LEAST_SOURCE = 3
+Source = Annotated[str, Meta(min_length=LEAST_SOURCE)]
 
 
 class Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -21,6 +21,7 @@ from .options import RenderOptions
 from .pictures import actuator_picture
 from .progress import Progress, no_progress
 from .rendering import render, require_place
+from .rulefiles import check_rules
 
 __all__ = [
     "DRIVE",
@@ -34,6 +35,7 @@ __all__ = [
     "actuator_table",
     "allowance",
     "check",
+    "check_rules",
     "conform",
     "detect",
     "export",

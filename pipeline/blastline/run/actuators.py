@@ -1,7 +1,7 @@
 """An actuator's figures, its measurement, and the profile that comes of it."""
 
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import msgspec
@@ -36,7 +36,7 @@ from ..ruleset import (
     load_measuring,
 )
 from ..soundtrack import Soundtrack, open_soundtrack
-from ..staging import staged
+from ..staging import require_free, staged
 from ..units import levels_db
 from .pictures import NO_PERCEPTION, perception_curve
 from .progress import Progress, no_progress
@@ -64,8 +64,9 @@ class FitOptions:
 class MadeProfile:
     """A profile that was written, the fit that it holds with its errors by octave, and what led there.
 
-    The felt response peaks at `peak_hz` with `peak_db`. `excess` is None where no phase was measured, `identified`
-    where the response came from a CSV file.
+    The felt response peaks at `peak_hz` with `peak_db`, which was `asked` for or else is as measured. `excess` is None
+    where no phase was measured, `identified` where the response came from a CSV file. `warnings` tell what of the
+    recordings was damaged.
     """
 
     profile: ActuatorProfile
@@ -75,8 +76,10 @@ class MadeProfile:
     inversion_db: float
     peak_hz: float
     peak_db: float
+    asked: bool
     excess: ExcessPhase | None
     identified: Identified | None = None
+    warnings: tuple[str, ...] = ()
 
 
 def actuator_table(name: str, rules: Path | None = None) -> list[tuple[float, float, float, float]]:
@@ -107,16 +110,23 @@ def identify_actuator(
     `channels` are those of excitation and response, None for the only one. Raises BlastlineError for recordings, rules
     or files that cannot be used; nothing is written then.
     """
+    _require_place(output, csv, options)
     measuring = load_measuring(options.rules)
     with ExitStack() as open_files:
         progress("hearing", 0, None)
         sent = open_files.enter_context(_open_channel(excitation, channels[0], "excitation"))
         came = open_files.enter_context(_open_channel(response, channels[1], "response"))
         heard = recorded(str(excitation), sent), recorded(str(response), came)
+        warnings = tuple(
+            f"{path}: {each}"
+            for path, track in ((excitation, sent), (response, came))
+            for each in track.source().warnings
+        )
         progress("identifying", 0, None)
         identified = identify(*heard, rules=measuring.identify)
     origin = f"measured from {response.name} against {excitation.name}"
-    return _fit_and_write(identified.measured, output, options, origin, progress, identified=identified, csv=csv)
+    made = _fit_and_write(identified.measured, output, options, origin, progress, identified=identified, csv=csv)
+    return replace(made, warnings=warnings)
 
 
 def fit_actuator(measured: Path, output: Path, *, options: FitOptions, progress: Progress = no_progress) -> MadeProfile:
@@ -124,6 +134,7 @@ def fit_actuator(measured: Path, output: Path, *, options: FitOptions, progress:
 
     Raises BlastlineError for a measurement, rules or an output that cannot be used; nothing is written then.
     """
+    _require_place(output, None, options)
     response = read_measured(measured)
     return _fit_and_write(response, output, options, f"measured in {measured.name}", progress)
 
@@ -138,7 +149,6 @@ def _fit_and_write(
     identified: Identified | None = None,
     csv: Path | None = None,
 ) -> MadeProfile:
-    _require_suffixes(output, csv)
     rules = load_measuring(options.rules).fit
     if options.largest_gain_db is not None:
         rules = msgspec.structs.replace(rules, largest_gain_db=options.largest_gain_db)
@@ -161,25 +171,33 @@ def _fit_and_write(
             hidden = places.enter_context(staged(path.parent, names=[path.name], overwrite=options.overwrite))
             (hidden / path.name).write_text(text, encoding="utf-8")
     peak_hz, fitted_peak_db = peak(fitted.best.model, target.band_hz)
+    peak_db = fitted_peak_db if options.peak_db is None else options.peak_db
+    raised_db = peak_db - fitted_peak_db
     return MadeProfile(
         profile,
         fitted,
         measured,
-        errors=tuple(octave_errors(fitted)),
+        errors=tuple(replace(row, level_db=row.level_db + raised_db) for row in octave_errors(fitted)),
         inversion_db=inversion_db(fitted.best.model, target, rules=rules),
         peak_hz=peak_hz,
-        peak_db=fitted_peak_db if options.peak_db is None else options.peak_db,
+        peak_db=peak_db,
+        asked=options.peak_db is not None,
         excess=excess_phase(measured),
         identified=identified,
     )
 
 
-def _require_suffixes(profile: Path, csv: Path | None) -> None:
-    """Raise OutputError for names under which the commands that go on from here would not take the files."""
+def _require_place(profile: Path, csv: Path | None, options: FitOptions) -> None:
+    """Raise OutputError, before anything is heard, where the files could not be written.
+
+    And for names under which the commands that go on from here would not take them.
+    """
     if profile.suffix != ".toml":
         raise OutputError(f"{profile}: expected a name that ends in .toml, so that --actuator takes it")
     if csv is not None and csv.suffix != ".csv":
         raise OutputError(f"{csv}: expected a name that ends in .csv, so that `actuator fit` takes it")
+    for path in (profile, *([csv] if csv is not None else [])):
+        require_free(path.parent, names=[path.name], overwrite=options.overwrite)
 
 
 def _source(fitted: FittedResponse, origin: str, curve: PerceptionCurve | None, rules: FitRules) -> str:

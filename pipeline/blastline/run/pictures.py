@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..actuator import MeasuredResponse, minimum_phase, read_measured, sensitivity_db
 from ..dsp import felt_response
@@ -14,6 +15,7 @@ from ..units import levels_db
 
 NO_PERCEPTION = "none"
 _PICTURES = (".png", ".svg", ".pdf")
+_POINTS_PER_OCTAVE = 48
 
 
 def actuator_picture(
@@ -49,10 +51,18 @@ def _actuator_curve(measured: MeasuredResponse) -> BodeCurve:
     """Return a measured response to draw; where its phase was not measured, that of its magnitude."""
     phase_rad = measured.phase_rad
     if phase_rad is None:
-        phase_rad = minimum_phase(measured.frequencies_hz, measured.gain)
+        phase_rad = _minimum_phase(measured)
     return BodeCurve(
         measured.frequencies_hz, measured.gain_db, np.degrees(phase_rad), measured.coherence, measured.band_hz
     )
+
+
+def _minimum_phase(measured: MeasuredResponse) -> NDArray[np.float64]:
+    """Return the phase that belongs to the gains, worked out at some points of each octave: it takes room squared."""
+    log_f = np.log2(measured.frequencies_hz)
+    _, some = np.unique(np.floor(log_f * _POINTS_PER_OCTAVE), return_index=True)
+    phase_rad = minimum_phase(measured.frequencies_hz[some], measured.gain[some])
+    return np.asarray(np.interp(log_f, log_f[some], phase_rad))
 
 
 def _skin_curve(curve: PerceptionCurve) -> BodeCurve:

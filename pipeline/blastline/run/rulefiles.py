@@ -1,0 +1,24 @@
+"""Whether a folder of rules is one that every command takes, with the verifiers that its qualities ask for."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import get_args
+
+from ..detect import load_verifier, read_model
+from ..model import Quality
+from ..ruleset import check_rules as check_tables
+from ..ruleset import load_rules, rules_path
+
+
+def check_rules(overlay: Path) -> Iterator[str]:
+    """Read every rule of the user's folder as the commands do, and yield the name of each file that is sound.
+
+    Raises RuleError at the first that is not, or where a file is none that blastline reads.
+    """
+    yield from check_tables(overlay)
+    for quality in get_args(Quality):
+        asked = load_rules(quality, overlay).tier.verify
+        load_verifier(rules_path(f"verifier/{asked.model}", overlay), networks=asked.networks)
+    for file in sorted(overlay.glob("verifier/*.json")):
+        read_model(file)
+        yield file.relative_to(overlay).as_posix()
