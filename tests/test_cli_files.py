@@ -194,7 +194,7 @@ def test_earlier_results_are_replaced_only_when_that_is_asked_for(tmp_path: Path
     (tmp_path / "timeline.csv").write_text("mine")
     (tmp_path / "notes.txt").write_text("mine")
     before = files(tmp_path)
-    expected = f"{tmp_path / 'timeline.csv'}: exists already; give --overwrite to replace it, or another folder"
+    expected = f"{tmp_path / 'timeline.csv'}: exists already; give --overwrite to replace it, or another place"
     assert blastline("render", film, "-o", tmp_path).complaint == expected
     assert files(tmp_path) == before
     assert blastline("render", film, "-o", tmp_path, "--overwrite", "--no-report").code == 0

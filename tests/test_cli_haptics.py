@@ -163,7 +163,7 @@ def test_reels_of_a_longer_film_do_not_survive_unnoticed(tmp_path: Path, timelin
     for name in FILES:
         (out / name).unlink(missing_ok=True)
     said = blastline("export", timeline, "--format", "haptic", "-o", out).complaint
-    assert said == f"{stale}: exists already; give --overwrite to replace it, or another folder"
+    assert said == f"{stale}: exists already; give --overwrite to replace it, or another place"
     export(timeline, out, "--overwrite")
     assert sorted(path.name for path in out.iterdir()) == FILES
 

@@ -29,7 +29,7 @@ def test_a_file_for_figures_is_refused_before_the_work(
     mine = tmp_path / "figures.json"
     mine.write_text("mine")
     told = blastline("study", *words.split(), "--output", mine).complaint
-    assert told == f"{mine}: exists already; give --overwrite to replace it, or another folder"
+    assert told == f"{mine}: exists already; give --overwrite to replace it, or another place"
     told = blastline("study", *words.split(), "--output", mine / "below.json", "--overwrite").complaint
     assert told.startswith(f"{mine}: is a file; expected a folder")
     assert begun == []

@@ -196,6 +196,70 @@ def test_a_shot_that_is_deleted_leaves_the_window_that_it_shared(tmp_path: Path,
     assert not np.any(drive[round(3.9 * RATE_HZ) : 196_800 - GUARD - FADE_IN])
 
 
+def test_the_last_shot_of_a_window_is_gone_where_it_is_deleted(tmp_path: Path, film: Path, result: Path) -> None:
+    """What is measured as the decay of the shot before holds the one that was deleted."""
+    before = by_id(read_timeline(result / "timeline.json"))
+    assert before["shot-0003"].window.stop > 196_800
+    ended, after, drive = rendered(film, edited(result, tmp_path, lambda rows: rows.pop(3)))
+    assert "3 kept, 1 deleted" in ended.err
+    assert by_id(after)["shot-0003"].window.stop == 196_800
+    assert np.any(drive[192_000:196_000])
+    assert not np.any(drive[196_800:])
+    assert by_id(after)["shot-0001"].window == before["shot-0001"].window
+
+
+def test_a_shot_in_the_middle_of_a_window_is_gone_where_it_is_deleted(tmp_path: Path, film: Path) -> None:
+    onsets = (192_000, 194_400, 196_800)
+    (tmp_path / "three.csv").write_text("onset_sample\n" + "".join(f"{onset}\n" for onset in onsets))
+    three = tmp_path / "three"
+    asked = ("render", film, "-o", three, "--timeline", tmp_path / "three.csv", "--no-report")
+    assert blastline(*asked).code == 0
+    (tmp_path / "edit").mkdir()
+    _, after, drive = rendered(film, edited(three, tmp_path / "edit", lambda rows: rows.pop(1)))
+    assert [event.onset_sample for event in after.events] == [192_000, 196_800]
+    assert not np.any(drive[194_400 : 196_800 - GUARD - FADE_IN])
+    assert np.any(drive[192_000:194_000])
+    assert np.any(drive[196_800:198_000])
+
+
+def test_an_end_that_is_set_of_a_bursts_last_shot_is_the_windows(tmp_path: Path, film: Path, result: Path) -> None:
+    def shorter(rows: list[Row]) -> None:
+        rows[3]["window_stop_s"] = "4.2"
+        rows[3]["window_stop_sample"] = ""
+
+    ended, after, drive = rendered(film, edited(result, tmp_path, shorter))
+    assert "3 kept, 1 changed" in ended.err
+    found = by_id(after)
+    assert found["shot-0003"].window == found["shot-0004"].window
+    assert found["shot-0004"].window.stop == round(4.2 * RATE_HZ)
+    assert not np.any(drive[round(4.2 * RATE_HZ) :])
+
+
+def test_what_is_deleted_within_a_shot_leaves_it_whole(tmp_path: Path, film: Path) -> None:
+    """Two marks of one bang: without the second the first has its decay, not 20 ms."""
+    (tmp_path / "two.csv").write_text("onset_sample\n192000\n192960\n")
+    two = tmp_path / "two"
+    assert blastline("render", film, "-o", two, "--timeline", tmp_path / "two.csv", "--no-report").code == 0
+    (tmp_path / "edit").mkdir()
+    _, after, _ = rendered(film, edited(two, tmp_path / "edit", lambda rows: rows.pop(1)))
+    assert after.events[0].window.stop > 196_800
+
+
+def test_a_json_without_its_original_says_what_it_cannot_tell(tmp_path: Path, film: Path, result: Path) -> None:
+    plain = json.loads((result / "timeline.json").read_text())
+    plain["events"][1]["gain_db"] = -12.0
+    (tmp_path / "alone.json").write_text(json.dumps(plain))
+    ended, after, _ = rendered(film, tmp_path / "alone.json")
+    assert "not which gains, ends and confidences somebody has changed" in ended.err
+    assert after.events[1].gain_db == -12.0
+
+
+def test_an_end_that_cannot_be_is_told_as_it_stands(tmp_path: Path, film: Path, result: Path) -> None:
+    (tmp_path / "edited.csv").write_text("onset_s,window_start_s\n2.5,2.6\n")
+    ended = blastline("render", film, "-o", tmp_path / "out", "--timeline", tmp_path / "edited.csv")
+    assert ended.complaint.endswith("window_start_s = 2.6: expected at most 2.5, the onset")
+
+
 def test_the_end_of_a_label_is_the_end_of_its_window(tmp_path: Path, film: Path, result: Path) -> None:
     lines = (result / "timeline.audacity.txt").read_text().splitlines(keepends=True)
     lines[0] = "1.000000\t1.150000\tshot-0001 1.00\n"

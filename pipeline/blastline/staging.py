@@ -178,7 +178,7 @@ def _refuse_existing(wanted: _Results, names: Collection[str]) -> None:
         if _is_one_of(file, wanted.films):
             raise OutputError(f"{file}: is the film itself; choose another folder or name for the results")
     if there and not wanted.overwrite:
-        raise OutputError(f"{there[0]}: exists already; give --overwrite to replace it, or another folder")
+        raise OutputError(f"{there[0]}: exists already; give --overwrite to replace it, or another place")
 
 
 def _refuse_irregular(target: Path) -> None:

@@ -13,14 +13,15 @@ from ..detect import Detection, as_heard, audio_around, group_bursts, part_from_
 from ..errors import TimelineError
 from ..export import read_timeline
 from ..export.edits import EditedFile, Wanted, Wish, match, read_edits
-from ..model import Clip, Decision, Edits, Event, HeardIn, Rejection, Shot, Source, Window
-from ..render import is_lacking, plan_windows, window_between, with_gains
+from ..model import Clip, Decision, Edits, Event, HeardIn, Rejection, Shot, Source
+from ..render import is_lacking, plan_windows, with_gains
 from ..report import OverviewMeter
 from ..ruleset import Rules
 from ..soundtrack import Soundtrack, heard_mix, open_soundtrack
 from ..timebase import Timebase, recalled
 from ..units import ms_from_samples, samples_from_ms
 from . import names
+from .editing_windows import settled_windows
 from .listening import BLOCK, Listened, Mark
 from .progress import Progress, told
 
@@ -91,14 +92,15 @@ def hear_edited(
         pass
     source = track.source()
     _require_same_film(editing, source)
-    wishes = [_inside(wish, source, path) for wish in wanted.wishes]
+    wanted = replace(wanted, wishes=tuple(_inside(wish, source, path) for wish in wanted.wishes))
+    wishes = wanted.wishes
     shots = _shots(wishes, track, source, rules)
     windows = plan_windows(
         shots,
         frames=source.frames,
         rate_hz=source.sample_rate_hz,
         rules=rules.tier.windows,
-        given=_given(wishes, shots, source, rules),
+        given=settled_windows(wanted, shots, source, rules),
     )
     found = Detection(shots, _rejections(editing, wanted, source.sample_rate_hz))
     marks = tuple(Mark(wish.id, wish.origin, wish.gain_db, _decided(wish)) for wish in wishes)
@@ -192,22 +194,6 @@ def _as_it_was(shot: Shot, was: Event) -> Shot:
     )
 
 
-def _given(wishes: Sequence[Wish], shots: Sequence[Shot], source: Source, rules: Rules) -> dict[int, Window]:
-    """Return the windows that are settled, by the shot's index: kept ones and those with an end set by hand."""
-    given = {index: wish.window for index, wish in enumerate(wishes) if wish.window is not None}
-    for index, (wish, shot) in enumerate(zip(wishes, shots, strict=True)):
-        if wish.window is None and (wish.start is not None or wish.stop is not None):
-            given[index] = window_between(
-                shot,
-                start=wish.start,
-                stop=wish.stop,
-                frames=source.frames,
-                rate_hz=source.sample_rate_hz,
-                rules=rules.tier.windows,
-            )
-    return given
-
-
 def _rejections(editing: Editing, wanted: Wanted, rate_hz: int) -> tuple[Rejection, ...]:
     """Return the original's rejections without those that were added back, and with the events that were deleted."""
     near = samples_from_ms(_REGAINED_MS, rate_hz)
@@ -223,6 +209,11 @@ def _counted(editing: Editing, wanted: Wanted) -> Edits:
         notes.append(
             f"no {names.TIMELINE} beside the file and none given with --original: nothing tells what was edited, so "
             "that every event is measured anew"
+        )
+    if editing.original is None and editing.edited.own:
+        notes.append(
+            f"no other {names.TIMELINE} beside the file and none given with --original: the file tells where its shots "
+            "were, but not which gains, ends and confidences somebody has changed; they hold as they stand"
         )
     if not wanted.wishes:
         notes.append("no events: the drive is silent")

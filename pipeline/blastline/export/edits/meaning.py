@@ -49,10 +49,12 @@ def ends(
         if end is None or (end == before and stays_behind):
             found.append(None)
             continue
-        if name == "window_start" and end > onset:
-            raise TimelineError(f"{edited.path}: {edit.place}: {name} = {end}: expected at most {onset}, the onset")
-        if name == "window_stop" and end <= onset:
-            raise TimelineError(f"{edited.path}: {edit.place}: {name} = {end}: expected more than {onset}, the onset")
+        if (end > onset) if name == "window_start" else (end <= onset):
+            wanted = "at most" if name == "window_start" else "more than"
+            said, limit = f"{name}_sample = {end}", str(onset)
+            if point is not None and point.sample is None and point.seconds is not None:
+                said, limit = f"{name}_s = {float(point.seconds):.9g}", f"{onset / rate_hz:.9g}"
+            raise TimelineError(f"{edited.path}: {edit.place}: {said}: expected {wanted} {limit}, the onset")
         found.append(None if end == before and not moved else end)
     start, stop = found
     return start, stop
