@@ -1,5 +1,6 @@
 """What `render` makes of a timeline passes its checks; what somebody else did to the drive fails, without a crash."""
 
+import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -104,3 +105,44 @@ def test_a_drive_that_is_not_this_films_fails_and_nothing_else_happens(
     drive, _ = soundfile.read(tmp_path / "out" / "drive.wav")
     soundfile.write(tmp_path / "wrong.wav", wrong(drive), RATE_HZ, subtype="PCM_24")
     assert failures(run.check(tmp_path / "out", audio=path, drive=tmp_path / "wrong.wav"))
+
+
+STREET = """
+schema = 1
+rate_hz = 48000
+duration_s = 30.0
+seed = 77
+[[beds]]
+kind = "ambience"
+level_dbfs = -46.0
+[[beds]]
+kind = "dialogue"
+level_dbfs = -34.0
+start_s = 4.0
+stop_s = 20.0
+"""
+STREET_SHOTS = (
+    (2.5, "pistol", 4.0, 34.0),
+    (6.1, "shotgun", 12.0, 28.0),
+    (10.0, "rifle", 35.0, 28.0),
+    (14.2, "smg", 7.0, 30.0),
+    (14.32, "smg", 7.0, 30.0),
+    (14.44, "smg", 7.0, 30.0),
+    (20.0, "pistol", 20.0, 34.0),
+    (25.3, "rifle", 30.0, 34.0),
+)
+
+
+@pytest.mark.parametrize("kept", [(1, 7), (0, 7), (2, 7)])
+def test_a_draft_solved_at_few_corners_has_no_drift(tmp_path: Path, kept: tuple[int, ...]) -> None:
+    """The last shot, at the limit, is followed by 0.998, but 0.7 samples beside its place."""
+    shots = "".join(
+        f'[[shots]]\nat_s = {at_s}\nweapon = "{weapon}"\nenvironment = "street"\ndistance_m = {metres}\nsnr_db = {db}\n'
+        for at_s, weapon, metres, db in STREET_SHOTS
+    )
+    (tmp_path / "street.toml").write_text(STREET + shots)
+    run.synthesise(tmp_path / "street.toml", tmp_path)
+    truth = json.loads((tmp_path / "street.truth.json").read_text())
+    onsets = [truth["shots"][index]["onset_sample"] for index in kept]
+    made = rendered(tmp_path / "street.wav", onsets, RenderOptions(report=False, quality="draft"))
+    assert failures(made) == []

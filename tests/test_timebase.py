@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from blastline.errors import RuleError
 from blastline.timebase import AS_FILMED, Timebase, parse_timebase, recalled, retimed, with_timebase
-from blastline.timecode import frame_scale, time_of_start, timecode_at
+from blastline.timecode import clock, frame_scale, label, time_of_start, timecode_at
 from timelines import timeline
 
 FILM = timeline().source
@@ -146,9 +146,27 @@ def test_what_was_said_of_a_film_is_known_from_the_timeline_made_of_it(
 
 def test_a_clock_that_was_made_a_drop_frame_timecode_is_said_again() -> None:
     earlier = with_timebase(SOUND, parse_timebase("01:00:00.250", "29.97df"))
-    assert (earlier.start_timecode, earlier.start_offset_s > 0.0) == ("01:00:00;07", True)
+    assert (earlier.start_timecode, earlier.start_offset_s < 0.0) == ("01:00:00;08", True)
     assert recalled(AS_FILMED, earlier, SOUND) == Timebase("01:00:00.25", Fraction(30_000, 1001), drop_frame=True)
     # said anew at another rate, the clock still stands
     assert with_timebase(SOUND, recalled(parse_timebase(None, "25"), earlier, SOUND)).start_timecode == "01:00:00.25"
     own = with_timebase(BROADCAST, parse_timebase(None, "29.97df"))
     assert recalled(AS_FILMED, own, BROADCAST).start_timecode is None
+
+
+@pytest.mark.parametrize("text", ["01:00:00", "10:75:00.5", "1:99:99", "１０:00:00:00", "100:00:00.5", "01:00:00."])
+def test_a_start_that_is_no_timecode_is_not_taken_for_a_clock(text: str) -> None:
+    with pytest.raises(RuleError, match=r"expected HH:MM:SS:FF, .* or HH:MM:SS\.mmm of a clock"):
+        parse_timebase(text, None)
+
+
+@pytest.mark.parametrize("frame", [0, 2, 107_892, 107_893, 1_000_003, 2_589_407])
+@pytest.mark.parametrize("late", [-1, 0, 1])
+def test_a_clock_becomes_the_drop_frame_that_starts_nearest_to_it(frame: int, late: int) -> None:
+    """A recorder's stamp is a whole sample near to its frame: a little early is not a frame early."""
+    rate = Fraction(30_000, 1001)
+    sample = max(0, round(Fraction(frame) / rate * 48_000) + late)
+    started = msgspec.structs.replace(SOUND, start_timecode=clock(sample, 48_000, decimals=6))
+    counted = with_timebase(started, parse_timebase(None, "29.97df"))
+    assert counted.start_timecode == label(frame, 30, drop_frame=True)
+    assert abs(counted.start_offset_s) <= 2.0 / 48_000

@@ -39,6 +39,9 @@ class Timebase:
     drop_frame: bool | None = None
 
 
+_SPOKEN_CLOCK = re.compile(r"\d{1,2}:[0-5]\d:[0-5]\d\.\d+", re.ASCII)
+"""A clock as a user says it: without a part of a second it would be a timecode whose frames were forgotten."""
+
 AS_FILMED = Timebase()
 """The film's own timecode."""
 
@@ -48,8 +51,9 @@ def parse_timebase(start_timecode: str | None, frame_rate: str | None) -> Timeba
 
     Raises RuleError for a rate that timecode does not have, and for drop-frame at one that has none.
     """
-    if start_timecode is not None and not (LABEL.fullmatch(start_timecode) or CLOCK.fullmatch(start_timecode)):
-        raise RuleError(f"--start-timecode {start_timecode!r}: expected HH:MM:SS:FF, or HH:MM:SS;FF for drop-frame")
+    if start_timecode is not None and not (LABEL.fullmatch(start_timecode) or _SPOKEN_CLOCK.fullmatch(start_timecode)):
+        wanted = "HH:MM:SS:FF, HH:MM:SS;FF for drop-frame, or HH:MM:SS.mmm of a clock"
+        raise RuleError(f"--start-timecode {start_timecode!r}: expected {wanted}")
     if frame_rate is None:
         return Timebase(start_timecode)
     match = _RATE.fullmatch(frame_rate)
@@ -148,11 +152,12 @@ def _counted(source: Source, rate: Fraction, timebase: Timebase) -> Source:
     if CLOCK.fullmatch(start) or not start:
         if not asked:
             return source
-        whole, rest = divmod(clock_seconds(start) * rate, 1)
+        frames = clock_seconds(start) * rate
+        whole = math.floor(frames + Fraction(1, 2))  # the nearest, as editing programs put the sound
         return msgspec.structs.replace(
             source,
-            start_timecode=label(int(whole), nominal, drop_frame=True),
-            start_offset_s=float(exact_offset(source) + rest / rate),
+            start_timecode=label(whole, nominal, drop_frame=True),
+            start_offset_s=float(exact_offset(source) + (frames - whole) / rate),
         )
     drops = start[8] != ":" if asked is None else asked
     if drops and rate not in DROP_FRAME_RATES:

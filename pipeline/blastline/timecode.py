@@ -28,8 +28,8 @@ STANDARD_RATES = tuple(Fraction(n * 1000, 1001) for n in (24, 30, 48, 60, 120)) 
 
 DROP_FRAME_RATES = frozenset(Fraction(n * 1000, 1001) for n in (30, 60, 120))
 
-LABEL = re.compile(r"(\d\d):([0-5]\d):([0-5]\d)([:;,])(\d\d\d?)")  # with a point it is a clock, a part of a second
-CLOCK = re.compile(r"(\d+):(\d\d):(\d\d(?:\.\d+)?)")
+LABEL = re.compile(r"(\d\d):([0-5]\d):([0-5]\d)([:;,])(\d\d\d?)", re.ASCII)  # with a point it is a clock
+CLOCK = re.compile(r"(\d+):(\d\d):(\d\d(?:\.\d+)?)", re.ASCII)
 SHAPE = re.compile(r"\d\d:\d\d:\d\d[:;.,]\d\d\d?")
 """What looks like a label, even where no clock has such a number: a film may say 00:75:00:00, and is believed."""
 

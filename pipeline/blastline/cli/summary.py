@@ -53,8 +53,9 @@ def say_checks(timeline: Timeline, *, quiet: bool, err: bool) -> int:
 
 def _described(check: Check) -> str:
     """Return a check's name, its event, what was measured and what it had to stay within."""
-    measured = "not measured" if check.measured is None else f"{check.measured:.6g} {check.unit}".rstrip()
-    limit = "" if check.limit is None else f" (limit {check.limit:.6g} {check.unit}".rstrip() + ")"
+    digits = 11 if check.name == "drive_speed" else 6
+    measured = "not measured" if check.measured is None else f"{check.measured:.{digits}g} {check.unit}".rstrip()
+    limit = "" if check.limit is None else f" (limit {check.limit:.{digits}g} {check.unit}".rstrip() + ")"
     return f"{check.name}, {check.event or 'the film'}: {measured}{limit}"
 
 

@@ -2,7 +2,8 @@
 
 A recorder that lost power leaves a data size of 0, a broken copy leaves a size beyond the end of the file, and beyond
 4 GiB the 32 bits of a size start again at 0; all read silently as something else. The broadcast extension holds the
-time of day of the first sample, the format chunk says which loudspeaker each channel feeds.
+time of day of the first sample, the format chunk (in CAF and AIFF the layout chunk) says which loudspeaker each channel
+feeds.
 """
 
 import struct
@@ -10,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
+from .core_audio import named_channels
 from .forms import FORMS, Form
 from .overflow import more_follows
 
@@ -36,6 +38,7 @@ _SPEAKERS = (
     "TBC",
     "TBR",
 )
+_LAYOUTS = (b"chan", b"CHAN")
 _MAX_KEPT = 1 << 16
 
 
@@ -83,7 +86,7 @@ def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | Non
             start = body + form.data_preamble
             data = (None if size is None else size - form.data_preamble, file_bytes - start)
             goes_on = bool(size) and more_follows(file, body + (size or 0), file_bytes, form)
-        elif name in (b"ds64", b"fmt ", b"bext"):
+        elif name in (b"ds64", b"fmt ", b"bext", *_LAYOUTS):
             kept[name] = file.read(max(0, min(declared, _MAX_KEPT)))
         if size is None or size < 0 or goes_on or (data is not None and data[0] == 0):
             break
@@ -91,6 +94,8 @@ def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | Non
     if data is None:
         return None
     reference, layout = _time_reference(kept.get(b"bext", b"")), _layout(kept.get(b"fmt ", b""))
+    for name in _LAYOUTS:
+        layout = layout or named_channels(kept.get(name, b""), _SPEAKERS)
     return ChunkTable(data[0], data[1], reference, layout, goes_on, form.is_wave)
 
 

@@ -42,7 +42,7 @@ class PcmTrack:
         self.facts = TrackFacts(
             rate_hz=file.samplerate,
             channels=file.channels,
-            layout=table.layout,
+            layout=table.layout if table.layout and len(table.layout) == file.channels else None,
             declared_frames=declared,
             is_integer=file.subtype.startswith("PCM_"),
             start_timecode=None if reference is None else clock(reference, file.samplerate, decimals=6),
