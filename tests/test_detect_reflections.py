@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from blastline.detect.reflections import _Heard
+from blastline.detect.reflections import _Heard, discrete_reflections
 from blastline.detect.segment import segment
 from blastline.model import Shot
 from blastline.ruleset import load_rules
@@ -212,3 +212,22 @@ def test_an_echo_is_found_as_late_as_asked_for_however_short_windows_are(longest
     film += np.random.default_rng(7).normal(0.0, 1e-4, film.size).astype(np.float32)
     shot = segment(film, RATE_HZ // 2, film_start=0, film_stop=film.size, confidence=1.0, rate_hz=RATE_HZ, rules=rules)
     assert shot.reflections[-1].delay_ms == pytest.approx(600.0, abs=0.5)
+
+
+@pytest.mark.parametrize("lag_ms", [4.5, 6.0, 8.0, 10.0, 13.0, 60.0])
+@pytest.mark.parametrize(("true_db", "within_db"), [(-6.0, 1.5), (-12.0, 1.0), (-20.0, 1.0)])
+def test_a_reflection_has_its_level_at_any_lag(lag_ms: float, true_db: float, within_db: float) -> None:
+    """Also where it lies in the template, and where the whitening takes part of it for the sound's own colour."""
+    found_db = []
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        wave, before = 1e-4 * rng.standard_normal(33_600), 1e-4 * rng.standard_normal(9_600)
+        t = np.arange(2_400) / RATE_HZ
+        blast = (1.0 - t / 1e-3) * np.exp(-t / 1e-3) + 0.5 * rng.standard_normal(t.size) * np.exp(-t / 1.5e-3)
+        late = round(lag_ms * RATE_HZ / 1000.0)
+        wave[: t.size] += blast
+        wave[late : late + t.size] += 10.0 ** (true_db / 20.0) * blast
+        lags, gains = discrete_reflections(wave, before, rate_hz=RATE_HZ, rules=RULES)
+        found_db += [20.0 * np.log10(gain) for lag, gain in zip(lags, gains, strict=True) if abs(lag - late) <= 5]
+    assert len(found_db) == 8
+    assert np.mean(found_db) == pytest.approx(true_db, abs=within_db)

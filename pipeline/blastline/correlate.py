@@ -71,3 +71,10 @@ def vertices(values: NDArray[np.float64], peaks: NDArray[np.intp]) -> NDArray[np
     bend = before - 2.0 * at + after
     away = np.divide(0.5 * (before - after), bend, out=np.zeros_like(at), where=bend < 0.0)
     return np.clip(away, -0.5, 0.5)
+
+
+def heights(values: NDArray[np.float64], peaks: NDArray[np.intp], beside: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return how high each of n parabolas is at its vertex, `beside` its peak as `vertices` says."""
+    inside = (peaks > 0) & (peaks < values.shape[0] - 1)
+    before, at, after = (values[np.where(inside, peaks + by, peaks)] for by in (-1, 0, 1))
+    return np.asarray(at + 0.25 * (after - before) * beside, np.float64)

@@ -80,6 +80,9 @@ def _reflections(measured: ShotEvidence, found: tuple[Reflection, ...], tier: Qu
     evidence = {"echo_room_db": measured.echo_room_db, "reflections": float(len(found))}
     if measured.echo_room_db < least_db:
         return Decision("reflections", "none looked for", f"{room}, too little for a reflection", evidence)
+    if not found and measured.copies:
+        many = "what copies it is a later shot" if measured.copies == 1 else "what copies it are later shots"
+        return Decision("reflections", "none", f"{room}, but {many}, or an echo of one", evidence)
     if not found:
         return Decision("reflections", "none", f"{room}, but nothing that stands out copies it", evidence)
     loudest = max(found, key=lambda echo: echo.level_db)

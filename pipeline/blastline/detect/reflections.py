@@ -15,7 +15,7 @@ Echoes thin out with their lag, about as 1 / lag, while chance does not, and noi
 import numpy as np
 from numpy.typing import NDArray
 
-from ..correlate import vertices
+from ..correlate import heights, vertices
 from ..ruleset import SegmentRules
 from ..units import samples_from_ms
 
@@ -61,8 +61,24 @@ def discrete_reflections(
         clearest[near] = np.maximum(clearest[near], z)
     apart = max(1, int(samples_from_ms(_APART_MS, rate_hz) / step))
     peaks, _ = find_peaks(clearest, height=rules.reflection_prominence, distance=apart)
-    lags = np.round((first + peaks + vertices(gain, peaks)) * step - before.shape[0]).astype(np.intp)
-    return lags, gain[peaks]
+    beside = vertices(gain, peaks)
+    lags = np.round((first + peaks + beside) * step - before.shape[0]).astype(np.intp)
+    return lags, _gains(heights(gain, peaks, beside), lags, template.shape[0], rate_hz)
+
+
+def _gains(answers: NDArray[np.float64], lags: NDArray[np.intp], template: int, rate_hz: int) -> NDArray[np.float64]:
+    """Return the gains g of echoes at some lags t that make the blast, with what follows in the template, answer so.
+
+    An echo ripples the sound's power by cos(2 pi f t). What of that is left when it is smoothed over `_SMOOTH_HZ`, the
+    whitening takes for the sound's own colour: 1 - sinc(t `_SMOOTH_HZ`) of the answer is left. And what of the echo is
+    in the template, a g of it, makes that stronger: the answer is g / (1 + a^2 g^2).
+    """
+    answers = answers / (1.0 - np.sinc(_SMOOTH_HZ * lags / rate_hz))
+    whole = np.ones(template)
+    _fade(whole, rate_hz)
+    inside = np.where(lags < template, whole[np.minimum(lags, template - 1)], 0.0)
+    strength = np.minimum(inside * answers, 0.5)  # a g = 1 and more: as loud as the blast
+    return np.asarray(answers * 2.0 / (1.0 + np.sqrt(1.0 - 4.0 * strength**2)), np.float64)
 
 
 class _Heard:

@@ -75,7 +75,7 @@ def segment(
             Reflection(at + lag, at + lag + blast, ms_from_samples(lag, rate_hz), level_db) for lag, level_db in echoes
         ),
         span=Span(at, at + length),
-        evidence=ShotEvidence(screen, networks, room_db, ended, backdrop, sound=sound),
+        evidence=ShotEvidence(screen, networks, room_db, ended, backdrop, sound=sound, copies=len(echoes)),
     )
 
 

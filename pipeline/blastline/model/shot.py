@@ -34,7 +34,8 @@ class ShotEvidence(msgspec.Struct, frozen=True):
 
     `screen` is the probability by the screen alone and `networks` how many judged beside it; None and 0 where somebody
     else found the shot. No later stretch as long as the blast is louder than `echo_room_db` against it, in the
-    sound's difference over a sample or a sixth of a millisecond; None where no reflections are looked for.
+    sound's difference over a sample or a sixth of a millisecond; None where no reflections are looked for. `copies`
+    counts what copies the blast, before later shots and their echoes were told from its reflections.
     `decay_end` says what ended the decay. `backdrop` is what is heard just before (`detect.backdrop`); None where that
     is silence, or somebody else found the shot. `sound` are levels of the shot itself (`detect.backdrop`). `even_row`
     says of one of a row, as even as fire, that the row as a whole sounds like that, or, of a long one as fast as
@@ -48,6 +49,7 @@ class ShotEvidence(msgspec.Struct, frozen=True):
     backdrop: int | None = None
     sound: tuple[int, ...] = ()
     even_row: EvenRow | None = None
+    copies: Index = 0
 
 
 class Shot(msgspec.Struct, frozen=True):
