@@ -73,7 +73,7 @@ Fold = Annotated[
         min=0,
         max=3,
         metavar="N",
-        help="Of the corpora only the sources that `study.train --hold-out N` does not learn from.",
+        help="Of the corpora only the sources that `study.train --hold-out N` on the same ones does not learn from.",
         rich_help_panel=LISTENING,
         show_default=False,
     ),
