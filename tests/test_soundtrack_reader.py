@@ -16,6 +16,7 @@ from blastline.model import Clip, Source, Span
 from blastline.soundtrack import Cue, Soundtrack, open_soundtrack, timecode_at, write_drive
 from blastline.soundtrack.chunks import chunk_table
 from blastline.soundtrack.recent import Recent
+from blastline.timecode import clock
 
 RATE_HZ = 48_000
 FRAMES = 70_000
@@ -294,7 +295,7 @@ def test_a_size_that_started_again_beyond_4_gib_is_seen(tmp_path: Path) -> None:
     "trailer",
     [
         b"LIST" + struct.pack("<I", 5_000) + b"INFO" + bytes(range(1, 101)) * 50,
-        b"bext" + struct.pack("<I", 5_000) + b"\1" * 5_000 + b"iXML\2\0\0\0ab",
+        b"bext" + struct.pack("<I", 5_000) + b"\0" * 5_000 + b"iXML\2\0\0\0ab",
         b"id3 " + struct.pack("<I", 6_000) + b"ID3" + b"\7" * 5_997,
         b"ID3\4" + b"\7" * 6_000,
         b"odd1" + struct.pack("<I", 5_001) + b"\3" * 5_001 + b"\0",
@@ -574,3 +575,28 @@ def test_a_layout_that_says_nothing_is_none(tmp_path: Path, chunk: bytes) -> Non
     table = chunk_table(tmp_path / "film.caf")
     assert table is not None
     assert table.layout is None
+
+
+@pytest.mark.parametrize(("form", "order"), [(b"RIFF", "<"), (b"RIFX", ">")])
+@pytest.mark.parametrize("reference", [0, 48_000 * 3_600, 2**33 + 5, 2**64 - 1])
+def test_a_time_stamp_is_read_in_its_byte_order_and_none_is_a_week_late(
+    tmp_path: Path, form: bytes, order: str, reference: int
+) -> None:
+    bext = bytes(338) + struct.pack(f"{order}Q", reference) + bytes(256)
+    fmt = struct.pack(f"{order}HHIIHH", 1, 1, 48_000, 96_000, 2, 16)
+    data = np.arange(4_800, dtype=f"{order}i2").tobytes()
+    body = b"WAVE" + b"".join(
+        name + struct.pack(f"{order}I", len(chunk)) + chunk
+        for name, chunk in ((b"bext", bext), (b"fmt ", fmt), (b"data", data))
+    )
+    path = tmp_path / "film.wav"
+    path.write_bytes(form + struct.pack(f"{order}I", len(body)) + body)
+    with open_soundtrack(path) as track:
+        assert sum(len(clip.span) for clip in track.blocks()) == 4_800
+        source = track.source()
+    if reference > 7 * 86_400 * 48_000:
+        assert source.start_timecode is None
+        assert any(") after midnight; it was ignored" in warning for warning in source.warnings)
+    else:
+        assert source.start_timecode == clock(reference, 48_000, decimals=6)
+        assert source.warnings == ()

@@ -93,7 +93,7 @@ def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | Non
         place = form.after(body, size)
     if data is None:
         return None
-    reference, layout = _time_reference(kept.get(b"bext", b"")), _layout(kept.get(b"fmt ", b""))
+    reference, layout = _time_reference(kept.get(b"bext", b""), form), _layout(kept.get(b"fmt ", b""))
     for name in _LAYOUTS:
         layout = layout or named_channels(kept.get(name, b""), _SPEAKERS)
     return ChunkTable(data[0], data[1], reference, layout, goes_on, form.is_wave)
@@ -105,8 +105,8 @@ def _data_size(size: int, ds64: bytes | None) -> int | None:
     return None if size in (_UNKNOWN_SIZE, -1) else size
 
 
-def _time_reference(bext: bytes) -> int | None:
-    return int(struct.unpack_from("<Q", bext, 338)[0]) if len(bext) >= 346 else None
+def _time_reference(bext: bytes, form: Form) -> int | None:
+    return int(struct.unpack_from(f"{form.byte_order}Q", bext, 338)[0]) if len(bext) >= 346 else None
 
 
 def _layout(fmt: bytes) -> tuple[str, ...] | None:

@@ -17,6 +17,11 @@ class Form:
     data_preamble: int = 0
     is_wave: bool = False
 
+    @property
+    def byte_order(self) -> str:
+        """Return the byte order of its numbers, as `struct` writes it."""
+        return self.head.format[0]
+
     def chunk_at(self, file: BinaryIO, place: int, file_bytes: int) -> tuple[bytes, int, int] | None:
         """Return the name of the chunk that begins here, where its body does and how long that claims to be.
 
