@@ -596,7 +596,7 @@ def test_a_time_stamp_is_read_in_its_byte_order_and_none_is_a_week_late(
         source = track.source()
     if reference > 7 * 86_400 * 48_000:
         assert source.start_timecode is None
-        assert any(") after midnight; it was ignored" in warning for warning in source.warnings)
+        assert any("after midnight; it was ignored" in warning for warning in source.warnings)
     else:
         assert source.start_timecode == clock(reference, 48_000, decimals=6)
         assert source.warnings == ()
