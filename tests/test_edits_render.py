@@ -235,6 +235,16 @@ def test_an_end_that_is_set_of_a_bursts_last_shot_is_the_windows(tmp_path: Path,
     assert not np.any(drive[round(4.2 * RATE_HZ) :])
 
 
+def test_a_shot_that_is_dragged_with_its_end_ends_no_later_one(tmp_path: Path, film: Path, result: Path) -> None:
+    """A label that is dragged takes its end along: over the next shot, which was left alone, that decides nothing."""
+    labels = ("1.0\t1.0\tshot-0001", "2.5\t2.5\tshot-0002", "4.02\t4.15\tshot-0003", "4.1\t4.1\tshot-0004")
+    (tmp_path / "labels.txt").write_text("".join(f"{label}\n" for label in labels))
+    _, after, drive = rendered(film, tmp_path / "labels.txt", "--original", result / "timeline.json")
+    assert by_id(after)["shot-0003"].onset_sample == round(4.02 * RATE_HZ)
+    assert by_id(after)["shot-0004"].window.stop > round(4.2 * RATE_HZ)
+    assert np.any(drive[round(4.16 * RATE_HZ) : round(4.2 * RATE_HZ)])
+
+
 def test_what_is_deleted_within_a_shot_leaves_it_whole(tmp_path: Path, film: Path) -> None:
     """Two marks of one bang: without the second the first has its decay, not 20 ms."""
     (tmp_path / "two.csv").write_text("onset_sample\n192000\n192960\n")

@@ -1,6 +1,7 @@
 """Where one signal lies in another, by normalised correlation over the samples that count."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,8 +67,7 @@ def vertices(values: NDArray[np.float64], peaks: NDArray[np.intp]) -> NDArray[np
 
     In samples, half of one at most; 0 where there is no neighbour on one side, or the parabola does not bend down.
     """
-    inside = (peaks > 0) & (peaks < values.shape[0] - 1)
-    before, at, after = (values[np.where(inside, peaks + by, peaks)] for by in (-1, 0, 1))
+    before, at, after = _beside(values, peaks)
     bend = before - 2.0 * at + after
     away = np.divide(0.5 * (before - after), bend, out=np.zeros_like(at), where=bend < 0.0)
     return np.clip(away, -0.5, 0.5)
@@ -75,6 +75,11 @@ def vertices(values: NDArray[np.float64], peaks: NDArray[np.intp]) -> NDArray[np
 
 def heights(values: NDArray[np.float64], peaks: NDArray[np.intp], beside: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return how high each of n parabolas is at its vertex, `beside` its peak as `vertices` says."""
-    inside = (peaks > 0) & (peaks < values.shape[0] - 1)
-    before, at, after = (values[np.where(inside, peaks + by, peaks)] for by in (-1, 0, 1))
+    before, at, after = _beside(values, peaks)
     return np.asarray(at + 0.25 * (after - before) * beside, np.float64)
+
+
+def _beside(values: NDArray[np.float64], peaks: NDArray[np.intp]) -> Iterator[NDArray[np.float64]]:
+    """Yield the values before, at and after some peaks; thrice that at a peak which has no neighbour on one side."""
+    inside = (peaks > 0) & (peaks < values.shape[0] - 1)
+    return (values[np.where(inside, peaks + by, peaks)] for by in (-1, 0, 1))

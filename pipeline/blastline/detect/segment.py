@@ -61,7 +61,7 @@ def segment(
         room_db = _echo_room_db(wave, blast, rate_hz=rate_hz, rules=rules)
         if room_db >= rules.reflection_level_db:
             found = discrete_reflections(wave, still, rate_hz=rate_hz, rules=rules)
-            echoes = _strong_enough(found, rules.reflection_level_db)
+            echoes = _strong_enough(found, rules.reflection_level_db, room_db)
     blast = min([blast, *(lag for lag, _ in echoes[:1])])
     at = film_start + onset
     length, ended = _decay(wave, background, rate_hz=rate_hz, rules=rules)
@@ -154,9 +154,14 @@ def _echo_room_db(wave: NDArray[np.float64], blast: int, *, rate_hz: int, rules:
     return db_from_gain(room)
 
 
-def _strong_enough(found: tuple[NDArray[np.intp], NDArray[np.float64]], least_db: float) -> list[tuple[int, float]]:
-    """Return the lags in samples and the levels in dB of the reflections that are strong enough to count."""
-    levels = [(int(lag), db_from_gain(float(gain))) for lag, gain in zip(*found, strict=True)]
+def _strong_enough(
+    found: tuple[NDArray[np.intp], NDArray[np.float64]], least_db: float, room_db: float
+) -> list[tuple[int, float]]:
+    """Return the lags in samples and the levels in dB of the reflections that are strong enough to count.
+
+    None is louder than all that sounds for as long as the blast.
+    """
+    levels = [(int(lag), min(db_from_gain(float(gain)), room_db)) for lag, gain in zip(*found, strict=True)]
     return [(lag, level_db) for lag, level_db in levels if least_db <= level_db <= _LOUDEST_DB]
 
 

@@ -33,7 +33,7 @@ def _bound(wish: Wish, shot: Shot, wanted: Wanted, rules: Rules, rate_hz: int) -
     """Return where a shot's window has to end, None where it would have ended by then anyway.
 
     Shots that follow closely share a window, and what is measured as the decay of one holds the next. So where one was
-    deleted, or somebody has set where the last of them ends, it is over there for those before it as well. What begins
+    deleted, or somebody has set where a later one ends, it is over there for those before it as well. What begins
     sooner than the rounds of a burst can is no round, but more of the same shot.
     """
     if wish.was is None:
@@ -43,7 +43,10 @@ def _bound(wish: Wish, shot: Shot, wanted: Wanted, rules: Rules, rate_hz: int) -
     ends += [
         other.stop
         for other in wanted.wishes
-        if other.stop is not None and other.was is not None and other.was.window == wish.was.window
+        if other.stop is not None
+        and other.onset > wish.onset
+        and other.was is not None
+        and other.was.window == wish.was.window
     ]
     bound = min((end for end in ends if end >= soonest), default=None)
     fade_out = samples_from_ms(rules.tier.windows.fade_out_ms, rate_hz)

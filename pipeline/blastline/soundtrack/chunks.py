@@ -38,7 +38,6 @@ _SPEAKERS = (
     "TBC",
     "TBR",
 )
-_LAYOUTS = (b"chan", b"CHAN")
 _MAX_KEPT = 1 << 16
 
 
@@ -86,7 +85,7 @@ def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | Non
             start = body + form.data_preamble
             data = (None if size is None else size - form.data_preamble, file_bytes - start)
             goes_on = bool(size) and more_follows(file, body + (size or 0), file_bytes, form)
-        elif name in (b"ds64", b"fmt ", b"bext", *_LAYOUTS):
+        elif name in (b"ds64", b"fmt ", b"bext", form.layout_name):
             kept[name] = file.read(max(0, min(declared, _MAX_KEPT)))
         if size is None or size < 0 or goes_on or (data is not None and data[0] == 0):
             break
@@ -94,8 +93,8 @@ def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | Non
     if data is None:
         return None
     reference, layout = _time_reference(kept.get(b"bext", b""), form), _layout(kept.get(b"fmt ", b""))
-    for name in _LAYOUTS:
-        layout = layout or named_channels(kept.get(name, b""), _SPEAKERS)
+    if form.layout_name:
+        layout = named_channels(kept.get(form.layout_name, b""), _SPEAKERS)
     return ChunkTable(data[0], data[1], reference, layout, goes_on, form.is_wave)
 
 

@@ -7,7 +7,10 @@ from typing import BinaryIO
 
 @dataclass(frozen=True)
 class Form:
-    """A family of files: `first` is where its chunks begin, `data_preamble` how much stands before the samples."""
+    """A family of files: `first` is where its chunks begin, `data_preamble` how much stands before the samples.
+
+    `layout_name` is the chunk with a layout of Core Audio; a WAV says so in its format chunk.
+    """
 
     first: int
     head: struct.Struct
@@ -15,6 +18,7 @@ class Form:
     size_includes_head: bool = False
     data_name: bytes = b"data"
     data_preamble: int = 0
+    layout_name: bytes = b""
     is_wave: bool = False
 
     @property
@@ -42,7 +46,7 @@ FORMS = {
     b"RIFF": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True),
     b"RF64": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True),
     b"RIFX": Form(12, struct.Struct(">4sI"), alignment=2, is_wave=True),
-    b"FORM": Form(12, struct.Struct(">4sI"), alignment=2, data_name=b"SSND", data_preamble=8),
+    b"FORM": Form(12, struct.Struct(">4sI"), alignment=2, data_name=b"SSND", data_preamble=8, layout_name=b"CHAN"),
     b"riff": Form(40, struct.Struct("<4s12xq"), alignment=8, size_includes_head=True),
-    b"caff": Form(8, struct.Struct(">4sq"), data_preamble=4),
+    b"caff": Form(8, struct.Struct(">4sq"), data_preamble=4, layout_name=b"chan"),
 }

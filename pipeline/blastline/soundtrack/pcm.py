@@ -23,7 +23,7 @@ _SHORT_STEP = np.float32(1.0 / 32_768.0)
 _LONG_STEP = np.float32(2.0**-31)
 _LITTLE_ENDIAN = frozenset({"WAV", "WAVEX", "RF64"})
 _BIG_ENDIAN = frozenset({"AIFF", "CAF"})
-_LONGEST_S = 7 * 86_400
+_LATEST_S = 7 * 86_400
 """A time stamp later than a week after midnight is none."""
 
 
@@ -41,9 +41,9 @@ class PcmTrack:
         # libsndfile takes the chunks that follow in a W64 for sound
         self._frames = min(file.frames, declared)
         reference = table.time_reference
-        self._strange = None if reference is None or reference <= _LONGEST_S * file.samplerate else reference
-        if self._strange is not None:
-            reference = None
+        self._ignored_reference: int | None = None
+        if reference is not None and reference > _LATEST_S * file.samplerate:
+            self._ignored_reference, reference = reference, None
         self.facts = TrackFacts(
             rate_hz=file.samplerate,
             channels=file.channels,
@@ -90,11 +90,10 @@ class PcmTrack:
     def warnings(self) -> list[str]:
         """Return where the header is wrong; there is no decoder that could stumble."""
         warnings = [overflow_warning(self._table)] if self._table.goes_on else []
-        if self._strange is not None:
-            days = self._strange / self.facts.rate_hz / 86_400.0
-            warnings.append(
-                f"the time stamp says {self._strange} samples, {days:.3g} days, after midnight; it was ignored"
-            )
+        if self._ignored_reference is not None:
+            days = self._ignored_reference / self.facts.rate_hz / 86_400.0
+            said = f"the time stamp says {self._ignored_reference} samples, {days:.3g} days, after midnight"
+            warnings.append(f"{said}; it was ignored")
         return warnings
 
     def close(self) -> None:
