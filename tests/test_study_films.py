@@ -14,7 +14,7 @@ from blastline.study.corpus import read_corpus
 from blastline.study.courses import FOLD_SEED, FOLDS, by_fold
 from blastline.study.detection import study_detection
 from blastline.study.filmlike import CLIP_S, film_mixes, one_shot_clips, stock
-from blastline.study.mixes import Sound, mix
+from blastline.study.mixes import Levels, Sound, mix
 from blastline.study.peer_scores import PeerTally, heard_by, opened, warm
 from blastline.study.peers import PEERS, Peer, installed
 from blastline.study.sources import StudySource
@@ -59,7 +59,11 @@ def test_a_mix_is_always_the_same_and_one_in_four_has_no_shot(corpus: Path, tmp_
     for name in ("first", "second"):
         (tmp_path / name).mkdir()
         runs.append(
-            list(film_mixes(stock(read_corpus([corpus])), tmp_path / name, films=films, levels_db=(20.0, 30.0), seed=3))
+            list(
+                film_mixes(
+                    stock(read_corpus([corpus])), tmp_path / name, films=films, levels=Levels(20.0, 30.0), seed=3
+                )
+            )
         )
     for one, other in zip(*runs, strict=True):
         assert one.path.read_bytes() == other.path.read_bytes()
@@ -101,7 +105,7 @@ def test_scenes_made_at_once_are_those_made_in_turn(tmp_path: Path) -> None:
 def test_a_mixed_shot_begins_where_it_says(corpus: Path, tmp_path: Path) -> None:
     sounds = stock(read_corpus([corpus]))
     knocks = [group for group in sounds.others if group[0].sub_label == "knock"]
-    (case,) = film_mixes(replace(sounds, others=knocks), tmp_path, films=1, levels_db=(40.0, 40.0), seed=3)
+    (case,) = film_mixes(replace(sounds, others=knocks), tmp_path, films=1, levels=Levels(40.0, 40.0), seed=3)
     samples, rate_hz = soundfile.read(case.path)
     assert rate_hz == RATE_HZ
     for at_ms in case.true_ms.tolist():
@@ -129,7 +133,7 @@ def test_half_of_the_clips_have_one_shot_at_its_level(corpus: Path, tmp_path: Pa
         (StudySource(), "either --fixtures or --random, or --corpus"),
         (StudySource(fixtures=Path("a"), corpus=(Path("b"),)), "either --fixtures or --random, or --corpus"),
         (StudySource(fixtures=Path("a"), clips=True), "give --corpus"),
-        (StudySource(fixtures=Path("a"), mix_db=(0.0, 6.0)), "give --corpus"),
+        (StudySource(fixtures=Path("a"), mix=Levels(0.0, 6.0)), "give --corpus"),
         (StudySource(fixtures=Path("a"), fold=0), "give --corpus"),
     ],
 )
@@ -202,8 +206,22 @@ def test_a_shot_is_as_loud_over_the_bed_as_its_own_peak() -> None:
     wave = np.zeros(RATE_HZ)
     wave[4_800], wave[24_000] = 0.9, 0.009
     rng, bed = np.random.default_rng(1), 1e-2 * np.random.default_rng(2).standard_normal(4 * RATE_HZ)
-    made = mix(bed, [Sound(wave, (4_800, 24_000))], rng=rng, rate_hz=RATE_HZ, levels_db=(20.0, 20.0))
+    made = mix(bed, [Sound(wave, (4_800, 24_000))], rng=rng, rate_hz=RATE_HZ, levels=Levels(20.0, 20.0))
     assert made.level_db == pytest.approx([20.0, -20.0], abs=0.1)
+
+
+def test_by_its_rms_the_event_adds_as_much_power_as_its_level_says() -> None:
+    """As DCASE 2017 has it, from the onset to the end of the sound; what is before the onset says nothing."""
+    rng = np.random.default_rng(3)
+    wave = np.concatenate([np.zeros(RATE_HZ), rng.standard_normal(RATE_HZ) * np.exp(-np.arange(RATE_HZ) / 4_800.0)])
+    bed = 1e-2 * rng.standard_normal(6 * RATE_HZ)
+    made = mix(bed, [Sound(wave, (RATE_HZ,))], rng=rng, rate_hz=RATE_HZ, levels=Levels(12.0, 12.0, "rms"))
+    (onset,) = made.onsets.tolist()
+    bed_only = np.concatenate([made.samples[: onset - 480], made.samples[onset + RATE_HZ :]]).astype(np.float64)
+    event = made.samples[onset : onset + RATE_HZ].astype(np.float64)
+    added = np.mean(event**2) / np.mean(bed_only**2) - 1.0
+    assert made.level_db == pytest.approx([12.0])
+    assert 10.0 * np.log10(added) == pytest.approx(12.0, abs=1.0)
 
 
 def test_onsets_after_the_end_of_their_sound_are_refused(tmp_path: Path) -> None:
@@ -211,12 +229,12 @@ def test_onsets_after_the_end_of_their_sound_are_refused(tmp_path: Path) -> None
     rows = ["path,source,label,sub_label,duration_s,onsets_s,notes", "short.wav,one,gunshot,rifle,9.0,0.1;4.0,"]
     (tmp_path / "annotations.csv").write_text("\n".join(rows))
     told = r"short\.wav: .* 4 .*: expected seconds before the end of the sound, at 0\.5 s"
-    for source in (StudySource(corpus=(tmp_path,)), StudySource(corpus=(tmp_path,), mix_db=(6.0, 6.0), films=1)):
-        (tmp_path / str(source.mix_db)).mkdir()
+    for source in (StudySource(corpus=(tmp_path,)), StudySource(corpus=(tmp_path,), mix=Levels(6.0, 6.0), films=1)):
+        (tmp_path / str(source.mix)).mkdir()
         with pytest.raises(RuleError, match=told):
-            study_detection(source, tmp_path / str(source.mix_db), "draft")
+            study_detection(source, tmp_path / str(source.mix), "draft")
 
 
 def test_clips_and_mixes_are_not_asked_for_together(corpus: Path, tmp_path: Path) -> None:
     with pytest.raises(RuleError, match="either --clips or --mix"):
-        StudySource(corpus=(corpus,), mix_db=(6.0, 30.0), clips=True).cases(tmp_path)
+        StudySource(corpus=(corpus,), mix=Levels(6.0, 30.0), clips=True).cases(tmp_path)

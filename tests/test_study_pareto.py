@@ -154,6 +154,7 @@ def test_the_commands_print_and_write(folder: Path, tmp_path: Path) -> None:
     assert "exists already" in refused.complaint
     assert "expected two levels" in blastline("study", "detection", "--corpus", folder, "--mix", "loud").complaint
     assert "lower level first" in blastline("study", "detection", "--corpus", folder, "--mix", "9,3").complaint
+    assert "or rms:6,30" in blastline("study", "detection", "--corpus", folder, "--mix", "loudness:6,30").complaint
 
 
 def test_the_command_ends_with_one_where_a_bar_is_missed(folder: Path, tmp_path: Path) -> None:

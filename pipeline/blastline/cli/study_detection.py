@@ -15,6 +15,7 @@ from .progress import shown_progress
 from .studied import detection_table
 
 if TYPE_CHECKING:
+    from ..study.mixes import Levels
     from ..study.sources import StudySource
 
 LISTENING = "What to listen to"
@@ -53,8 +54,8 @@ MixLevels = Annotated[
     str | None,
     typer.Option(
         "--mix",
-        metavar="LOW,HIGH",
-        help="Mix the corpora's shots and other sounds over their beds, peaks so many dB over the bed.",
+        metavar="[rms:]LOW,HIGH",
+        help="Mix the corpora's shots and other sounds over their beds, peaks (or rms) so many dB over the bed's rms.",
         rich_help_panel=LISTENING,
         show_default=False,
     ),
@@ -171,18 +172,20 @@ def source_of(
     """Return what the options ask to listen to; RuleError for levels that are none."""
     from ..study.sources import StudySource
 
-    levels_db = None if mix is None else _levels(mix)
+    levels = None if mix is None else _levels(mix)
     return StudySource(
-        fixtures, tuple(corpus or ()), levels_db, clips=clips, fold=fold, random=random, films=films, seed=seed
+        fixtures, tuple(corpus or ()), levels, clips=clips, fold=fold, random=random, films=films, seed=seed
     )
 
 
-def _levels(text: str) -> tuple[float, float]:
-    """Return the lowest and the highest level of an option such as 6,30."""
+def _levels(text: str) -> "Levels":
+    """Return the lowest and the highest level of an option such as 6,30 or rms:6,30."""
+    from ..study.mixes import Levels
+
     try:
-        low, high = (float(part) for part in text.split(","))
+        low, high = (float(part) for part in text.removeprefix("rms:").split(","))
     except ValueError as error:
-        raise RuleError(f"--mix {text}: expected two levels in dB, such as 6,30") from error
+        raise RuleError(f"--mix {text}: expected two levels in dB, such as 6,30 or rms:6,30") from error
     if not -60.0 <= low <= high <= 80.0:
         raise RuleError(f"--mix {text}: expected the lower level first, both between -60 and 80 dB")
-    return low, high
+    return Levels(low, high, "rms" if text.startswith("rms:") else "peak")

@@ -17,7 +17,7 @@ from ..units import gain_from_db, samples_from_ms
 from .cases import GUN_FREE_EVERY, Case, near_each_other
 from .corpus import Recording, load_sound
 from .lessons import SOUNDS_PER_MIX
-from .mixes import MIX_S, RATE_HZ, Sound, as_16_bit, mix
+from .mixes import MIX_S, RATE_HZ, Levels, Sound, as_16_bit, mix
 from .recorded import SHORTEST_BED_S, by_source, drawn, recorded_bed, recorded_sound
 
 Samples = NDArray[np.float64]
@@ -45,13 +45,13 @@ def stock(found: Sequence[Recording]) -> Stock:
     return Stock(shots, by_source(others), [each for each in others if each.duration_s >= SHORTEST_BED_S])
 
 
-def film_mixes(sounds: Stock, into: Path, *, films: int, levels_db: tuple[float, float], seed: int) -> Iterator[Case]:
-    """Yield minutes of film-like sound, as many shots as other sounds, their peaks at a level over the bed's rms."""
+def film_mixes(sounds: Stock, into: Path, *, films: int, levels: Levels, seed: int) -> Iterator[Case]:
+    """Yield minutes of film-like sound, as many shots as other sounds, each at a level over the bed."""
     for number in range(films):
         rng = np.random.default_rng([seed, number])
         gun_free = number % GUN_FREE_EVERY == GUN_FREE_EVERY - 1
         placed = [_sound(sounds, rng, shot=not gun_free and bool(rng.random() < 0.5)) for _ in range(SOUNDS_PER_MIX)]
-        made = mix(_bed(sounds, rng, MIX_S), placed, rng=rng, rate_hz=RATE_HZ, levels_db=levels_db)
+        made = mix(_bed(sounds, rng, MIX_S), placed, rng=rng, rate_hz=RATE_HZ, levels=levels)
         true_ms = made.onsets.astype(np.float64) * (1000.0 / RATE_HZ)
         yield Case(
             name=f"mix-{number:03d}",

@@ -12,6 +12,8 @@ from ..synth import (
     designed_negative,
     designed_shot,
     film_scene,
+    handling,
+    outdoor_shot,
     plain_bed,
     plain_negative,
     plain_shot,
@@ -24,11 +26,12 @@ from ..synth import (
 )
 from .codecs import BITS_PER_S, coded
 from .corpus import Recording
-from .mixes import MIX_S, RATE_HZ, Mix, Samples, Sound, as_16_bit, mix
+from .mixes import MIX_S, RATE_HZ, Levels, Mix, Samples, Sound, as_16_bit, mix
 from .recorded import SHORTEST_BED_S, by_source, drawn, recorded_bed, recorded_variant
 
 SOUNDS_PER_MIX = 20
-LEVELS_DB = (3.0, 40.0)
+LEVELS = Levels(3.0, 40.0)
+OUTDOOR_LEVELS = Levels(3.0, 55.0)  # what was recorded near stands out further
 CODED_SHARE, CUT_SHARE = 0.3, 0.2
 ARMED_SHARES = (0.0, 0.2, 0.5, 0.8)
 DROWNED_DB = 3.0
@@ -71,6 +74,11 @@ def designed_mix(seed: int) -> Lesson:
     return partial(_designed_mix, seed)
 
 
+def outdoor_mix(seed: int) -> Lesson:
+    """Return lessons of guns recorded near and outdoors among what hands do near a microphone; one in four no shot."""
+    return partial(_outdoor_mix, seed)
+
+
 def synthetic_film(seed: int, density: Density = CROWDED) -> Lesson:
     """Return lessons that are scenes as `blastline synth` makes them: bursts, rooms, changing beds, one master.
 
@@ -106,11 +114,18 @@ def _designed_mix(seed: int, number: int) -> Mix:
     return _armed_mix(np.random.default_rng([seed, number]), designed_shot, _any_negative, random_bed)
 
 
+def _outdoor_mix(seed: int, number: int) -> Mix:
+    rng = np.random.default_rng([seed, number])
+    return _armed_mix(rng, outdoor_shot, _near_negative, random_bed, levels=OUTDOOR_LEVELS)
+
+
 def _armed_mix(
     rng: np.random.Generator,
     shot: Callable[[np.random.Generator, int], tuple[Samples, tuple[int, ...]]],
     negative: Callable[[np.random.Generator, int], Samples],
     bed: Callable[[np.random.Generator, int, float], Samples],
+    *,
+    levels: Levels = LEVELS,
 ) -> Mix:
     """Return a mix whose sounds are shots to one of `ARMED_SHARES`, each family drawn by its own function."""
     armed = ARMED_SHARES[int(rng.integers(len(ARMED_SHARES)))]
@@ -118,7 +133,11 @@ def _armed_mix(
         Sound(*shot(rng, RATE_HZ)) if rng.random() < armed else Sound(negative(rng, RATE_HZ))
         for _ in range(SOUNDS_PER_MIX)
     ]
-    return _mixed(bed(rng, RATE_HZ, MIX_S), sounds, rng)
+    return _mixed(bed(rng, RATE_HZ, MIX_S), sounds, rng, levels=levels)
+
+
+def _near_negative(rng: np.random.Generator, rate_hz: int) -> Samples:
+    return handling(rng, rate_hz) if rng.random() < 0.5 else _any_negative(rng, rate_hz)
 
 
 def _any_negative(rng: np.random.Generator, rate_hz: int) -> Samples:
@@ -208,8 +227,8 @@ def _recorded_mix(
     return _mixed(bed, sounds, rng)
 
 
-def _mixed(bed: Samples, sounds: list[Sound], rng: np.random.Generator) -> Mix:
-    film = mix(bed, sounds, rng=rng, rate_hz=RATE_HZ, levels_db=LEVELS_DB)
+def _mixed(bed: Samples, sounds: list[Sound], rng: np.random.Generator, *, levels: Levels = LEVELS) -> Mix:
+    film = mix(bed, sounds, rng=rng, rate_hz=RATE_HZ, levels=levels)
     film = replace(film, samples=_perhaps_coded(film.samples, rng))
     return without_drowned(film, [[onset] for onset in film.onsets.tolist()])
 

@@ -8,17 +8,32 @@ the archive instead of the gun.
 """
 
 from dataclasses import dataclass
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..synth.tone import peak, rms
 from ..units import db_from_gain, gain_from_db, samples_from_ms
 
 Samples = NDArray[np.float64]
 
 RATE_HZ = 48_000
 MIX_S = 60.0
+_FAINTEST_BED = 3e-4  # rms; a sound over silence has a level all the same
 _PEAK_MS = 50.0  # after an onset; a shot has peaked by then
+
+
+class Levels(NamedTuple):
+    """How far a sound stands over the bed, from one level to another: its highest peak, or its rms, over the bed's rms.
+
+    The rms of a sound is that from its first onset to its end, and the bed's that of the same stretch: the
+    event-to-background ratio of DCASE 2017. A shot's peak is some 20 dB over its rms.
+    """
+
+    low_db: float
+    high_db: float
+    of: Literal["peak", "rms"] = "peak"
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +52,8 @@ class Sound:
 class Mix:
     """A mixed stretch: float32 samples, the shots' onsets, ascending, and their levels.
 
-    `level_db` is a shot's own peak over the rms of the bed around it.
+    `level_db` is a shot's own peak over the rms of the bed around it, or how far its sound's rms is over the bed's
+    less what the shot is softer than the loudest one of its sound.
     """
 
     samples: NDArray[np.float32]
@@ -46,37 +62,40 @@ class Mix:
     unsure: NDArray[np.intp]
 
 
-def mix(
-    bed: Samples, sounds: list[Sound], *, rng: np.random.Generator, rate_hz: int, levels_db: tuple[float, float]
-) -> Mix:
+def mix(bed: Samples, sounds: list[Sound], *, rng: np.random.Generator, rate_hz: int, levels: Levels) -> Mix:
     """Place the sounds over the bed, none starting within 0.6 s of another's start, and master the sum.
 
-    The loudest peak of each sound is at one of the levels over the bed.
+    Each sound is at one of the levels over the bed.
     """
     mixed = bed.copy()
     onsets: list[int] = []
-    levels: list[float] = []
+    levels_db: list[float] = []
     unsure: list[int] = []
     for sound, at in zip(sounds, _places(len(sounds), bed.shape[0], rng, rate_hz), strict=False):
         wave = _coloured(sound.samples, rng, rate_hz)[: bed.shape[0] - at]
-        peak = float(np.abs(wave).max(initial=0.0))
-        near = bed[max(0, at - rate_hz // 2) : at + rate_hz]
-        background = max(float(np.sqrt(np.mean(near**2))), 3e-4)
-        level_db = rng.uniform(*levels_db)
-        if peak <= 0.0:
+        size = _size(wave, sound.onsets, levels)
+        near = bed[at : at + wave.shape[0]] if levels.of == "rms" else bed[max(0, at - rate_hz // 2) : at + rate_hz]
+        background = max(rms(near), _FAINTEST_BED)
+        level_db = rng.uniform(levels.low_db, levels.high_db)
+        if size <= 0.0:
             continue
-        mixed[at : at + wave.shape[0]] += wave * (background * gain_from_db(level_db) / peak)
+        mixed[at : at + wave.shape[0]] += wave * (background * gain_from_db(level_db) / size)
         kept = [onset for onset in sound.onsets if onset < wave.shape[0]]
         onsets += [at + onset for onset in kept]
-        levels += [level_db + softer_db for softer_db in _against_loudest_db(wave, kept, rate_hz)]
+        levels_db += [level_db + softer_db for softer_db in _against_loudest_db(wave, kept, rate_hz)]
         unsure += [at + place for place in sound.unsure]
     order = np.argsort(onsets)
     return Mix(
         samples=_mastered(mixed, rng, rate_hz),
         onsets=np.array(onsets, np.intp)[order],
-        level_db=np.array(levels, np.float64)[order],
+        level_db=np.array(levels_db, np.float64)[order],
         unsure=np.array(unsure, np.intp),
     )
+
+
+def _size(wave: Samples, onsets: tuple[int, ...], levels: Levels) -> float:
+    """Return what of a sound is held against the bed: its peak, or its rms from its first onset on."""
+    return rms(wave[min(onsets, default=0) :]) if levels.of == "rms" else peak(wave)
 
 
 def _against_loudest_db(wave: Samples, onsets: list[int], rate_hz: int) -> list[float]:
@@ -125,8 +144,7 @@ def _coloured(samples: Samples, rng: np.random.Generator, rate_hz: int) -> Sampl
 def _mastered(samples: Samples, rng: np.random.Generator, rate_hz: int) -> NDArray[np.float32]:
     from scipy.signal import butter, sosfilt
 
-    peak = float(np.abs(samples).max(initial=0.0)) or 1.0
-    loud = samples / peak
+    loud = samples / (peak(samples) or 1.0)
     if rng.random() < 0.5:  # the whole mix driven into a limiter
         loud = np.tanh(loud * rng.uniform(1.0, 6.0))
     if rng.random() < 0.3:  # a lossy codec or an optical track keeps less than the full band

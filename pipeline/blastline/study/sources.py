@@ -10,7 +10,7 @@ from .cases import FILM_S, Case, random_films, recordings, scenes
 from .corpus import Recording, read_corpus
 from .courses import FOLD_SEED, FOLDS, by_fold
 from .filmlike import CLIP_S, film_mixes, one_shot_clips, stock
-from .mixes import MIX_S
+from .mixes import MIX_S, Levels
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class StudySource:
 
     fixtures: Path | None = None
     corpus: tuple[Path, ...] = ()
-    mix_db: tuple[float, float] | None = None
+    mix: Levels | None = None
     clips: bool = False
     fold: int | None = None
     random: int = 0
@@ -38,17 +38,17 @@ class StudySource:
         if synthetic == bool(self.corpus):
             raise RuleError("study: give either --fixtures or --random, or --corpus")
         if synthetic:
-            if self.mix_db is not None or self.clips or self.fold is not None:
+            if self.mix is not None or self.clips or self.fold is not None:
                 raise RuleError("study: --mix, --clips and --fold are about recordings; give --corpus alone")
             made = scenes(self.fixtures, into, jobs=jobs) if self.fixtures is not None else ()
             return chain(made, random_films(into, films=self.random, seed=self.seed, jobs=jobs))
-        if self.clips and self.mix_db is not None:
+        if self.clips and self.mix is not None:
             raise RuleError("study: --clips have levels of their own; give either --clips or --mix")
         found = self._recordings()
         if self.clips:
             return one_shot_clips(stock(found), into, clips=self.films, seed=self.seed)
-        if self.mix_db is not None:
-            return film_mixes(stock(found), into, films=self.films, levels_db=self.mix_db, seed=self.seed)
+        if self.mix is not None:
+            return film_mixes(stock(found), into, films=self.films, levels=self.mix, seed=self.seed)
         return recordings(found)
 
     def _recordings(self) -> Sequence[Recording]:
@@ -68,10 +68,10 @@ class StudySource:
                 f"{self.films} clips of {CLIP_S:g} s, every other one with a single shot at -6, 0 or 6 dB rms, "
                 f"seed {self.seed}; as in DCASE 2017, no score of it{self._part}"
             )
-        if self.mix_db is not None:
-            low, high = self.mix_db
+        if self.mix is not None:
+            low, high, of = self.mix
             return (
-                f"{self.films} mixes of {MIX_S:g} s, peaks {low:g} to {high:g} dB over the bed, one in four without "
+                f"{self.films} mixes of {MIX_S:g} s, {of} {low:g} to {high:g} dB over the bed, one in four without "
                 f"a shot, seed {self.seed}{self._part}"
             )
         if self.corpus:

@@ -7,8 +7,10 @@ from .designed import designed_negative, designed_shot
 from .echoes import in_place
 from .files import render_scene, synthesise, truth_of, write_scene
 from .film import film_scene
+from .handling import handling
 from .mix import SceneAudio
 from .negatives import NEGATIVE_KINDS, NegativeKind, random_negative
+from .outdoors import outdoor_shot
 from .plain import plain_bed, plain_negative, plain_shot
 from .rooms import ENVIRONMENTS, draw_place
 from .scene import Scene, load_scene
@@ -33,8 +35,10 @@ __all__ = [
     "draw_place",
     "encode_truth",
     "film_scene",
+    "handling",
     "in_place",
     "load_scene",
+    "outdoor_shot",
     "plain_bed",
     "plain_negative",
     "plain_shot",

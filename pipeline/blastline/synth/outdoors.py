@@ -1,0 +1,153 @@
+"""Guns recorded outdoors, some metres away: a blast, what is struck near by, next to silence, then what comes back.
+
+    pressure = blast + gas jet + arrivals within 20 ms      off the ground, the shooter, the weapon, a bench
+             + bolt and case                                tens of milliseconds later and far softer
+             + backscatter                                  trees, berms and hills, from 40-300 ms on
+    heard    = pressure through the recording chain
+
+A microphone d metres from the muzzle hears the direct sound fall with 1/d, but what returns from afar hardly changes:
+near the gun 20 to 60 dB lie between them, and between 20 and 100 ms there is nearly nothing. `shots` draws places as
+a film's mix has them, where most is louder than that.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .chance import between, chance, fork, log_between, pick
+from .colour import draw_colour, record
+from .echoes import overlaid
+from .tone import Samples, highpass, lowpass, saturate, tilt, trimmed
+from .waves import band_burst, friedlander, n_wave, normalised
+
+_LONGEST_S = 3.0
+_ROUNDS_PER_MINUTE = (420.0, 1_300.0)
+
+_Part = tuple[int, Samples]
+_Return = tuple[int, float, float, float, tuple[float, float]]
+
+
+@dataclass(frozen=True, eq=False)
+class _Gun:
+    """What the rounds of one gun at one place share; levels in dB are against the peak of the blast."""
+
+    blast: Samples
+    arrivals: tuple[tuple[int, float, float], ...]  # after so many samples, at this gain, with a corner in Hz
+    jet: tuple[float, float, float, tuple[float, float]]  # level, attack and decay in ms, band in Hz
+    clicks: tuple[tuple[int, float, float, float], ...]  # after so many samples: level, centre in Hz, decay in ms
+    returns: tuple[_Return, ...]
+
+
+def outdoor_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, tuple[int, ...]]:
+    """Return one shot or a burst of up to 20 rounds, with a peak of 1, and where the rounds' blasts begin."""
+    gun = _gun(fork(rng), rate_hz)
+    rounds = 1 if chance(rng, 0.55) else int(rng.integers(2, 21))
+    gap = 60.0 / log_between(rng, _ROUNDS_PER_MINUTE) * rate_hz
+    gaps = gap * (1.0 + pick(rng, (0.003, 0.01, 0.04)) * rng.standard_normal(rounds - 1))
+    places = np.round(np.concatenate([[0.0], np.cumsum(gaps)])).astype(int).tolist()
+    spread_db = pick(rng, (0.3, 1.0, 2.0))
+    parts = [
+        (at, _fired(fork(rng), rate_hz, gun) * 10.0 ** (spread_db * float(rng.standard_normal()) / 20.0))
+        for at in places
+    ]
+    before = _crack(rng, rate_hz) if chance(rng, 0.1) else np.zeros(0)
+    whole = overlaid([(len(before) + at, part) for at, part in parts] + [(0, before)])
+    return _recorded(rng, whole, rate_hz), tuple(len(before) + at for at in places)
+
+
+def _gun(rng: np.random.Generator, rate_hz: int) -> _Gun:
+    rise_ms = pick(rng, (0.0, log_between(rng, (0.02, 0.5))))
+    blast = friedlander(
+        rate_hz, positive_ms=log_between(rng, (0.2, 4.0)), rise_ms=rise_ms, decay=log_between(rng, (0.6, 2.5))
+    )
+    arrivals = tuple(
+        (
+            round(log_between(rng, (0.25, 22.0)) * 1e-3 * rate_hz),
+            between(rng, (-0.7, 0.9)),
+            log_between(rng, (2e3, 2e4)),
+        )
+        for _ in range(int(rng.integers(0, 7)))
+    )
+    jet = (
+        between(rng, (-24.0, 8.0)),
+        log_between(rng, (0.05, 6.0)),
+        log_between(rng, (0.6, 9.0)),
+        (log_between(rng, (60.0, 1_200.0)), log_between(rng, (2_000.0, 18_000.0))),
+    )
+    clicks = tuple(
+        (
+            round(between(rng, (0.006, 0.075)) * rate_hz),
+            between(rng, (-60.0, -22.0)),
+            log_between(rng, (800.0, 9_000.0)),
+            log_between(rng, (0.5, 12.0)),
+        )
+        for _ in range(int(rng.integers(0, 5)))
+    )
+    return _Gun(blast, arrivals, jet, clicks, _returns(rng, rate_hz))
+
+
+def _returns(rng: np.random.Generator, rate_hz: int) -> tuple[_Return, ...]:
+    """Return what comes back: after so many samples, level, how long it grows and dies in ms, and its band.
+
+    Grass, people and a bench scatter at once and for tens of milliseconds, what is far up to six times later.
+    """
+
+    def one(after_s: float, level_db: float, attack_ms: float, decay_ms: float) -> _Return:
+        low_hz = log_between(rng, (60.0, 700.0))
+        return round(after_s * rate_hz), level_db, attack_ms, decay_ms, (low_hz, low_hz * log_between(rng, (2.5, 30.0)))
+
+    found = []
+    if chance(rng, 0.7):
+        near = between(rng, (0.001, 0.02)), between(rng, (-38.0, -8.0))
+        found.append(one(*near, log_between(rng, (1.0, 15.0)), log_between(rng, (6.0, 45.0))))
+    loudest_db, first_s = between(rng, (-52.0, -10.0)), log_between(rng, (0.03, 0.2))
+    for number in range(0 if chance(rng, 0.08) else int(rng.integers(1, 6))):
+        far = first_s + number * between(rng, (0.0, 0.15)), loudest_db - between(rng, (0.0, 6.0)) * number
+        found.append(one(*far, log_between(rng, (2.0, 90.0)), log_between(rng, (15.0, 350.0))))
+    return tuple(found)
+
+
+def _fired(rng: np.random.Generator, rate_hz: int, gun: _Gun) -> Samples:
+    """Return a round: the gas and what scatters it are never the same twice, the geometry is."""
+    level_db, attack_ms, decay_ms, band_hz = gun.jet
+    jet = band_burst(fork(rng), rate_hz, band_hz=band_hz, attack_ms=attack_ms, decay_ms=decay_ms)
+    direct = normalised(overlaid([(0, gun.blast), (0, jet * _gain(level_db + between(rng, (-2.0, 2.0))))]))
+    parts: list[_Part] = [(0, direct)]
+    parts += [(at, lowpass(direct, corner_hz, rate_hz=rate_hz) * gain) for at, gain, corner_hz in gun.arrivals]
+    for at, level_db, centre_hz, decay_ms in gun.clicks:
+        band_hz = (0.6 * centre_hz, 1.6 * centre_hz)
+        click = band_burst(fork(rng), rate_hz, band_hz=band_hz, attack_ms=0.1, decay_ms=decay_ms)
+        parts.append((at + int(0.003 * rate_hz * rng.random()), click * _gain(level_db)))
+    for at, level_db, attack_ms, decay_ms, band_hz in gun.returns:
+        scatter = band_burst(fork(rng), rate_hz, band_hz=band_hz, attack_ms=attack_ms, decay_ms=decay_ms)
+        parts.append((at, scatter * _gain(level_db)))
+    return overlaid(parts)
+
+
+def _crack(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return the bullet's shock and the time until the blast: a microphone down the range hears it first."""
+    wave = n_wave(rate_hz, length_ms=between(rng, (0.15, 0.5)), rise_ms=log_between(rng, (0.005, 0.1)))
+    lead = np.zeros(round(log_between(rng, (0.008, 0.25)) * rate_hz))
+    return overlaid([(0, wave * _gain(between(rng, (-20.0, 3.0)))), (0, lead)])
+
+
+def _recorded(rng: np.random.Generator, sound: Samples, rate_hz: int) -> Samples:
+    """Return the sound as a field recorder kept it: overloaded in one of three, its bass cut or not, then edited."""
+    sound = normalised(sound)
+    if chance(rng, 0.35):
+        sound = saturate(sound, between(rng, (3.0, 24.0)))
+    if chance(rng, 0.5):
+        corner_hz = log_between(rng, (4.0, 500.0))
+        sound = highpass(sound, corner_hz, rate_hz=rate_hz, order=pick(rng, (1, 1, 2)))
+    if chance(rng, 0.5):
+        sound = tilt(sound, between(rng, (-12.0, 12.0)), pivot_hz=log_between(rng, (300.0, 5_000.0)), rate_hz=rate_hz)
+    if chance(rng, 0.3):
+        sound = lowpass(sound, log_between(rng, (2_500.0, 16_000.0)), rate_hz=rate_hz, order=pick(rng, (1, 2)))
+    if chance(rng, 0.25):
+        sound = record(sound, draw_colour(rng), rate_hz=rate_hz)
+    sound = trimmed(sound, floor=1e-4)
+    return normalised(sound)
+
+
+def _gain(level_db: float) -> float:
+    return float(10.0 ** (level_db / 20.0))
