@@ -19,8 +19,8 @@ def dry_db(samples: NDArray[np.float64], onset: int, *, from_ms: float, to_ms: f
 
 @pytest.mark.parametrize("seed", range(30))
 def test_a_shot_has_a_peak_of_one_and_begins_where_it_says(seed: int) -> None:
-    samples, onsets = outdoor_shot(np.random.default_rng(seed), RATE_HZ)
-    again, same = outdoor_shot(np.random.default_rng(seed), RATE_HZ)
+    samples, onsets, _ = outdoor_shot(np.random.default_rng(seed), RATE_HZ)
+    again, same, _ = outdoor_shot(np.random.default_rng(seed), RATE_HZ)
     assert np.array_equal(samples, again)
     assert onsets == same
     assert np.isfinite(samples).all()
@@ -34,7 +34,8 @@ def test_a_shot_has_a_peak_of_one_and_begins_where_it_says(seed: int) -> None:
 def test_nothing_is_heard_before_the_blast_but_a_bullets_shock() -> None:
     early = []
     for seed in range(300):
-        samples, onsets = outdoor_shot(np.random.default_rng(seed), RATE_HZ)
+        samples, onsets, shock = outdoor_shot(np.random.default_rng(seed), RATE_HZ)
+        assert shock == ((0,) if onsets[0] else ())
         if onsets[0]:
             early.append(onsets[0] / RATE_HZ)
         else:
@@ -48,7 +49,7 @@ def test_near_a_gun_there_is_less_between_the_blast_and_its_return_than_in_a_fil
     """Recorded near and outdoors 50-100 ms after the onset are 25 to 50 dB under the first 25; in films' places 10."""
     outdoors, films = [], []
     for seed in range(200):
-        samples, onsets = outdoor_shot(np.random.default_rng(seed), RATE_HZ)
+        samples, onsets, _ = outdoor_shot(np.random.default_rng(seed), RATE_HZ)
         if len(onsets) == 1:
             outdoors.append(dry_db(samples, onsets[0], from_ms=50.0, to_ms=100.0))
         if seed < 100:

@@ -41,6 +41,9 @@ DROWNED_DB = 3.0
 Lesson = Callable[[int], Mix]
 """Makes the lesson of a number, always the same."""
 
+Shot = Callable[[np.random.Generator, int], tuple[Samples, tuple[int, ...]]]
+"""Makes a shot or a burst, and says where its rounds begin."""
+
 
 @dataclass(frozen=True)
 class Density:
@@ -107,21 +110,31 @@ def _synthetic_mix(seed: int, number: int) -> Mix:
 
 
 def _plain_mix(seed: int, number: int) -> Mix:
-    return _armed_mix(np.random.default_rng([seed, number]), plain_shot, plain_negative, plain_bed)
+    shot = partial(_sound_of, plain_shot)
+    return _armed_mix(np.random.default_rng([seed, number]), shot, plain_negative, plain_bed)
 
 
 def _designed_mix(seed: int, number: int) -> Mix:
-    return _armed_mix(np.random.default_rng([seed, number]), designed_shot, _any_negative, random_bed)
+    shot = partial(_sound_of, designed_shot)
+    return _armed_mix(np.random.default_rng([seed, number]), shot, _any_negative, random_bed)
 
 
 def _outdoor_mix(seed: int, number: int) -> Mix:
     rng = np.random.default_rng([seed, number])
-    return _armed_mix(rng, outdoor_shot, _near_negative, random_bed, levels=OUTDOOR_LEVELS)
+    return _armed_mix(rng, _outdoor_sound, _near_negative, random_bed, levels=OUTDOOR_LEVELS)
+
+
+def _sound_of(shot: Shot, rng: np.random.Generator, rate_hz: int) -> Sound:
+    return Sound(*shot(rng, rate_hz))
+
+
+def _outdoor_sound(rng: np.random.Generator, rate_hz: int) -> Sound:
+    return Sound(*outdoor_shot(rng, rate_hz))
 
 
 def _armed_mix(
     rng: np.random.Generator,
-    shot: Callable[[np.random.Generator, int], tuple[Samples, tuple[int, ...]]],
+    shot: Callable[[np.random.Generator, int], Sound],
     negative: Callable[[np.random.Generator, int], Samples],
     bed: Callable[[np.random.Generator, int, float], Samples],
     *,
@@ -130,8 +143,7 @@ def _armed_mix(
     """Return a mix whose sounds are shots to one of `ARMED_SHARES`, each family drawn by its own function."""
     armed = ARMED_SHARES[int(rng.integers(len(ARMED_SHARES)))]
     sounds = [
-        Sound(*shot(rng, RATE_HZ)) if rng.random() < armed else Sound(negative(rng, RATE_HZ))
-        for _ in range(SOUNDS_PER_MIX)
+        shot(rng, RATE_HZ) if rng.random() < armed else Sound(negative(rng, RATE_HZ)) for _ in range(SOUNDS_PER_MIX)
     ]
     return _mixed(bed(rng, RATE_HZ, MIX_S), sounds, rng, levels=levels)
 

@@ -38,8 +38,11 @@ class _Gun:
     returns: tuple[_Return, ...]
 
 
-def outdoor_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, tuple[int, ...]]:
-    """Return one shot or a burst of up to 20 rounds, with a peak of 1, and where the rounds' blasts begin."""
+def outdoor_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, tuple[int, ...], tuple[int, ...]]:
+    """Return one shot or a burst of up to 20 rounds, with a peak of 1, and where the rounds' blasts begin.
+
+    The last is where the first bullet's shock begins, which may be taken for its shot: one place, or none.
+    """
     gun = _gun(fork(rng), rate_hz)
     rounds = 1 if chance(rng, 0.55) else int(rng.integers(2, 21))
     gap = 60.0 / log_between(rng, _ROUNDS_PER_MINUTE) * rate_hz
@@ -52,7 +55,7 @@ def outdoor_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, tuple
     ]
     before = _crack(rng, rate_hz) if chance(rng, 0.1) else np.zeros(0)
     whole = overlaid([(len(before) + at, part) for at, part in parts] + [(0, before)])
-    return _recorded(rng, whole, rate_hz), tuple(len(before) + at for at in places)
+    return _recorded(rng, whole, rate_hz), tuple(len(before) + at for at in places), (0,) if len(before) else ()
 
 
 def _gun(rng: np.random.Generator, rate_hz: int) -> _Gun:
