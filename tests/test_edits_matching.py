@@ -405,3 +405,26 @@ def test_a_confidence_with_fewer_digits_is_the_same(tmp_path: Path, cell: str, c
 def test_a_gain_changes_an_event_and_moves_nothing(tmp_path: Path) -> None:
     [wish] = table(tmp_path, "id,onset_s,gain_db\nshot-0001,1.00002,-3\n", EVENT).wishes
     assert (wish.gain_db, wish.changed, wish.unmoved, wish.window) == (-3.0, True, True, SHOT.window)
+
+
+@pytest.mark.parametrize(
+    ("before", "cell", "after"),
+    [
+        (0.5, "0", 0.0),
+        (1.5, "2", 2.0),
+        (2.5, "2", 2.0),
+        (-1.5, "-1", -1.0),
+        (1.25, "1.2", 1.2),
+        (1.2345, "1.23", 1.2345),
+    ],
+)
+def test_a_gain_that_a_hand_types_short_is_what_it_says(tmp_path: Path, before: float, cell: str, after: float) -> None:
+    event = msgspec.structs.replace(EVENT, gain_db=before)
+    [wish] = table(tmp_path, f"id,onset_s,gain_db\nshot-0001,1.00002,{cell}\n", event).wishes
+    assert wish.gain_db == after
+
+
+def test_a_shot_can_be_rated_as_sure_or_as_none(tmp_path: Path) -> None:
+    for cell, rated in (("1", 1.0), ("0", 0.0), ("0.9", 0.9)):
+        [wish] = table(tmp_path, f"id,onset_s,confidence\nshot-0001,1.00002,{cell}\n", EVENT).wishes
+        assert wish.confidence == rated

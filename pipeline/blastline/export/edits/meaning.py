@@ -11,6 +11,8 @@ from .row import Edit, EditedFile, Point, nearest_sample
 WITH_CONFIDENCE = re.compile(r"(\S+) ([01]\.\d\d)")
 """A label as it is exported: an id and a confidence."""
 
+_COARSEST = Decimal("0.01")
+
 
 def settled(edited: EditedFile, edit: Edit, name: str, point: Point, before: int | None, rate_hz: int) -> int:
     """Return the sample that a row means: what it was before, unless sample or seconds say that it was moved."""
@@ -84,8 +86,11 @@ def gain_db(edited: EditedFile, edit: Edit, was: Event | None) -> float:
 
 
 def _rounds_to(value: float, said: Decimal) -> bool:
-    """Return whether what is said is a value, rounded or cut off at the last digit that is said."""
+    """Return whether what is said is a value, rounded or cut off at the last digit that is said.
+
+    A hundredth at the most: no program leaves fewer digits, but a hand types 0 for 0.5 and 1 for 0.97.
+    """
     exponent = said.as_tuple().exponent
     assert isinstance(exponent, int)
-    step = Decimal(1).scaleb(exponent)
+    step = min(Decimal(1).scaleb(exponent), _COARSEST)
     return float(said) == value or -step / 2 <= Decimal(repr(value)) - said < step
