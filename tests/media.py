@@ -70,11 +70,11 @@ def write_media(
     require_encoder(codec)
     options = container_options or {}
     with av.open(str(path), "w", format=container_format, options=options) as container:
-        video = None
+        video: Any = None
         if picture_rate is not None:
             video = container.add_stream("mpeg4", rate=picture_rate, width=64, height=64, pix_fmt="yuv420p")
-            if timecode is not None:
-                video.metadata["timecode"] = timecode
+        if timecode is not None:
+            (container if video is None else video).metadata["timecode"] = timecode
         streams: list[Any] = []
         for index, samples in enumerate(tracks):
             stream: Any = container.add_stream(codec, rate=rate_hz, layout=LAYOUTS[samples.shape[1]])

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from blastline.errors import OutputError, SoundtrackError
 from blastline.model import Source, Span
 from blastline.soundtrack import open_soundtrack, timecode_at
+from blastline.timebase import parse_timebase
 from media import RATE_HZ, impulses, onsets, write_media
 
 SHOTS = [5_000, 47_000, 119_000]
@@ -154,6 +155,28 @@ def test_sound_that_starts_after_the_picture(tmp_path: Path, codec: str, extensi
     expected = [shot + delay_s * RATE_HZ for shot in SHOTS]
     np.testing.assert_allclose(shots_in_film(samples, source), expected, atol=48)
     assert not source.warnings
+
+
+@pytest.mark.parametrize("rate", [None, Fraction(15)])
+def test_a_timecode_whose_frames_nothing_counts_keeps_its_hours(tmp_path: Path, rate: Fraction | None) -> None:
+    path = write_media(
+        tmp_path / "stem.mkv",
+        [impulses(FRAMES, SHOTS)],
+        codec="pcm_s16le",
+        picture_rate=rate,
+        timecode="01:00:00:05",
+    )
+    with open_soundtrack(path) as track:
+        assert track.time_reference == 3600 * RATE_HZ
+    with open_soundtrack(path, timebase=parse_timebase(None, "25")) as track:
+        assert track.time_reference == 3600 * RATE_HZ + RATE_HZ // 5
+        assert sum(len(clip.span) for clip in track.blocks()) == FRAMES
+        assert track.source().warnings == ()
+    _, source = read(path)
+    [warning] = source.warnings
+    assert "01:00:00:05" in warning
+    assert "--frame-rate" in warning
+    assert timecode_at(source, RATE_HZ) == "01:00:01.000"
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from blastline.errors import RuleError
-from blastline.timebase import AS_FILMED, Timebase, parse_timebase, recalled, retimed, with_timebase
+from blastline.model import Source
+from blastline.timebase import AS_FILMED, Timebase, parse_timebase, recalled, retimed, uncounted, with_timebase
 from blastline.timecode import clock, frame_scale, label, time_of_start, timecode_at
 from timelines import timeline
 
@@ -101,6 +102,23 @@ def test_a_broadcast_waves_time_of_day_stays_the_same_moment(rate: str) -> None:
 def test_a_clock_is_the_same_moment_however_many_decimals_it_has(clock: str, rate: str | None) -> None:
     """With two or three of them it is no timecode of so many frames."""
     assert time_of_start(with_timebase(SOUND, parse_timebase(clock, rate))) == 3600 * 48_000 + 9600
+
+
+@pytest.mark.parametrize(("start", "rate"), [("01:00:00:12", None), ("01:00:00;12", "15")])
+def test_frames_that_nothing_counts_are_told_until_their_rate_is_said(start: str, rate: str | None) -> None:
+    filmed = msgspec.structs.replace(FILM, start_timecode=start, frame_rate=rate)
+    [warning] = uncounted(filmed)
+    assert start in warning
+    assert "--frame-rate" in warning
+    whole = timeline()
+    warned = msgspec.structs.replace(whole, source=msgspec.structs.replace(filmed, warnings=("damaged", warning)))
+    assert retimed(warned, parse_timebase(None, "29.97")).source.warnings == ("damaged",)
+    assert retimed(warned, AS_FILMED) == warned
+
+
+@pytest.mark.parametrize("film", [FILM, SOUND, BROADCAST])
+def test_a_timecode_that_is_counted_and_a_clock_are_not_told(film: Source) -> None:
+    assert uncounted(film) == ()
 
 
 def test_a_timeline_is_renamed_and_not_moved() -> None:

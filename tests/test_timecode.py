@@ -195,6 +195,14 @@ def test_without_a_frame_rate_it_is_the_clock() -> None:
     assert timecode_at(source("27/2"), 48_000) == "00:00:01.000"
 
 
+@pytest.mark.parametrize("frame_rate", [None, "15", "27/2"])
+@pytest.mark.parametrize("start", ["10:00:05:00", "10:00:05:12", "10:00:05;23", "10:00:05:119"])
+def test_a_timecode_whose_frames_nothing_counts_keeps_its_second(frame_rate: str | None, start: str) -> None:
+    film = source(frame_rate, start, offset_s=0.25)
+    assert timecode_at(film, 0) == "10:00:05.250"
+    assert time_of_start(film) == 36_005 * 48_000 + 12_000
+
+
 def test_the_clock_carries() -> None:
     assert clock(47_999_999, 48_000_000, decimals=3) == "00:00:01.000"
     assert clock(-48, 48_000, decimals=3) == "-00:00:00.001"

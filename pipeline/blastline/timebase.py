@@ -19,6 +19,7 @@ from .timecode import (
     exact_offset,
     frame_of,
     frame_scale,
+    is_label,
     label,
     standard_rate,
     timecode_at,
@@ -85,6 +86,18 @@ def with_timebase(source: Source, timebase: Timebase) -> Source:
     return _counted(moved, known, timebase)
 
 
+def uncounted(source: Source) -> tuple[str, ...]:
+    """Return a warning where the film's timecode has frames that nothing counts, for want of a frame rate."""
+    start, rate = source.start_timecode, source.frame_rate
+    if start is None or not is_label(start) or frame_scale(source) is not None:
+        return ()
+    found = f"{rate} frames a second, which no timecode counts" if rate else "no frame rate"
+    return (
+        f"the timecode {start} comes with {found}: times count from its whole second; "
+        "--frame-rate says how many frames it counts a second",
+    )
+
+
 def recalled(said: Timebase, earlier: Source, filmed: Source) -> Timebase:
     """Return what the user says about a film, and where they say nothing what they said when `earlier` was made of it.
 
@@ -106,6 +119,9 @@ def retimed(timeline: Timeline, timebase: Timebase) -> Timeline:
     source = with_timebase(timeline.source, timebase)
     if source == timeline.source:
         return timeline
+    settled = set(uncounted(timeline.source)) - set(uncounted(source))
+    warnings = tuple(warning for warning in source.warnings if warning not in settled)
+    source = msgspec.structs.replace(source, warnings=warnings)
     events = tuple(
         msgspec.structs.replace(event, timecode=timecode_at(source, event.onset_sample)) for event in timeline.events
     )

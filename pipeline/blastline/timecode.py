@@ -90,6 +90,11 @@ def label(frame: int, nominal: int, *, drop_frame: bool = False) -> str:
     return f"{seconds // 3600:02}:{seconds // 60 % 60:02}:{seconds % 60:02}{mark}{number:02}"
 
 
+def is_label(text: str) -> bool:
+    """Return whether a text counts frames, as HH:MM:SS:FF does; with a point it is a clock."""
+    return SHAPE.fullmatch(text) is not None and "." not in text
+
+
 def frame_of(text: str, nominal: int, *, drop_frame: bool = False) -> int:
     """Return which frame a timecode names, counted from 00:00:00:00.
 
@@ -148,7 +153,8 @@ def picture_time(source: Source, sample: int) -> Fraction:
 def timecode_at(source: Source, sample: int) -> str:
     """Return the timecode of a sample: that of the frame which starts nearest to it.
 
-    Without a frame rate, or with one that SMPTE does not know, it is the clock HH:MM:SS.mmm. Hours of timecode start
+    Without a frame rate, or with one that SMPTE does not know, it is the clock HH:MM:SS.mmm; a start that counts frames
+    begins it at its whole second, since nothing says how long a frame lasts. Hours of timecode start
     again after 24; a sample before the first frame counts back from midnight.
     """
     scale = frame_scale(source)
@@ -192,7 +198,7 @@ def _scale(start_timecode: str | None, frame_rate: str | None) -> FrameScale | N
     if rate is None:
         return None
     start = start_timecode or "00:00:00:00"
-    if not SHAPE.fullmatch(start) or "." in start:
+    if not is_label(start):
         return FrameScale(rate, clock_seconds(start) * rate)
     nominal = math.ceil(rate)
     drop_frame = start[8] != ":" and rate in DROP_FRAME_RATES
@@ -215,8 +221,9 @@ def exact_offset(source: Source) -> Fraction:
 
 
 def clock_seconds(text: str | None) -> Fraction:
-    """Return the seconds of a time of day HH:MM:SS.mmm; 0 for any other text."""
-    match = CLOCK.fullmatch(text or "")
+    """Return the seconds of a time of day HH:MM:SS.mmm, and of a timecode those before its frames; 0 for other text."""
+    said = text or ""
+    match = CLOCK.fullmatch(said[: len("HH:MM:SS")] if is_label(said) else said)
     if match is None:
         return Fraction(0)
     hours, minutes, seconds = match.groups()

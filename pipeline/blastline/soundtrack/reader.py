@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors import SoundtrackError
 from ..model import Channels, Clip, Source, Span
-from ..timebase import AS_FILMED, Timebase, with_timebase
+from ..timebase import AS_FILMED, Timebase, uncounted, with_timebase
 from ..timecode import time_of_start
 from .condition import Condition
 from .files import FileState, naming, require_unchanged
@@ -175,7 +175,7 @@ class Soundtrack:
             with self._path.open("rb") as file:
                 digest = hashlib.file_digest(file, "sha256").hexdigest()
             require_unchanged(self._path, self._opened)
-        warnings = (*self._track.warnings(), *self._condition.warnings())
+        warnings = (*self._track.warnings(), *uncounted(self.described()), *self._condition.warnings())
         return self.described(sha256=digest, frames=self._frames, warnings=warnings)
 
     def close(self) -> None:
