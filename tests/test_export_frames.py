@@ -269,6 +269,25 @@ def test_fcpxml(tmp_path: Path, counting: Counting) -> None:
         assert 'frameDuration="1001/24000s"' in file.read_text("utf-8")
 
 
+@pytest.mark.parametrize("start", ["10:00:00.001000", "10:00:00.019000", "10:00:00.021000", "10:00:00.039000"])
+@pytest.mark.parametrize("rate", ["25", "24000/1001"])
+def test_markers_keep_to_the_sound_of_a_clip_that_begins_between_two_frames(
+    tmp_path: Path, start: str, rate: str
+) -> None:
+    counting = Counting(rate, start)
+    timeline = film(counting, onsets=range(0, 96_000, 1_777), name="mix.wav")
+    found = fcpxml_markers(written(timeline, tmp_path, "fcpxml"), counting)
+    assert_each_event_is_there(found, timeline, counting)
+    for name in ("otio", "fcp7"):
+        file = str(written(timeline, tmp_path, name))
+        sequence = otio.adapters.read_from_file(file, "fcp_xml" if name == "fcp7" else None)
+        assert_each_event_is_there(sequence_markers(sequence, counting), timeline, counting)
+        [clip] = sequence.tracks[0]
+        begins = 0 if name == "fcp7" else clip.source_range.start_time.value
+        inside = [(_said(m), round(m.marked_range.start_time.value - begins) / counting.fraction) for m in clip.markers]
+        assert_each_event_is_there(inside, timeline, counting)
+
+
 def test_a_shot_before_the_picture_has_its_place(tmp_path: Path) -> None:
     counting, offset_s = Counting("25", "01:00:00:00"), -0.2
     timeline = film(counting, onsets=[480, 48_000], offset_s=offset_s)

@@ -271,6 +271,15 @@ def test_rounding_names_the_event_that_moves_farthest() -> None:
     assert rounding(film(onsets=[]), ["webvtt"]) == ("webvtt: times are whole milliseconds; there are no events",)
 
 
+def test_rounding_is_told_apart_where_the_clip_begins_beside_the_films_start() -> None:
+    timeline = film(Counting("25", "01:00:00.019000"), onsets=[0, 48_000])
+    in_time, in_clip = rounding(timeline, ["resolve", "otio", "fcp7", "fcpxml"])
+    assert in_time.startswith("resolve: ")
+    assert in_time.endswith("by -19.000 ms")
+    assert in_clip.startswith("otio, fcp7, fcpxml: ")
+    assert in_clip.endswith("by +0.000 ms")
+
+
 def test_every_format_says_how_exact_it_is() -> None:
     assert all(resolution(name) for name in FORMATS)
     assert resolution("fcp7") == "nearest frame, with the sub-frame offset as text"

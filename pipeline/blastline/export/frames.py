@@ -1,7 +1,7 @@
 """Events as markers on the film's frames, for formats that count frames."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import PurePath
 
@@ -12,6 +12,9 @@ from .order import with_ends
 
 FRAME_FORMATS = frozenset({"resolve", "cmx3600", "avid", "fcp7", "otio", "fcpxml"})
 """Formats that count frames: without a frame rate they cannot be written."""
+
+CLIP_FORMATS = frozenset({"fcp7", "otio", "fcpxml"})
+"""Formats that hold the film itself as a clip, which begins on a frame even where the film's start is between two."""
 
 _FCP7_MOST_FRAMES = 60
 _SOUND_ONLY = frozenset(
@@ -71,7 +74,7 @@ def frame_markers(timeline: Timeline, *, format_name: str) -> FrameMarkers:
     """
     source = timeline.source
     require_frame_rate([format_name], source)
-    scale = frame_scale(source)
+    scale = scale_in(format_name, source)
     assert scale is not None
     markers = []
     for event, stop in with_ends(timeline):
@@ -86,6 +89,14 @@ def frame_markers(timeline: Timeline, *, format_name: str) -> FrameMarkers:
     end = frame_time(source, source.frames, scale).frame
     stop = max([start + 1, end, *(marker.frame + marker.frames for marker in markers)])
     return FrameMarkers(scale, start, stop, tuple(markers))
+
+
+def scale_in(format_name: str, source: Source) -> FrameScale | None:
+    """Return how a format counts a film's frames: from where it puts the film's start; None as for `frame_scale`."""
+    scale = frame_scale(source)
+    if scale is None or format_name not in CLIP_FORMATS:
+        return scale
+    return replace(scale, start=Fraction(scale.first_frame))
 
 
 def require_frame_rate(formats: Iterable[str], source: Source) -> None:

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from ..model import Source, Timeline
 from ..timecode import frame_scale, frame_time, picture_time
-from .frames import FRAME_FORMATS
+from .frames import FRAME_FORMATS, scale_in
 from .midi import pulse
 from .webvtt import STEP_S
 
@@ -53,11 +53,13 @@ def _line(timeline: Timeline, names: Iterable[str], way: str, shift: Shift) -> s
 
 def _way(name: str, source: Source) -> tuple[str, Shift] | None:
     """Return how a format rounds, in words, and the function from an onset to how much later the format has it."""
-    scale = frame_scale(source)
+    scale = scale_in(name, source)
     if name in FRAME_FORMATS and scale is not None:
         half_ms = float(500 / scale.rate)
         counting = " drop-frame" if scale.drop_frame else ""
         words = f"times are whole frames, {float(scale.rate):.6g} a second{counting}, at most {half_ms:.2f} ms off"
+        if scale != frame_scale(source):
+            words += " in the clip, which begins on the nearest frame"
         return words, lambda sample: -frame_time(source, sample, scale).offset_s
     if name == "webvtt":
         return "times are whole milliseconds", lambda sample: _stepped(picture_time(source, sample), STEP_S)
