@@ -403,8 +403,9 @@ def test_a_film_without_shots_can_be_opened(tmp_path: Path, name: str) -> None:
         assert len(list(pycmx.parse_cmx3600(io.StringIO(file.read_text("utf-8"))).events)) == 1
 
 
-def test_sound_alone_has_no_picture_track(tmp_path: Path) -> None:
-    timeline = film(name="mix.wav")
+@pytest.mark.parametrize("name", ["mix.wav", "MIX.AIFC", "stem.bwf", "take 1.oga", "reel.mov.wave"])
+def test_sound_alone_has_no_picture_track(tmp_path: Path, name: str) -> None:
+    timeline = film(name=name)
     sequence = otio.adapters.read_from_file(str(written(timeline, tmp_path, "otio")))
     [track] = sequence.tracks
     assert track.kind == "Audio"

@@ -1,5 +1,6 @@
 """Events as markers on the film's frames, for formats that count frames."""
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -17,24 +18,11 @@ CLIP_FORMATS = frozenset({"fcp7", "otio", "fcpxml"})
 """Formats that hold the film itself as a clip, which begins on a frame even where the film's start is between two."""
 
 _FCP7_MOST_FRAMES = 60
-_SOUND_ONLY = frozenset(
-    [
-        ".aac",
-        ".ac3",
-        ".aif",
-        ".aiff",
-        ".caf",
-        ".eac3",
-        ".flac",
-        ".m4a",
-        ".mka",
-        ".mp3",
-        ".ogg",
-        ".opus",
-        ".rf64",
-        ".w64",
-        ".wav",
-    ]
+# a name such as .mxf or .mkv does not tell, and a timeline does not either
+_SOUND_ONLY = re.compile(
+    r"\.(aac|ac3|adts|aif|aifc|aiff|amr|ape|au|bwf|caf|dts|dtshd|eac3|ec3|flac|m2a|m4a|m4b|mka|mlp|mp2|mp3|mpa|oga|ogg"
+    r"|opus|rf64|sd2|snd|spx|thd|truehd|tta|w64|wav|wave|weba|wma|wv)",
+    re.IGNORECASE,
 )
 
 
@@ -114,4 +102,4 @@ def require_frame_rate(formats: Iterable[str], source: Source) -> None:
 
 def has_picture(source: Source) -> bool:
     """Return whether the source is a film, by its name, rather than sound alone."""
-    return PurePath(source.name).suffix.lower() not in _SOUND_ONLY
+    return _SOUND_ONLY.fullmatch(PurePath(source.name).suffix) is None
