@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 
 COLUMNS: Mapping[str, str] = MappingProxyType(
     {
-        "id": "str",
+        "id": "string",
         "onset_sample": "Int64",
         "onset_s": "float64",
-        "timecode": "str",
+        "timecode": "string",
         "timecode_offset_ms": "float64",
         "confidence": "float64",
         "burst": "Int64",
@@ -25,7 +25,7 @@ COLUMNS: Mapping[str, str] = MappingProxyType(
         "snr_db": "float64",
         "azimuth_deg": "float64",
         "azimuth_focus": "float64",
-        "heard_in": "str",
+        "heard_in": "string",
         "blast_start_sample": "Int64",
         "blast_stop_sample": "Int64",
         "reflections": "Int64",
@@ -35,20 +35,23 @@ COLUMNS: Mapping[str, str] = MappingProxyType(
         "window_start_s": "float64",
         "window_stop_s": "float64",
         "gain_db": "float64",
-        "origin": "str",
-        "drive_model": "str",
-        "drive_reason": "str",
+        "origin": "string",
+        "drive_model": "string",
+        "drive_reason": "string",
         "drive_peak": "float64",
         "perceived_gain_db": "float64",
         "fidelity": "float64",
-        "drive_made_of": "str",
+        "drive_made_of": "string",
     }
 )
 """The columns in order, each with its pandas type; a cell is empty where an event has no such value.
 
+Text is pandas' own `string`: as `str` pandas 2 takes what is missing for the text None.
+
 `timecode_offset_ms` is how much later than the frame of `timecode` the event is: empty where that is a clock.
 
-`pandas.read_csv(path, dtype=dict(COLUMNS))` gives back every number to the last bit.
+`pandas.read_csv(path, dtype=dict(COLUMNS))` gives back every number to the last bit; pandas 2 needs
+`float_precision="round_trip"` for it, which later ones do by themselves.
 """
 
 
