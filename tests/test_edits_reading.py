@@ -199,7 +199,7 @@ def test_nothing_is_an_empty_label_track_or_a_table_without_rows(tmp_path: Path)
             "line 2: Start = '5.1.00': expected a time to the millisecond or the sample",
         ),
         ("#,Name,Start,End\nM1,shot-1 a,1.0,\nM2,shot-1 b,2.0,\n", "line 3: id = 'shot-1': line 2 has it too"),
-        (b"onset_s\n1\0\n", "not text; expected a table, labels or JSON"),
+        (b"onset_s\n1\0\n", "not text; expected an edited timeline"),
         ("{}", "not a timeline; expected an object with schema = 'blastline.timeline/1'"),
     ],
 )

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 from hypothesis import given
 
@@ -140,7 +141,7 @@ def test_a_field_that_does_not_fit_is_named(tmp_path: Path, edit: Edit, complain
     ("content", "complaint"),
     [
         (b"", "not JSON"),
-        (b"RIFF\xff\x00\x00\x00WAVE", "not JSON"),
+        (b"RIFF\xff\x00\x00\x00WAVE", "not text; expected a timeline.json"),
         (encode(timeline())[:-20], "not JSON"),
         (b'{"schema": NaN}', "not JSON"),
         (b"[" * 100_000, "not JSON"),
@@ -153,6 +154,15 @@ def test_a_file_that_is_no_timeline_is_refused(tmp_path: Path, content: bytes, c
     file = tmp_path / "timeline.json"
     file.write_bytes(content)
     assert complaint in refusal(file)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
+def test_a_timeline_is_read_in_every_encoding_that_shells_write(tmp_path: Path, encoding: str) -> None:
+    whole = timeline()
+    whole = msgspec.structs.replace(whole, source=msgspec.structs.replace(whole.source, name="réel 日本.mkv"))
+    file = tmp_path / "timeline.json"
+    file.write_bytes(encode(whole).decode().replace("\n", "\r\n").encode(encoding))
+    assert read_timeline(file) == whole
 
 
 def test_a_file_that_is_not_there_and_a_folder_are_refused(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Reading `timeline.json` back, and saying in one line why a file cannot be used."""
 
+import codecs
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ def read_timeline(path: Path) -> Timeline:
     version writes, or where a field is missing or holds what it cannot: two events of one id, a negative time, an
     onset outside its window or the film.
     """
-    plain = read_plain(path, read_content(path, expected="a timeline.json"))
+    plain = read_plain(path, read_text(path, expected="a timeline.json"))
     try:
         timeline = msgspec.convert(plain, Timeline)
     except msgspec.ValidationError as error:
@@ -30,13 +31,13 @@ def read_timeline(path: Path) -> Timeline:
     return timeline
 
 
-def read_plain(path: Path, content: bytes) -> Any:
+def read_plain(path: Path, text: str) -> Any:
     """Return what a timeline's JSON holds as plain data, once its schema has proved to be the one that is known.
 
     Raises TimelineError for integers that no sample count, and no array, can hold.
     """
     try:
-        plain = msgspec.json.decode(content)
+        plain = msgspec.json.decode(text)
     except (msgspec.DecodeError, RecursionError) as error:
         raise TimelineError(f"{path}: not JSON: {error}; expected a timeline.json") from error
     _refuse_schema(plain, path)
@@ -46,8 +47,27 @@ def read_plain(path: Path, content: bytes) -> Any:
     return plain
 
 
-def read_content(path: Path, *, expected: str) -> bytes:
-    """Return what is in a file; TimelineError says why it cannot be read, and what was expected there."""
+def read_text(path: Path, *, expected: str) -> str:
+    """Return what is in a text file: UTF-8 or UTF-16 with or without a mark, otherwise Windows' Western alphabet.
+
+    TimelineError says why it cannot be read, or that it holds what no text does, and what was expected there.
+    """
+    content = _content(path, expected=expected)
+    encoding = "utf-8-sig"
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        encoding = "utf-16"
+    elif b"\0" in content[:2]:
+        encoding = "utf-16-be" if content[:1] == b"\0" else "utf-16-le"
+    try:
+        text = content.decode(encoding)
+    except UnicodeDecodeError:
+        text = content.decode("cp1252", errors="replace")
+    if "\0" in text:
+        raise TimelineError(f"{path}: not text; expected {expected}")
+    return text
+
+
+def _content(path: Path, *, expected: str) -> bytes:
     try:
         return path.read_bytes()
     except FileNotFoundError as error:

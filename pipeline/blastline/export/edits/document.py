@@ -42,9 +42,9 @@ class _Timeline(msgspec.Struct, frozen=True):
     rejections: tuple[Rejection, ...] = ()
 
 
-def read_document(content: bytes, path: Path) -> EditedFile:
+def read_document(text: str, path: Path) -> EditedFile:
     """Return the events of a timeline that somebody edited; its schema has to be the one this version reads."""
-    plain = read_plain(path, content)
+    plain = read_plain(path, text)
     try:
         timeline = msgspec.convert(plain, _Timeline)
     except msgspec.ValidationError as error:

@@ -4,13 +4,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from ...errors import TimelineError
-from ..reading import read_content
+from ..reading import read_text
 from .document import read_document
 from .labels import read_labels
 from .reaper import is_reaper, read_reaper
 from .row import EditedFile, with_common_steps
 from .table import ONSETS, read_table
-from .text import decoded, separated
+from .text import separated
 
 _HEADERS = "onset_sample or onset_s, as timeline.csv has, or #,Name,Start,End,Length, as REAPER writes"
 
@@ -26,10 +26,9 @@ def read_edits(path: Path) -> EditedFile:
 
 
 def _read(path: Path) -> EditedFile:
-    content = read_content(path, expected="an edited timeline")
-    text = decoded(content, path)
+    text = read_text(path, expected="an edited timeline")
     if path.suffix.lower() == ".json" or text.lstrip().startswith("{"):
-        return read_document(text.encode(), path)
+        return read_document(text, path)
     is_table = path.suffix.lower() in (".csv", ".tsv")
     if not text.strip():
         if is_table:

@@ -1,6 +1,5 @@
-"""Text files of any tool and system: their encoding, their lines, their columns."""
+"""Text files of any tool and system: their lines, their columns."""
 
-import codecs
 import csv
 import re
 from dataclasses import dataclass
@@ -27,25 +26,6 @@ class Grid:
 
     rows: tuple[Row, ...]
     comma: bool
-
-
-def decoded(content: bytes, path: Path) -> str:
-    """Return the text of a file: UTF-8 or UTF-16 with or without a mark, otherwise Windows' Western alphabet.
-
-    Raises TimelineError where it holds what no text does.
-    """
-    encoding = "utf-8-sig"
-    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        encoding = "utf-16"
-    elif b"\0" in content[:2]:
-        encoding = "utf-16-be" if content[:1] == b"\0" else "utf-16-le"
-    try:
-        text = content.decode(encoding)
-    except UnicodeDecodeError:
-        text = content.decode("cp1252", errors="replace")
-    if "\0" in text:
-        raise TimelineError(f"{path}: not text; expected a table, labels or JSON")
-    return text
 
 
 def lines_of(text: str) -> list[str]:
