@@ -70,7 +70,7 @@ def frame_markers(timeline: Timeline, *, format_name: str) -> FrameMarkers:
         frames = frame_time(source, stop, scale).frame - place.frame
         markers.append(Marker(event, place.frame, place.offset_s, max(1, frames)))
     start = min([scale.first_frame, *(marker.frame for marker in markers)])
-    if format_name == "fcp7" and start < 0:
+    if format_name in CLIP_FORMATS and start < 0:
         early = min(markers, key=lambda marker: marker.frame).event
         where = f"{early.id} is {-start} frames before 00:00:00:00"
         raise RuleError(f"--format {format_name}: {source.name}: {where}; this format begins there")
