@@ -218,6 +218,22 @@ def test_beside_a_transient_the_wave_leaves_room(tmp_path: Path) -> None:
     assert found.amplitude_at(np.array([1.5]))[0] == pytest.approx(1.0, abs=0.011)
 
 
+@pytest.mark.parametrize(("late_ms", "is_late"), [(-400, False), (0, False), (1, True), (400, True)])
+def test_hjif_refuses_what_is_later_than_it_can_count(tmp_path: Path, late_ms: int, is_late: bool) -> None:
+    onset = (2**25 - 1 + late_ms) * MS
+    whole = film([event(onset)], onset + RATE_HZ)
+    track = haptic_track(whole, lambda span: bang(len(span)), profile=PROFILE, rules=RULES)
+    if is_late:
+        with pytest.raises(
+            TimelineError, match=r"^hjif: an effect at 09:19:1\d\.\d+: expected none after 09:19:14\.431"
+        ):
+            write(track, tmp_path, "hjif")
+        assert not [*tmp_path.iterdir()]
+    else:
+        write(track, tmp_path, "hjif")
+        assert all(len(found.pulses) == 1 for found in hjif_played(tmp_path / "timeline.hjif"))
+
+
 def test_automatic_fire_has_a_keyword_of_its_own(tmp_path: Path) -> None:
     write(track_of(FILM, drive_of(FILM)), tmp_path, "hjif")
     band = json.loads((tmp_path / "timeline.hjif").read_bytes())["perceptions"][0]["channels"][0]["bands"][0]

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import TimelineError
+from ...timecode import clock
 from .curve import Curve, reduced
 from .rounding import Rounding, late_ms, mistuned, off
 from .track import HapticTrack, Pulse, Stretch
@@ -28,6 +29,7 @@ FILE = "timeline.hjif"
 TICKS_PER_S = 1000
 LONGEST_EFFECT = 65_535
 MOST_EFFECTS = 65_535
+LATEST_POSITION = 2**25 - 1
 TRANSIENT_TICKS = 22
 LEAST_SHARE = 0.1
 
@@ -43,7 +45,7 @@ Ticks = NDArray[np.int64]
 
 
 def write_hjif(track: HapticTrack, folder: Path) -> Rounding:
-    """Write the file. Raises TimelineError for more effects than the format can count."""
+    """Write the file. Raises TimelineError for more effects, or later ones, than the format can count."""
     transients, rounding = _transients(track)
     waves: list[Json] = []
     for stretch in track.stretches:
@@ -53,6 +55,10 @@ def write_hjif(track: HapticTrack, folder: Path) -> Rounding:
     for name, count in (("pulses", len(transients)), ("waves", len(waves))):
         if count > MOST_EFFECTS:
             raise TimelineError(f"hjif: {count} {name}: expected at most {MOST_EFFECTS}, all that the format can count")
+    latest = max([0, *(position for position, _, _ in transients), *(wave["position"] for wave in waves)])
+    if latest > LATEST_POSITION:
+        found, end = (clock(ticks, TICKS_PER_S, decimals=3) for ticks in (latest, LATEST_POSITION))
+        raise TimelineError(f"hjif: an effect at {found}: expected none after {end}, all that the format can count")
     low, high = math.floor(track.low_hz), math.ceil(track.high_hz)
     limits = {"lower_frequency_limit": low, "upper_frequency_limit": high}
     bands = [
