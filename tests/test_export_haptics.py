@@ -17,6 +17,7 @@ from blastline.errors import TimelineError
 from blastline.export import HAPTIC_FORMATS, haptic_track
 from blastline.export.haptics.curve import Curve, reduced
 from blastline.export.haptics.reels import reel_edges
+from blastline.export.haptics.sharing import shared
 from blastline.model import Span
 from haptic_films import PROFILE, RATE_HZ, RULES, Samples, bang, drive_of, event, film, played, track_of, write
 from haptic_rules import haptic_played, hjif_played
@@ -216,6 +217,42 @@ def test_beside_a_transient_the_wave_leaves_room(tmp_path: Path) -> None:
     [found, _] = hjif_played(tmp_path / "timeline.hjif")
     assert len(found.pulses) == 9
     assert found.amplitude_at(np.array([1.5]))[0] == pytest.approx(1.0, abs=0.011)
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 60), st.integers(1, 1000)), max_size=20).map(sorted),
+    st.sampled_from([5, 22]),
+)
+def test_what_sounds_together_keeps_within_the_room_and_in_order(pulses: list[tuple[int, int]], length: int) -> None:
+    positions, asked = [at for at, _ in pulses], [strength for _, strength in pulses]
+    given_ = shared(positions, asked, length=length, room=1000)
+    for place, (at, strength) in enumerate(pulses):
+        sounding = [k for k, other in enumerate(positions) if other <= at <= other + length]
+        assert sum(given_[k] for k in sounding) <= 1000 + len(sounding)  # one step each, where it would be 0
+        assert 1 <= given_[place] <= strength
+        if sum(asked[k] for k in sounding) > 1000:
+            assert all(given_[k] <= given_[j] for k in sounding for j in sounding if asked[k] <= asked[j])
+    if all(sum(s for at, s in pulses if at <= place <= at + length) <= 1000 for place in positions):
+        assert given_ == asked
+
+
+@pytest.mark.parametrize("apart_ms", [2, 7, 12, 20])
+def test_no_round_of_dense_fire_is_lost_and_the_stronger_stays_the_stronger(tmp_path: Path, apart_ms: int) -> None:
+    drive = np.zeros(2 * RATE_HZ)
+    onsets = [RATE_HZ + k * apart_ms * MS for k in range(20)]
+    for number, onset in enumerate(onsets):
+        drive[onset] = 0.9 if number % 3 else 0.6
+    shots = [event(onset, window=(RATE_HZ - 480, RATE_HZ * 3 // 2), burst=1) for onset in onsets]
+    track = track_of(film(shots, 2 * RATE_HZ), drive)
+    rounding = write(track, tmp_path, "hjif")
+    assert "are weakened" in str(rounding)
+    [found, _] = hjif_played(tmp_path / "timeline.hjif")
+    strengths = [strength for _, strength in found.pulses]
+    assert min(strengths) > 0.0
+    weak = [strengths[k] for k in range(len(onsets)) if k % 3 == 0]
+    strong = [strengths[k] for k in range(len(onsets)) if k % 3]
+    assert len(strengths) == len(onsets)
+    assert max(weak) < min(strong)
 
 
 @pytest.mark.parametrize(("late_ms", "is_late"), [(-400, False), (0, False), (1, True), (400, True)])

@@ -3,7 +3,8 @@
     sum of a channel = transients (22 ms each in the reference player) + waves, clipped at 1
 
 So a transient is only what its attack's peak is above the wave, at least a tenth of it, and the wave leaves it that
-room: a wave of 0.95 beside a transient of 0.1 is written as 0.9. Positions are whole milliseconds: at the finest
+room: a wave of 0.95 beside a transient of 0.1 is written as 0.9. Transients that exceed 1 with one another are weakened
+alike. Positions are whole milliseconds: at the finest
 timescale a wave could last no more than 1.4 s in the 16 bits that the binary form has for its keyframes.
 """
 
@@ -23,6 +24,7 @@ from ...errors import TimelineError
 from ...timecode import clock
 from .curve import Curve, reduced
 from .rounding import Rounding, late_ms, mistuned, off
+from .sharing import shared
 from .track import HapticTrack, Pulse, Stretch
 
 FILE = "timeline.hjif"
@@ -120,16 +122,20 @@ def _experience(track: HapticTrack, bands: list[Json]) -> Json:
 
 
 def _transients(track: HapticTrack) -> tuple[list[tuple[int, float, Pulse]], Rounding]:
-    """Return (position, amplitude, pulse) for each pulse: its peak above the wave, within what others leave of 1."""
-    found: list[tuple[int, float, Pulse]] = []
-    for pulse, wave in zip(track.pulses, _waves_at(track), strict=True):
-        position = int(_ticks(np.array([pulse.sample]), track.rate_hz)[0])
-        beside = sum(a for p, a, _ in found[-TRANSIENT_TICKS:] if position - p <= TRANSIENT_TICKS)
-        share = max(pulse.amplitude - wave, LEAST_SHARE * pulse.amplitude, _QUIETEST)
-        found.append((position, round(max(0.0, min(share, 1.0 - beside)), _VALUE_DECIMALS), pulse))
-    exact_s = np.array([pulse.sample for pulse in track.pulses], np.int64) / track.rate_hz
-    written_s = np.array([position for position, _, _ in found], np.int64) / TICKS_PER_S
-    return found, Rounding(late_ms(exact_s, written_s), pulses=len(found))
+    """Return (position, amplitude, pulse) for each pulse: its peak above the wave, in its share of 1."""
+    samples = np.array([pulse.sample for pulse in track.pulses], np.int64)
+    positions: list[int] = _ticks(samples, track.rate_hz).tolist()
+    steps = 10**_VALUE_DECIMALS
+    asked = [
+        round(steps * max(pulse.amplitude - wave, LEAST_SHARE * pulse.amplitude, _QUIETEST))
+        for pulse, wave in zip(track.pulses, _waves_at(track), strict=True)
+    ]
+    given = shared(positions, asked, length=TRANSIENT_TICKS, room=steps)
+    found = [(p, a / steps, pulse) for p, a, pulse in zip(positions, given, track.pulses, strict=True)]
+    weaker = sum(a < b for a, b in zip(given, asked, strict=True))
+    notes = (f"{weaker} pulses less than {TRANSIENT_TICKS} ms apart are weakened, so that they stay within 1",)
+    errors = late_ms(samples / track.rate_hz, np.array(positions, np.int64) / TICKS_PER_S)
+    return found, Rounding(errors, pulses=len(found), notes=notes if weaker else ())
 
 
 def _waves_at(track: HapticTrack) -> Iterator[float]:
