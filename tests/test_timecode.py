@@ -203,6 +203,22 @@ def test_a_timecode_whose_frames_nothing_counts_keeps_its_second(frame_rate: str
     assert time_of_start(film) == 36_005 * 48_000 + 12_000
 
 
+@pytest.mark.parametrize(
+    ("start", "elapsed_ms", "timecode"),
+    [
+        ("23:59:59.500", 499, "23:59:59.999"),
+        ("23:59:59.500", 500, "00:00:00.000"),
+        ("23:59:59.9996", 0, "00:00:00.000"),
+        ("22:00:00.0", 3 * 3_600_000, "01:00:00.000"),
+        ("23:00:00:00", 3_600_000, "00:00:00.000"),
+        (None, 25 * 3_600_000, "01:00:00.000"),
+        (None, -1, "23:59:59.999"),
+    ],
+)
+def test_a_clock_starts_again_at_midnight(start: str | None, elapsed_ms: int, timecode: str) -> None:
+    assert timecode_at(source(None, start, offset_s=elapsed_ms / 1000), 0) == timecode
+
+
 def test_the_clock_carries() -> None:
     assert clock(47_999_999, 48_000_000, decimals=3) == "00:00:01.000"
     assert clock(-48, 48_000, decimals=3) == "-00:00:00.001"

@@ -34,6 +34,7 @@ SHAPE = re.compile(r"\d\d:\d\d:\d\d[:;.,]\d\d\d?")
 """What looks like a label, even where no clock has such a number: a film may say 00:75:00:00, and is believed."""
 
 _SAME_RATE = Fraction(1, 5000)  # 24 and 23.976 differ by 1 in 1001; 23.98 is 23.976 rounded, by 1 in 6000
+_DAY_MS = 24 * 3600 * 1000
 _OFFSET_DENOMINATOR = 1_000_000  # finer than any container's clock, coarse enough to undo the float
 
 
@@ -154,12 +155,13 @@ def timecode_at(source: Source, sample: int) -> str:
     """Return the timecode of a sample: that of the frame which starts nearest to it.
 
     Without a frame rate, or with one that SMPTE does not know, it is the clock HH:MM:SS.mmm; a start that counts frames
-    begins it at its whole second, since nothing says how long a frame lasts. Hours of timecode start
+    begins it at its whole second, since nothing says how long a frame lasts. Hours start
     again after 24; a sample before the first frame counts back from midnight.
     """
     scale = frame_scale(source)
     if scale is None:
-        return clock_text(clock_seconds(source.start_timecode) + picture_time(source, sample), 3)
+        steps = _nearest(1000 * (clock_seconds(source.start_timecode) + picture_time(source, sample)))
+        return clock_text(Fraction(steps % _DAY_MS, 1000), 3)
     return scale.label(frame_time(source, sample, scale).frame)
 
 
