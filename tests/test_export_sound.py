@@ -183,8 +183,16 @@ def test_webvtt_arrows_and_tags_in_names_are_text(tmp_path: Path) -> None:
     odd = msgspec.structs.replace(plain, events=(msgspec.structs.replace(event, id="a --> b <i>&amp;"),))
     text = written(odd, tmp_path, "webvtt").read_text("utf-8")
     assert text.count("-->") == 1
+    assert text.split("\n")[2] == "a -- > b <i>&amp;"
     [caption] = webvtt.read(str(tmp_path / "timeline.vtt")).captions
     assert caption.raw_text.startswith("a --&gt; b &lt;i&gt;&amp;amp; 0.97")
+
+
+@pytest.mark.parametrize("identity", ["A&B", "<shot>", "1 > 2", "a->b", "&lt;"])
+def test_webvtt_identifiers_are_read_as_they_stand(tmp_path: Path, identity: str) -> None:
+    [event] = film(onsets=[48_000]).events
+    named = msgspec.structs.replace(film(), events=(msgspec.structs.replace(event, id=identity),))
+    assert written(named, tmp_path, "webvtt").read_text("utf-8").split("\n")[2] == identity
 
 
 def _clock_s(text: str) -> float:

@@ -21,7 +21,7 @@ def write_webvtt(timeline: Timeline, path: Path) -> None:
     for event, end in with_ends(timeline):
         start, stop = (_step(picture_time(source, sample)) for sample in (event.onset_sample, end))
         times = f"{_clock(start)} --> {_clock(max(start + 1, stop))}"
-        parts.append(f"{_text(one_line(event.id))}\n{times}\n{_text(label(event))}\n")
+        parts.append(f"{_name(event.id)}\n{times}\n{_text(label(event))}\n")
     path.write_text("\n".join(parts), encoding="utf-8", newline="\n")
 
 
@@ -34,6 +34,11 @@ def _clock(step: int) -> str:
     return clock_text(step * STEP_S, 3)
 
 
+def _name(identity: str) -> str:
+    """Return the identifier of a cue: read as it stands, but an arrow would make it the times of the cue."""
+    return one_line(identity).replace("-->", "-- >")
+
+
 def _text(text: str) -> str:
-    """Return the text as it may stand in a cue; escaping `>` also takes the arrow out of names."""
+    """Return the text as it may stand in a cue."""
     return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
