@@ -21,7 +21,7 @@ from ..soundtrack import Soundtrack, heard_mix, open_soundtrack
 from ..timebase import Timebase, recalled
 from ..units import ms_from_samples, samples_from_ms
 from . import names
-from .editing_windows import settled_windows
+from .editing_windows import DELETED, settled_windows
 from .listening import BLOCK, Listened, Mark
 from .progress import Progress, told
 
@@ -100,7 +100,7 @@ def hear_edited(
         frames=source.frames,
         rate_hz=source.sample_rate_hz,
         rules=rules.tier.windows,
-        given=settled_windows(wanted, shots, source, rules),
+        given=settled_windows(wanted, shots, source, rules, rejections=editing.rejections),
     )
     found = Detection(shots, _rejections(editing, wanted, source.sample_rate_hz))
     marks = tuple(Mark(wish.id, wish.origin, wish.gain_db, _decided(wish)) for wish in wishes)
@@ -195,11 +195,11 @@ def _as_it_was(shot: Shot, was: Event) -> Shot:
 
 
 def _rejections(editing: Editing, wanted: Wanted, rate_hz: int) -> tuple[Rejection, ...]:
-    """Return the original's rejections without those that were added back, and with the events that were deleted."""
+    """Return the original's rejections without those where an event was put, and with the events that were deleted."""
     near = samples_from_ms(_REGAINED_MS, rate_hz)
-    added = [wish.onset for wish in wanted.wishes if wish.was is None]
-    still = [r for r in editing.rejections if all(abs(r.at_sample - onset) > near for onset in added)]
-    deleted = [Rejection(e.onset_sample, "deleted by hand", {"probability": e.confidence}) for e in wanted.deleted]
+    placed_anew = [wish.onset for wish in wanted.wishes if not wish.unmoved]
+    still = [r for r in editing.rejections if all(abs(r.at_sample - onset) > near for onset in placed_anew)]
+    deleted = [Rejection(e.onset_sample, DELETED, {"probability": e.confidence}) for e in wanted.deleted]
     return tuple(sorted([*still, *deleted], key=lambda r: r.at_sample))
 
 

@@ -1,26 +1,68 @@
-"""The windows that an edit settles: kept ones, ends set by hand, and what these leave of the windows around them."""
+"""The windows that an edit settles: kept ones, ends set by hand, and what these leave of the windows around them.
 
-from collections.abc import Sequence
+Shots that follow closely share a window, and what is measured as the decay of one holds the next. So where a shot is
+gone, or where a later one ends by somebody's hand, it is over for those before it as well.
+"""
+
+from bisect import bisect_left
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
 
 from ..export.edits import Wanted, Wish
-from ..model import Shot, Source, Window
+from ..model import Event, Rejection, Shot, Source, Window
 from ..render import window_between
 from ..ruleset import Rules
 from ..units import samples_from_ms
 
+DELETED: Final = "deleted by hand"
+"""Why a timeline turns down what somebody deleted: so the next round of editing knows of it."""
 
-def settled_windows(wanted: Wanted, shots: Sequence[Shot], source: Source, rules: Rules) -> dict[int, Window]:
-    """Return the windows that are settled, by the shot's index; the others are planned."""
+
+@dataclass(frozen=True)
+class _Left:
+    """Where no event is any more: the places, ascending, and of those that were moved away whose they were."""
+
+    places: tuple[int, ...]
+    movers: dict[int, str]
+
+    def first(self, soonest: int, wish: Wish) -> int | None:
+        """Return the first place from a sample on that is not the wish's own.
+
+        Who moves an event says where it begins, not that what sounded at its old place is gone from it.
+        """
+        later = self.places[bisect_left(self.places, soonest) :]
+        return next((place for place in later if self.movers.get(place) != wish.id), None)
+
+
+def settled_windows(
+    wanted: Wanted, shots: Sequence[Shot], source: Source, rules: Rules, *, rejections: Iterable[Rejection] = ()
+) -> dict[int, Window]:
+    """Return the windows that are settled, by the shot's index; the others are planned.
+
+    `rejections` are the original's: what somebody deleted in an earlier round of editing stays gone.
+    """
+    gap = samples_from_ms(rules.tier.bursts.shortest_gap_ms, source.sample_rate_hz)
+    fade_out = samples_from_ms(rules.tier.windows.fade_out_ms, source.sample_rate_hz)
+    left = _left(wanted, rejections, gap)
+    firsts = _firsts(wanted)
     given: dict[int, Window] = {}
     for index, (wish, shot) in enumerate(zip(wanted.wishes, shots, strict=True)):
         if wish.window is not None:
             given[index] = wish.window
             continue
-        stop = wish.stop if wish.stop is not None else _bound(wish, shot, wanted, rules, source.sample_rate_hz)
-        if wish.start is not None or stop is not None:
+        start, stop = wish.start, wish.stop
+        if start is None and wish.was is not None and wish.unmoved and firsts[wish.was.window] == wish.onset:
+            start = wish.was.window.start
+        if stop is None:
+            planned = shot.span.stop + fade_out
+            stop = min(
+                (end for end in _bounds(index, wanted.wishes, left, gap, planned) if end < planned), default=None
+            )
+        if start is not None or stop is not None:
             given[index] = window_between(
                 shot,
-                start=wish.start,
+                start=start,
                 stop=stop,
                 frames=source.frames,
                 rate_hz=source.sample_rate_hz,
@@ -29,25 +71,55 @@ def settled_windows(wanted: Wanted, shots: Sequence[Shot], source: Source, rules
     return given
 
 
-def _bound(wish: Wish, shot: Shot, wanted: Wanted, rules: Rules, rate_hz: int) -> int | None:
-    """Return where a shot's window has to end, None where it would have ended by then anyway.
+def _bounds(index: int, wishes: Sequence[Wish], left: _Left, gap: int, planned: int) -> Iterator[int]:
+    """Yield where a window has to end that is planned to end at `planned`; wishes are in the order of their onsets.
 
-    Shots that follow closely share a window, and what is measured as the decay of one holds the next. So where one was
-    deleted, or somebody has set where a later one ends, it is over there for those before it as well. What begins
-    sooner than the rounds of a burst can is no round, but more of the same shot.
+    Of a shot that was not moved that is where its old window ended, which somebody may have set. What begins sooner
+    than the rounds of a burst can is no round, but more of the same shot.
     """
-    if wish.was is None:
-        return None
-    soonest = wish.onset + samples_from_ms(rules.tier.bursts.shortest_gap_ms, rate_hz)
-    ends = [event.onset_sample for event in wanted.deleted if event.window == wish.was.window]
-    ends += [
-        other.stop
-        for other in wanted.wishes
-        if other.stop is not None
-        and other.onset > wish.onset
-        and other.was is not None
-        and other.was.window == wish.was.window
-    ]
-    bound = min((end for end in ends if end >= soonest), default=None)
-    fade_out = samples_from_ms(rules.tier.windows.fade_out_ms, rate_hz)
-    return bound if bound is not None and bound < shot.span.stop + fade_out else None
+    wish = wishes[index]
+    if (own := _end(wish)) is not None:
+        yield own
+    soonest = wish.onset + gap
+    if (place := left.first(soonest, wish)) is not None:
+        yield place
+    for other in wishes[index + 1 :]:
+        if other.onset >= planned:
+            break
+        if (end := _end(other)) is not None and end >= soonest:
+            yield end
+
+
+def _end(wish: Wish) -> int | None:
+    """Return where a wish ends at the latest: where somebody says, or where it did; None where that is planned."""
+    if wish.stop is not None:
+        return wish.stop
+    return wish.was.window.stop if wish.was is not None and wish.unmoved else None
+
+
+def _left(wanted: Wanted, rejections: Iterable[Rejection], gap: int) -> _Left:
+    """Return the places that events have left, now or in an earlier round, and at which none stands any more."""
+    movers = {
+        wish.was.onset_sample: wish.id
+        for wish in wanted.wishes
+        if wish.was is not None and abs(wish.onset - wish.was.onset_sample) > gap
+    }
+    deleted = {event.onset_sample for event in wanted.deleted}
+    deleted |= {rejection.at_sample for rejection in rejections if rejection.reason == DELETED}
+    taken = [wish.onset for wish in wanted.wishes]
+    return _Left(tuple(sorted(place for place in {*movers, *deleted} if not _stands(place, taken, gap))), movers)
+
+
+def _stands(place: int, taken: Sequence[int], gap: int) -> bool:
+    """Return whether one of some ascending onsets is so near to a place that both are one bang."""
+    after = bisect_left(taken, place)
+    return any(abs(onset - place) < gap for onset in taken[max(0, after - 1) : after + 1])
+
+
+def _firsts(wanted: Wanted) -> dict[Window, int]:
+    """Return the onset of the first event of each of the original's windows."""
+    originals: list[Event] = [wish.was for wish in wanted.wishes if wish.was is not None]
+    firsts: dict[Window, int] = {}
+    for event in (*originals, *wanted.deleted):
+        firsts[event.window] = min(event.onset_sample, firsts.get(event.window, event.onset_sample))
+    return firsts

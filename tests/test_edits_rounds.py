@@ -1,0 +1,168 @@
+"""Round after round of editing: what was taken out stays out, what was cut stays cut, through the command line."""
+
+import csv
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+from numpy.typing import NDArray
+
+from blastline.export import read_timeline
+from blastline.model import Event
+from commands import RATE_HZ, blastline, write_film
+
+SHOTS_S = (1.0, 1.1, 1.2, 2.5)
+"""Three shots in one window, which the decay of each alone would fill, and one by itself."""
+
+Row = dict[str, str]
+Edit = Callable[[list[Row]], object]
+
+
+@pytest.fixture(scope="module")
+def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_film(tmp_path_factory.mktemp("film") / "film.wav", length_s=4.0, shots_s=SHOTS_S)
+
+
+@pytest.fixture(scope="module")
+def first(tmp_path_factory: pytest.TempPathFactory, film: Path) -> Path:
+    """Return a folder whose timeline has exactly the film's shots."""
+    folder = tmp_path_factory.mktemp("result")
+    (folder / "first.csv").write_text("onset_s\n" + "".join(f"{shot_s}\n" for shot_s in SHOTS_S))
+    rendered(film, folder / "first.csv", folder / "out")
+    events = read_timeline(folder / "out" / "timeline.json").events
+    assert events[0].window == events[1].window == events[2].window
+    assert events[0].window.stop > at(1.3)
+    return folder / "out"
+
+
+def at(time_s: float) -> int:
+    return round(time_s * RATE_HZ)
+
+
+def rendered(film: Path, file: Path, out: Path, *more: str | Path) -> str:
+    ended = blastline("render", film, "-o", out, "--timeline", file, "--quality", "draft", "--no-report", *more)
+    assert ended.code == 0, ended
+    return ended.err
+
+
+def edited(film: Path, before: Path, out: Path, edit: Edit) -> Path:
+    """Edit the table of a result, render again, and return the new result."""
+    with (before / "timeline.csv").open(newline="") as text:
+        rows = list(csv.DictReader(text))
+    columns = list(rows[0])
+    edit(rows)
+    with out.with_suffix(".csv").open("w", newline="") as text:
+        table = csv.DictWriter(text, columns)
+        table.writeheader()
+        table.writerows(rows)
+    rendered(film, out.with_suffix(".csv"), out, "--original", before / "timeline.json")
+    return out
+
+
+def drive_of(folder: Path) -> NDArray[np.int32]:
+    return np.asarray(soundfile.read(folder / "drive.wav", dtype="int32")[0])
+
+
+def events_of(folder: Path) -> Mapping[str, Event]:
+    return {event.id: event for event in read_timeline(folder / "timeline.json").events}
+
+
+def row_of(rows: list[Row], identity: str) -> Row:
+    return next(row for row in rows if row["id"] == identity)
+
+
+def moved(identity: str, onset_s: float) -> Edit:
+    return lambda rows: row_of(rows, identity).update(onset_s=f"{onset_s:.9f}", onset_sample="")
+
+
+def ends(identity: str, stop_s: float) -> Edit:
+    return lambda rows: row_of(rows, identity).update(window_stop_s=f"{stop_s:.9f}", window_stop_sample="")
+
+
+def deleted(identity: str) -> Edit:
+    return lambda rows: rows.remove(row_of(rows, identity))
+
+
+def added(onset_s: float) -> Edit:
+    return lambda rows: rows.append({"onset_s": f"{onset_s:.9f}"})
+
+
+def both(*edits: Edit) -> Edit:
+    return lambda rows: [edit(rows) for edit in edits]
+
+
+@pytest.mark.parametrize(
+    "touch",
+    [moved("shot-0001", 0.99), moved("shot-0001", 1.02), ends("shot-0001", 1.05), deleted("shot-0002"), added(1.05)],
+    ids=["moved back", "moved on", "changed", "deleted", "added"],
+)
+def test_what_was_deleted_stays_deleted_in_the_next_round(tmp_path: Path, film: Path, first: Path, touch: Edit) -> None:
+    """The last of the window is gone; whatever is done to the others, nothing plays in its place again."""
+    one = edited(film, first, tmp_path / "one", deleted("shot-0003"))
+    assert not np.any(drive_of(one)[at(1.2) : at(2.4)])
+    two = edited(film, one, tmp_path / "two", touch)
+    assert not np.any(drive_of(two)[at(1.2) : at(2.4)])
+    assert events_of(two)["shot-0004"] == events_of(first)["shot-0004"]
+    deletions = [r.at_sample for r in read_timeline(two / "timeline.json").rejections if r.reason == "deleted by hand"]
+    assert at(1.2) in deletions
+
+
+def test_an_end_that_was_set_holds_in_the_next_round(tmp_path: Path, film: Path, first: Path) -> None:
+    one = edited(film, first, tmp_path / "one", ends("shot-0003", 1.25))
+    assert not np.any(drive_of(one)[at(1.25) : at(2.4)])
+    for name, touch in (
+        ("moved", moved("shot-0001", 0.99)),
+        ("deleted", deleted("shot-0001")),
+        ("added", added(1.05)),
+    ):
+        two = edited(film, one, tmp_path / name, touch)
+        assert events_of(two)["shot-0003"].window.stop == at(1.25), name
+        assert not np.any(drive_of(two)[at(1.25) : at(2.4)]), name
+
+
+def test_a_start_that_was_set_holds_in_the_next_round(tmp_path: Path, film: Path, first: Path) -> None:
+    def earlier(rows: list[Row]) -> None:
+        rows[0].update(window_start_s="0.9", window_start_sample="")
+
+    one = edited(film, first, tmp_path / "one", earlier)
+    assert events_of(one)["shot-0001"].window.start == at(0.9)
+    two = edited(film, one, tmp_path / "two", deleted("shot-0003"))
+    assert events_of(two)["shot-0001"].window.start == at(0.9)
+
+
+def test_the_place_that_a_shot_has_left_is_silent(tmp_path: Path, film: Path, first: Path) -> None:
+    """The window of the shots before it ends there; the moved one plays where it was put."""
+    one = edited(film, first, tmp_path / "one", moved("shot-0003", 3.2))
+    drive = drive_of(one)
+    assert not np.any(drive[at(1.2) : at(2.4)])
+    assert np.any(drive[at(1.1) : at(1.19)])
+    assert events_of(one)["shot-0003"].onset_sample == at(3.2)
+
+
+def test_a_shot_that_is_nudged_has_left_no_place(tmp_path: Path, film: Path, first: Path) -> None:
+    """By less than the rounds of a burst can follow each other it is the same bang."""
+    one = edited(film, first, tmp_path / "one", moved("shot-0003", 1.21))
+    assert np.all([np.any(drive_of(one)[at(t) : at(t + 0.01)]) for t in np.arange(1.0, 1.3, 0.01)])
+
+
+@pytest.mark.parametrize("put", [added(1.05), moved("shot-0004", 1.05)], ids=["added", "moved in"])
+def test_what_is_put_before_a_deletion_ends_there(tmp_path: Path, film: Path, first: Path, put: Edit) -> None:
+    one = edited(film, first, tmp_path / "one", both(deleted("shot-0002"), deleted("shot-0003"), put))
+    drive = drive_of(one)
+    assert np.any(drive[at(1.05) : at(1.09)])
+    assert not np.any(drive[at(1.1) : at(2.4)])
+
+
+def test_a_shot_that_is_put_back_plays_again(tmp_path: Path, film: Path, first: Path) -> None:
+    one = edited(film, first, tmp_path / "one", deleted("shot-0003"))
+    two = edited(film, one, tmp_path / "two", added(1.2))
+    assert read_timeline(two / "timeline.json").rejections == ()
+    assert np.any(drive_of(two)[at(1.2) : at(1.25)])
+
+
+def test_a_shot_moved_earlier_has_the_decay_of_its_new_place(tmp_path: Path, film: Path, first: Path) -> None:
+    """What sounds where it was before is what it sounds like now; only other shots' places are out of bounds."""
+    one = edited(film, first, tmp_path / "one", moved("shot-0004", 2.44))
+    assert np.any(drive_of(one)[at(2.5) : at(2.55)])
