@@ -264,6 +264,18 @@ def test_a_json_without_its_original_says_what_it_cannot_tell(tmp_path: Path, fi
     assert after.events[1].gain_db == -12.0
 
 
+def test_a_json_that_is_named_as_its_own_original_keeps_its_edits(tmp_path: Path, film: Path, result: Path) -> None:
+    plain = json.loads((result / "timeline.json").read_text())
+    plain["events"][0]["onset_sample"] = 52_800
+    file = tmp_path / "timeline.json"
+    file.write_text(json.dumps(plain))
+    ended, after, _ = rendered(film, file, "--original", tmp_path / "." / "timeline.json")
+    assert "3 kept, 1 moved" in ended.err
+    assert after.events[0].onset_sample == 52_800
+    (tmp_path / "linked.json").symlink_to(file)
+    assert "3 kept, 1 moved" in rendered(film, file, "--original", tmp_path / "linked.json")[0].err
+
+
 def test_an_end_that_cannot_be_is_told_as_it_stands(tmp_path: Path, film: Path, result: Path) -> None:
     (tmp_path / "edited.csv").write_text("onset_s,window_start_s\n2.5,2.6\n")
     ended = blastline("render", film, "-o", tmp_path / "out", "--timeline", tmp_path / "edited.csv")

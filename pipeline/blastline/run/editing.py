@@ -47,10 +47,12 @@ class Editing:
 def read_editing(path: Path, *, original: Path | None) -> Editing:
     """Return an edited file with its original timeline: the one that is given, else `timeline.json` beside the file.
 
-    An edited JSON without an original tells by itself where its events were. Raises TimelineError for a file that
-    cannot be used.
+    An edited JSON without an original tells by itself where its events were; so it does where it is said to be its own
+    original, beside which nothing would differ. Raises TimelineError for a file that cannot be used.
     """
     edited = read_edits(path)
+    if original is not None and original.exists() and original.samefile(path):
+        original = None
     beside = path.parent / names.TIMELINE
     if original is None and beside.is_file() and not beside.samefile(path):
         original = beside
