@@ -12,6 +12,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from blastline.errors import TimelineError
 from blastline.export import export_timeline
 from blastline.export.edits import Wanted, match, read_edits
 from blastline.model import Event, Span, Timeline, Window, encode
@@ -374,6 +375,22 @@ def test_a_shared_window_is_kept_only_while_all_its_shots_are(tmp_path: Path) ->
     assert [wish.window for wish in table(tmp_path, both, EVENT, MATE).wishes] == [SHOT.window] * 2
     one = table(tmp_path, both.rsplit("shot-0002", 1)[0], EVENT, MATE)
     assert [(wish.window, wish.start, wish.stop) for wish in one.wishes] == [(None, None, None)]
+
+
+@pytest.mark.parametrize(
+    ("cells", "complaint"),
+    [
+        (f"{SHOT.window.stop},0.5", "window_stop_s = 0.5: expected more than 1.00002083"),
+        ("24000,1.5", "window_stop_sample = 24000: expected more than 48001"),
+        ("24000,0.5", "window_stop_sample = 24000: expected more than 48001"),
+        (",0.5", "window_stop_s = 0.5: expected more than 1.00002083"),
+    ],
+)
+def test_an_end_that_cannot_be_is_named_by_the_cell_that_counts(tmp_path: Path, cells: str, complaint: str) -> None:
+    """A number that stands nowhere in the file could not be found there."""
+    row = f"id,onset_s,window_stop_sample,window_stop_s\nshot-0001,1.00002,{cells}\n"
+    with pytest.raises(TimelineError, match=complaint.replace(".", r"\.")):
+        table(tmp_path, row, EVENT)
 
 
 def test_an_end_that_was_edited_is_kept_and_the_other_stays(tmp_path: Path) -> None:

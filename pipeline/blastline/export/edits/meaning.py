@@ -54,7 +54,7 @@ def ends(
         if (end > onset) if name == "window_start" else (end <= onset):
             wanted = "at most" if name == "window_start" else "more than"
             said, limit = f"{name}_sample = {end}", str(onset)
-            if point is not None and point.sample is None and point.seconds is not None:
+            if point is not None and point.sample != end and point.seconds is not None:  # the cell that was taken
                 said, limit = f"{name}_s = {float(point.seconds):.9g}", f"{onset / rate_hz:.9g}"
             raise TimelineError(f"{edited.path}: {edit.place}: {said}: expected {wanted} {limit}, the onset")
         found.append(None if end == before and not moved else end)
