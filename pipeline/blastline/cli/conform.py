@@ -55,8 +55,8 @@ def conform(
             progress=progress,
         )
     say_warnings(done.timeline)
-    _say_lost(done)
     if not quiet:
+        _say_lost(done)
         _say_stretches(done)
 
 
