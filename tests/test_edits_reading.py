@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given
 
 from blastline.errors import TimelineError
 from blastline.export import export_timeline
 from blastline.export.edits import EditedFile, Point, match, read_edits
-from blastline.model import encode
-from timelines import BURST_SHOT, RATE_HZ, SHOT, timeline
+from blastline.export.edits.document import read_document
+from blastline.model import Timeline, encode
+from timelines import BURST_SHOT, RATE_HZ, SHOT, any_timeline, timeline
 
 TABLE = "id,onset_sample,onset_s,confidence\nshot-0001,48001,,0.5\nshot-0002,96000,,\n"
 LABELS = "1.000021\t1.500000\tshot-0001 0.97\n2.000000\t2.083333\tshot-0002 0.50\n"
@@ -81,6 +83,24 @@ def test_a_table_is_known_by_its_header(tmp_path: Path, name: str, text: str) ->
 
 def test_columns_that_nobody_knows_are_left_aside_and_said(tmp_path: Path) -> None:
     assert read(tmp_path, "onset_s,comment,who\n1.0,loud,me\n").notes == ("not used: column comment, who",)
+
+
+def test_keys_that_nobody_knows_are_left_aside_and_said(tmp_path: Path) -> None:
+    plain = json.loads(encode(timeline()))
+    plain["events"][0] |= {"gain_dB": -6, "window_stop_s": 1.5, "a\nb": 1}
+    plain["events"][0]["window"]["stop_s"] = 1.5
+    plain["events"][1] = {"onset_s": 2.0, "gain_dB": 3, "window": None}
+    assert read(tmp_path, json.dumps(plain), "e.json").notes == (
+        "not used: key gain_dB, window_stop_s, 'a\\nb', window.stop_s",
+    )
+    plain["events"] = [{"onset_s": 1.0, f"mine {number}": 0} for number in range(12)]
+    [note] = read(tmp_path, json.dumps(plain), "e.json").notes
+    assert note.endswith("mine 9 and 2 more")
+
+
+@given(any_timeline())
+def test_no_key_of_a_timeline_is_unknown(drawn: Timeline) -> None:
+    assert read_document(encode(drawn), Path("timeline.json")).notes == ()
 
 
 def test_labels_are_points_and_ranges_with_frequencies_left_aside(tmp_path: Path) -> None:

@@ -1,6 +1,6 @@
 """The edited `timeline.json`: every field of an event but its onset may be missing, and is found out again."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
@@ -11,13 +11,14 @@ import msgspec
 from msgspec import Meta
 
 from ...errors import TimelineError, misfit
-from ...model import Event, Origin, Ratio, Rejection, Source, Span
+from ...model import Event, Origin, Ratio, Rejection, Source, Span, Window
 from ..geometry import reflection_complaints, source_complaints
 from ..reading import read_plain
 from .row import Edit, EditedFile, Point
 
 _Seconds = Annotated[float, Meta(ge=0.0, le=1e9)]
 _Sample = Annotated[int, Meta(ge=0, le=2**53)]
+_MOST_NAMED = 10
 
 
 class _Window(msgspec.Struct, frozen=True):
@@ -43,7 +44,10 @@ class _Timeline(msgspec.Struct, frozen=True):
 
 
 def read_document(text: str, path: Path) -> EditedFile:
-    """Return the events of a timeline that somebody edited; its schema has to be the one this version reads."""
+    """Return the events of a timeline that somebody edited; its schema has to be the one this version reads.
+
+    Keys of events and windows that no timeline has are left aside, with a note.
+    """
     plain = read_plain(path, text)
     try:
         timeline = msgspec.convert(plain, _Timeline)
@@ -53,8 +57,29 @@ def read_document(text: str, path: Path) -> EditedFile:
         raise TimelineError(f"{path}: {complaint}")
     edits = tuple(_edit(event, index, path) for index, event in enumerate(timeline.events))
     return EditedFile(
-        path, edits, source=timeline.source, own=_as_it_was(plain["events"], path), rejections=timeline.rejections
+        path,
+        edits,
+        notes=_notes(plain["events"]),
+        source=timeline.source,
+        own=_as_it_was(plain["events"], path),
+        rejections=timeline.rejections,
     )
+
+
+def _notes(plain: list[Any]) -> tuple[str, ...]:
+    names = list(dict.fromkeys(name if name.isprintable() else repr(name) for name in _unknown(plain)))
+    if not names:
+        return ()
+    more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
+    return (f"not used: key {', '.join(names[:_MOST_NAMED])}{more}",)
+
+
+def _unknown(plain: list[Any]) -> Iterator[str]:
+    """Yield the keys of events and their windows that are none of a timeline's: misspelt, or in another's place."""
+    of_event, of_window = ({each.encode_name for each in msgspec.structs.fields(kind)} for kind in (Event, Window))
+    for fields in plain:
+        yield from (key for key in fields if key not in of_event)
+        yield from (f"window.{key}" for key in fields.get("window") or {} if key not in of_window)
 
 
 def _edit(event: _Event, index: int, path: Path) -> Edit:
