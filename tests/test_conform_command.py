@@ -113,6 +113,35 @@ def test_every_span_of_an_event_moves_with_it(films: tuple[Path, Path, Path], tm
         assert after.peak_dbfs == pytest.approx(-12.02, abs=0.01)
 
 
+@pytest.mark.parametrize("length_ms", [4, 20, 60, 300])
+@pytest.mark.parametrize("faster", [False, True])
+def test_no_window_ends_later_than_the_old_one_did(
+    films: tuple[Path, Path, Path], tmp_path: Path, length_ms: int, faster: bool
+) -> None:
+    """Who has set an end keeps it, also where it leaves less room than the rules' fade-out, or than the blast."""
+    import soxr
+
+    timeline, old, new = films
+    found = read_timeline(timeline)
+    length = length_ms * RATE_HZ // 1000
+    cut = [
+        msgspec.structs.replace(
+            each, window=Window(each.onset_sample - 96, each.onset_sample + length, 80, min(640, length // 2))
+        )
+        for each in found.events
+    ]
+    timeline.write_bytes(encode(msgspec.structs.replace(found, events=tuple(cut))))
+    if faster:
+        new = write(tmp_path / "pal.wav", soxr.resample(OLD, RATE_HZ * 25 / 24, 48_000), 48_000)
+    blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
+    made = read_timeline(tmp_path / "out" / "timeline.json")
+    assert len(made.events) >= len(EXPECTED)
+    for each in made.events:
+        lasts_ms = (each.window.stop - each.onset_sample) / made.source.sample_rate_hz * 1000.0
+        assert lasts_ms == pytest.approx(length_ms * (0.96 if faster else 1.0), abs=0.05)
+        assert each.window.fits_fades
+
+
 def test_a_moved_timeline_names_the_rules_that_its_windows_are_planned_by(
     films: tuple[Path, Path, Path], tmp_path: Path
 ) -> None:

@@ -11,7 +11,7 @@ from .film import Film, hear
 from .path import find_stretches
 from .place import Loss, Lost, Placed, place
 from .report import write_events, write_stretches
-from .retime import retimed
+from .retime import Retimed, retimed
 
 __all__ = [
     "Course",
@@ -19,6 +19,7 @@ __all__ = [
     "Loss",
     "Lost",
     "Placed",
+    "Retimed",
     "find_stretches",
     "hear",
     "measured",

@@ -1,5 +1,7 @@
 """The old film's events as shots of the new one: every span moved, scaled, and ended where its scene ends."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..model import Event, HeardIn, Reflection, Shot, Span
@@ -11,7 +13,15 @@ from .place import Placed
 _PEAK_MS = 50.0
 
 
-def retimed(event: Event, placed: Placed, course: Course, old: Film, new: Film) -> Shot:
+@dataclass(frozen=True)
+class Retimed:
+    """A shot of the new film, and the sample at which its old window ends there: none of its own ends later."""
+
+    shot: Shot
+    stop: int
+
+
+def retimed(event: Event, placed: Placed, course: Course, old: Film, new: Film) -> Retimed:
     """Return an event as a shot of the new film.
 
     It sounds until its old window begins to fade out, or until its scene ends. Its level is the old one and what the
@@ -28,7 +38,7 @@ def retimed(event: Event, placed: Placed, course: Course, old: Film, new: Film) 
 
     blast = Span(moved(event.blast.start), max(moved(event.blast.start) + 1, moved(event.blast.stop)))
     sounding = min(stop, moved(event.window.stop - event.window.fade_out_samples))
-    return Shot(
+    shot = Shot(
         onset=onset,
         confidence=event.confidence,
         peak_dbfs=_level_dbfs(event, onset, old, new),
@@ -46,6 +56,7 @@ def retimed(event: Event, placed: Placed, course: Course, old: Film, new: Film) 
         ),
         span=Span(onset, max(onset + 1, blast.stop, sounding)),
     )
+    return Retimed(shot, max(onset + 1, moved(event.window.stop)))
 
 
 def _level_dbfs(event: Event, onset: int, old: Film, new: Film) -> float:

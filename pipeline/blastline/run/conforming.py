@@ -5,7 +5,7 @@ new film ─► fingerprint ┴► stretches ─► each event's place ─► wi
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import msgspec
@@ -16,6 +16,7 @@ from ..conform import (
     Film,
     Lost,
     Placed,
+    Retimed,
     find_stretches,
     hear,
     measured,
@@ -28,12 +29,12 @@ from ..conform import (
 from ..detect import group_bursts
 from ..errors import OutputError, SoundtrackError, TimelineError
 from ..export import read_timeline
-from ..model import Event, Rejection, Shot, Source, Timeline, encode
-from ..render import plan_windows
-from ..ruleset import ConformRules, Rules, load_conform, load_rules
+from ..model import Event, Rejection, Source, Timeline, Window, encode
+from ..render import plan_windows, window_between
+from ..ruleset import ConformRules, Rules, WindowRules, load_conform, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack, timecode_at
 from ..staging import staged
-from ..units import samples_from_s
+from ..units import samples_from_ms, samples_from_s
 from . import names
 from .listening import BLOCK
 from .progress import Progress, no_progress, told
@@ -127,9 +128,9 @@ def _conformed(
         for event, each in zip(events, places, strict=True)
         if isinstance(each, Placed)
     ]
-    shots.sort(key=lambda pair: pair[1].onset)
-    bursts = group_bursts([shot for _, shot in shots], rate_hz=new.rate_hz, rules=rules.tier.bursts)
-    shots = [(event, shot) for (event, _), shot in zip(shots, bursts, strict=True)]
+    shots.sort(key=lambda pair: pair[1].shot.onset)
+    bursts = group_bursts([each.shot for _, each in shots], rate_hz=new.rate_hz, rules=rules.tier.bursts)
+    shots = [(event, replace(each, shot=shot)) for (event, each), shot in zip(shots, bursts, strict=True)]
     made = msgspec.structs.replace(
         timeline,
         version=__version__,
@@ -145,10 +146,14 @@ def _conformed(
     return Conformed(made, events, tuple(places), tuple(courses))
 
 
-def _events(shots: Sequence[tuple[Event, Shot]], source: Source, rules: Rules) -> tuple[Event, ...]:
+def _events(shots: Sequence[tuple[Event, Retimed]], source: Source, rules: Rules) -> tuple[Event, ...]:
     """Return the shots as events of the new film, each under its old id, in windows that are planned anew."""
     planned = plan_windows(
-        [shot for _, shot in shots], frames=source.frames, rate_hz=source.sample_rate_hz, rules=rules.tier.windows
+        [each.shot for _, each in shots],
+        frames=source.frames,
+        rate_hz=source.sample_rate_hz,
+        rules=rules.tier.windows,
+        given=_cut_short([each for _, each in shots], source, rules.tier.windows),
     )
     window_of = {index: each.window for each in planned for index in each.shots}
     return tuple(
@@ -166,8 +171,22 @@ def _events(shots: Sequence[tuple[Event, Shot]], source: Source, rules: Rules) -
             window=window_of[index],
             drive=None,
         )
-        for index, (event, shot) in enumerate(shots)
+        for index, (event, shot) in enumerate((event, each.shot) for event, each in shots)
     )
+
+
+def _cut_short(shots: Sequence[Retimed], source: Source, rules: WindowRules) -> dict[int, Window]:
+    """Return the windows, by the shot's index, that would end later than the old ones did.
+
+    Somebody has set their ends, or their fade-outs are shorter than those of the rules.
+    """
+    rate_hz = source.sample_rate_hz
+    fade_out = samples_from_ms(rules.fade_out_ms, rate_hz)
+    return {
+        index: window_between(each.shot, start=None, stop=each.stop, frames=source.frames, rate_hz=rate_hz, rules=rules)
+        for index, each in enumerate(shots)
+        if each.stop < min(each.shot.span.stop + fade_out, source.frames)
+    }
 
 
 def _rejections(events: Sequence[Event], places: Sequence[Placed | Lost], new: Film) -> Iterator[Rejection]:
