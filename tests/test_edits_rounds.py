@@ -155,6 +155,31 @@ def test_what_is_put_before_a_deletion_ends_there(tmp_path: Path, film: Path, fi
     assert not np.any(drive[at(1.1) : at(2.4)])
 
 
+@pytest.mark.parametrize("by_s", [-0.02, 0.02, 0.045, 0.15])
+def test_a_label_that_is_dragged_within_a_burst_ends_no_other_shot(
+    tmp_path: Path, film: Path, first: Path, by_s: float
+) -> None:
+    """Every label of a burst ends with the window that they share; only the last one's end is that window's."""
+    assert blastline("export", first / "timeline.json", "--format", "audacity", "-o", tmp_path).code == 0
+    labels = [line.split("\t") for line in (tmp_path / "timeline.audacity.txt").read_text().splitlines()]
+    labels[1][:2] = [f"{float(time_s) + by_s:.6f}" for time_s in labels[1][:2]]
+    file = tmp_path / "labels.txt"
+    file.write_text("".join("\t".join(label) + "\n" for label in labels))
+    rendered(film, file, tmp_path / "out", "--original", first / "timeline.json")
+    before, after = events_of(first), events_of(tmp_path / "out")
+    assert after["shot-0002"].onset_sample == at(1.1 + by_s)
+    assert after["shot-0003"].window.stop == before["shot-0003"].window.stop
+
+
+def test_the_last_label_of_a_burst_takes_the_windows_end_along(tmp_path: Path, film: Path, first: Path) -> None:
+    before = events_of(first)["shot-0003"]
+    stop_s = before.window.stop / RATE_HZ - 0.05
+    file = tmp_path / "labels.txt"
+    file.write_text(f"1.0\t1.0\tshot-0001\n1.1\t1.1\tshot-0002\n1.15\t{stop_s:.9f}\tshot-0003\n2.5\t2.5\tshot-0004\n")
+    rendered(film, file, tmp_path / "out", "--original", first / "timeline.json")
+    assert events_of(tmp_path / "out")["shot-0003"].window.stop == before.window.stop - at(0.05)
+
+
 def test_a_shot_that_is_put_back_plays_again(tmp_path: Path, film: Path, first: Path) -> None:
     one = edited(film, first, tmp_path / "one", deleted("shot-0003"))
     two = edited(film, one, tmp_path / "two", added(1.2))

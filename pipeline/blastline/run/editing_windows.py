@@ -40,25 +40,27 @@ def settled_windows(
 ) -> dict[int, Window]:
     """Return the windows that are settled, by the shot's index; the others are planned.
 
+    The ends of a window are those of its first and its last shot: they stay where that was left alone.
     `rejections` are the original's: what somebody deleted in an earlier round of editing stays gone.
     """
     gap = samples_from_ms(rules.tier.bursts.shortest_gap_ms, source.sample_rate_hz)
     fade_out = samples_from_ms(rules.tier.windows.fade_out_ms, source.sample_rate_hz)
     left = _left(wanted, rejections, gap)
-    firsts = _firsts(wanted)
+    firsts, lasts = _ends_of(wanted)
     given: dict[int, Window] = {}
     for index, (wish, shot) in enumerate(zip(wanted.wishes, shots, strict=True)):
         if wish.window is not None:
             given[index] = wish.window
             continue
-        start, stop = wish.start, wish.stop
-        if start is None and wish.was is not None and wish.unmoved and firsts[wish.was.window] == wish.onset:
-            start = wish.was.window.start
+        start, stop, was = wish.start, wish.stop, wish.was if wish.unmoved else None
+        if start is None and was is not None and firsts[was.window] == wish.onset:
+            start = was.window.start
         if stop is None:
-            planned = shot.span.stop + fade_out
-            stop = min(
-                (end for end in _bounds(index, wanted.wishes, left, gap, planned) if end < planned), default=None
-            )
+            own = planned = min(shot.span.stop + fade_out, source.frames)
+            if was is not None and lasts[was.window] == wish.onset:
+                own = min(was.window.stop, source.frames)
+            end = min([own, *_bounds(index, wanted.wishes, left, gap, own)])
+            stop = end if end != planned else None
         if start is not None or stop is not None:
             given[index] = window_between(
                 shot,
@@ -72,7 +74,7 @@ def settled_windows(
 
 
 def _bounds(index: int, wishes: Sequence[Wish], left: _Left, gap: int, planned: int) -> Iterator[int]:
-    """Yield where a window has to end that is planned to end at `planned`; wishes are in the order of their onsets.
+    """Yield where a window has to end that would end at `planned`; wishes are in the order of their onsets.
 
     Of a shot that was not moved that is where its old window ended, which somebody may have set. What begins sooner
     than the rounds of a burst can is no round, but more of the same shot.
@@ -116,10 +118,12 @@ def _stands(place: int, taken: Sequence[int], gap: int) -> bool:
     return any(abs(onset - place) < gap for onset in taken[max(0, after - 1) : after + 1])
 
 
-def _firsts(wanted: Wanted) -> dict[Window, int]:
-    """Return the onset of the first event of each of the original's windows."""
+def _ends_of(wanted: Wanted) -> tuple[dict[Window, int], dict[Window, int]]:
+    """Return the onsets of the first and of the last event of each of the original's windows, whose ends are theirs."""
     originals: list[Event] = [wish.was for wish in wanted.wishes if wish.was is not None]
     firsts: dict[Window, int] = {}
+    lasts: dict[Window, int] = {}
     for event in (*originals, *wanted.deleted):
         firsts[event.window] = min(event.onset_sample, firsts.get(event.window, event.onset_sample))
-    return firsts
+        lasts[event.window] = max(event.onset_sample, lasts.get(event.window, event.onset_sample))
+    return firsts, lasts

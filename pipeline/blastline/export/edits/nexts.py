@@ -5,6 +5,9 @@ nobody: the shots go on in one window.
 
     region   |--1--|--2--|--3-------|
     window  |-----------------------|
+
+Audacity's labels end with the window. One that is dragged takes that end along; it is still not where its shot ends,
+unless it is the last one there.
 """
 
 from bisect import bisect_right
@@ -17,10 +20,10 @@ from .row import Pair
 
 
 def without_ends_at_the_next(pairs: Sequence[Pair], originals: Iterable[Event], *, rate_hz: int) -> list[Pair]:
-    """Return the rows, those that end at the next onset without their end.
+    """Return the rows, those that end at the next onset, or with the window of a later shot, without their end.
 
-    The next onset is that of the file's next row, or that of the original's next event, also where the row was moved
-    with its length.
+    The next onset is that of the file's next row, or that of the original's next event. So it is also where the row
+    was moved with its length.
     """
     here = sorted(pair.edit.onset.nearest(rate_hz) for pair in pairs)
     there = sorted(event.onset_sample for event in originals)
@@ -34,8 +37,11 @@ def _without_end(pair: Pair, here: Sequence[int], there: Sequence[int], rate_hz:
     onset_s, stop_s = edit.onset.exact_s(rate_hz), edit.window_stop.exact_s(rate_hz)
     ends_s = [Fraction(after, rate_hz) for after in _next(here, edit.onset.nearest(rate_hz))]
     if pair.was is not None:
-        for after in _next(there, pair.was.onset_sample):
-            ends_s += [Fraction(after, rate_hz), onset_s + Fraction(after - pair.was.onset_sample, rate_hz)]
+        begins, stop = pair.was.onset_sample, pair.was.window.stop
+        for after in _next(there, begins):
+            shared = [stop] if after < stop else []
+            for end in (after, *shared):
+                ends_s += [Fraction(end, rate_hz), onset_s + Fraction(end - begins, rate_hz)]
     near_s = edit.onset.tool_step_s + edit.window_stop.tool_step_s
     if any(abs(stop_s - end_s) <= near_s for end_s in ends_s):
         return replace(pair, edit=replace(edit, window_stop=None))
