@@ -1,6 +1,7 @@
 """Round after round of editing: what was taken out stays out, what was cut stays cut, through the command line."""
 
 import csv
+import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -191,3 +192,17 @@ def test_a_shot_moved_earlier_has_the_decay_of_its_new_place(tmp_path: Path, fil
     """What sounds where it was before is what it sounds like now; only other shots' places are out of bounds."""
     one = edited(film, first, tmp_path / "one", moved("shot-0004", 2.44))
     assert np.any(drive_of(one)[at(2.5) : at(2.55)])
+
+
+@pytest.mark.parametrize(("gone", "said"), [(1, True), (2, False), (3, False), (None, False)])
+def test_a_json_without_its_original_says_that_deletions_cannot_be_told(
+    tmp_path: Path, film: Path, first: Path, gone: int | None, said: bool
+) -> None:
+    """A gap in a burst's numbers tells of one all the same, but the last of a burst leaves none."""
+    plain = json.loads((first / "timeline.json").read_text())
+    assert [event["shot_in_burst"] for event in plain["events"]] == [1, 2, 3, None]
+    plain["events"] = [event for index, event in enumerate(plain["events"]) if index != gone]
+    (tmp_path / "alone.json").write_text(json.dumps(plain))
+    told = rendered(film, tmp_path / "alone.json", tmp_path / "out")
+    assert "not which were deleted" in told
+    assert ("missing in its burst: shot 1.2; give the original" in told) == said

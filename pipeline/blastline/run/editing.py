@@ -5,6 +5,7 @@ edited file, original timeline ──► what is wanted ──► measured in th
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 
 import msgspec
@@ -27,6 +28,7 @@ from .progress import Progress, told
 
 _MEND = "re-time the timeline with `blastline conform`, or give the film that it is of"
 _SURE = 1.0  # who sets an event by hand has no doubt
+_MOST_NAMED = 10
 _REGAINED_MS = 25.0  # a rejection so near to an added event is that event
 
 
@@ -215,8 +217,10 @@ def _counted(editing: Editing, wanted: Wanted) -> Edits:
     if editing.original is None and editing.edited.own:
         notes.append(
             f"no other {names.TIMELINE} beside the file and none given with --original: the file tells where its shots "
-            "were, but not which gains, ends and confidences somebody has changed; they hold as they stand"
+            "were, but not which were deleted, which are still felt in the windows that they shared, and not which "
+            "gains, ends and confidences somebody has changed; they hold as they stand"
         )
+        notes += _gaps(editing.edited)
     if not wanted.wishes:
         notes.append("no events: the drive is silent")
     ways = [_way(wish, known=editing.original is not None or bool(editing.edited.own)) for wish in wanted.wishes]
@@ -229,6 +233,25 @@ def _counted(editing: Editing, wanted: Wanted) -> Edits:
         deleted=len(wanted.deleted),
         notes=tuple(notes),
     )
+
+
+def _gaps(edited: EditedFile) -> list[str]:
+    """Return a note for the shots that are missing in the bursts, which are numbered without gaps."""
+    if len(edited.own) < len(edited.edits):
+        return []  # what is missing may be one of the events that say no more than their onset
+    shots: dict[int, set[int]] = {}
+    for event in edited.own.values():
+        if event.burst is not None and event.shot_in_burst is not None:
+            shots.setdefault(event.burst, set()).add(event.shot_in_burst)
+    missing = [
+        f"{burst}.{number}"
+        for burst, there in sorted(shots.items())
+        for number in islice((n for n in range(1, max(there)) if n not in there), _MOST_NAMED)
+    ]
+    if not missing:
+        return []
+    more = " and more" if len(missing) > _MOST_NAMED else ""
+    return [f"missing in its burst: shot {', '.join(missing[:_MOST_NAMED])}{more}; give the original with --original"]
 
 
 def _way(wish: Wish, *, known: bool) -> str:
