@@ -100,7 +100,7 @@ def test_keys_that_nobody_knows_are_left_aside_and_said(tmp_path: Path) -> None:
 
 @given(any_timeline())
 def test_no_key_of_a_timeline_is_unknown(drawn: Timeline) -> None:
-    assert read_document(encode(drawn), Path("timeline.json")).notes == ()
+    assert read_document(encode(drawn).decode(), Path("timeline.json")).notes == ()
 
 
 def test_labels_are_points_and_ranges_with_frequencies_left_aside(tmp_path: Path) -> None:
