@@ -28,8 +28,8 @@ class Curve:
 
     def part(self, start: int, stop: int) -> "Curve":
         """Return the curve from one frame to another, with a point at both."""
-        inside = (self.samples > start) & (self.samples < stop)
-        samples = np.concatenate([[start], self.samples[inside], [stop]])
+        first, last = np.searchsorted(self.samples, start, "right"), np.searchsorted(self.samples, stop)
+        samples = np.concatenate([[start], self.samples[first:last], [stop]])
         return Curve(samples, self.at(samples))
 
 

@@ -24,7 +24,7 @@ from ...errors import TimelineError
 from ...timecode import clock
 from .curve import Curve, reduced
 from .rounding import Rounding, late_ms, mistuned, off
-from .sharing import shared
+from .sharing import shared, together
 from .track import HapticTrack, Pulse, Stretch
 
 FILE = "timeline.hjif"
@@ -208,11 +208,11 @@ def _with_room(amplitude: Curve, transients: Sequence[tuple[int, float, Pulse]])
     start, stop = int(amplitude.samples[0]), int(amplitude.samples[-1])
     first = bisect_left(transients, start - TRANSIENT_TICKS, key=itemgetter(0))
     last = bisect_right(transients, stop, key=itemgetter(0))
-    near = [(p, a) for p, a, _ in transients[first:last]]
+    positions, amplitudes = [p for p, _, _ in transients[first:last]], [a for _, a, _ in transients[first:last]]
     corners = [amplitude.samples]
     ceilings: list[tuple[int, float]] = []
-    for position, _ in near:
-        ceiling = max(0.0, 1.0 - sum(a for p, a in near if p <= position <= p + TRANSIENT_TICKS))
+    for position in positions:
+        ceiling = max(0.0, 1.0 - sum(amplitudes[together(positions, position, TRANSIENT_TICKS)]))
         end = position + TRANSIENT_TICKS
         during = amplitude.part(max(start, position), max(start, min(stop, end)))
         if np.max(during.values) > ceiling:
@@ -222,7 +222,7 @@ def _with_room(amplitude: Curve, transients: Sequence[tuple[int, float, Pulse]])
     ticks = np.unique(np.concatenate(corners))
     values = amplitude.at(ticks)
     for position, ceiling in ceilings:
-        during_ticks = (ticks >= position) & (ticks <= position + TRANSIENT_TICKS)
+        during_ticks = slice(*np.searchsorted(ticks, (position, position + TRANSIENT_TICKS + 1)))
         values[during_ticks] = np.minimum(values[during_ticks], ceiling)
     return Curve(ticks, values)
 

@@ -3,6 +3,7 @@
 windows ─► joined where they touch ─► the drive in each ─► pulses at shots and echoes ─► amplitude, frequency
 """
 
+from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -93,11 +94,12 @@ def _pulses(
     """
     lead, length = ms_gap(rate_hz), samples_from_ms(rules.average_ms, rate_hz)
     onsets = sorted({event.onset_sample - origin for event in events})
+    ends = [*onsets, len(samples)]
     found: list[Pulse] = []
     silent: list[str] = []
     for event in sorted(events, key=lambda event: event.onset_sample):
         onset = event.onset_sample - origin
-        following = next((other for other in onsets if other > onset), len(samples))
+        following = ends[bisect_right(onsets, onset)]
         peak = _peak(samples, onset - lead, min(onset + length, max(following - lead, onset + 1)))
         if peak == 0.0:
             silent.append(event.id)
@@ -108,12 +110,18 @@ def _pulses(
     for event in events:
         for echo in event.reflections:
             start = echo.start - origin
-            if not 0 < start < len(samples) or any(abs(echo.start - shot) < apart for shot in shots):
+            if not 0 < start < len(samples) or _has_near(shots, echo.start, apart):
                 continue
             peak, before = _peak(samples, start, start + length), _peak(samples, start - length, start)
             if peak >= rules.least_echo and peak > before:
                 found.append(Pulse(echo.start, peak, 0.0, event.id, is_echo=True))
     return _apart(found, apart), silent
+
+
+def _has_near(shots: list[int], place: int, apart: int) -> bool:
+    """Return whether one of the shots, which are in order, is less than `apart` from a place."""
+    index = bisect_right(shots, place - apart)
+    return index < len(shots) and shots[index] < place + apart
 
 
 def _apart(pulses: list[Pulse], apart: int) -> list[Pulse]:
