@@ -138,6 +138,38 @@ def test_of_two_claims_to_one_place_the_shorter_and_the_one_out_of_order_give_wa
     assert _losers([ordered[0], stray, ordered[1]]) == [(1, 22.0, 29.0)]
 
 
+def repeating(length_s: float, *, seed: int) -> Samples:
+    """Return a film in which one passage comes again every 6.13 s, under sound of its own."""
+    phrase = film(6.13, (1.0, 3.5), seed=seed)
+    under = np.resize(phrase, round(length_s * RATE_HZ))
+    return np.asarray(murmur(length_s, seed=seed + 1) + 0.5 * under)
+
+
+@pytest.mark.parametrize("from_s", [14.3, 17.9, 21.2, 24.7, 28.6, 32.1])
+@pytest.mark.parametrize("removed_s", [12.2, 18.45, 21.0])
+def test_a_single_removal_leaves_both_sides_whole_where_a_passage_repeats(from_s: float, removed_s: float) -> None:
+    old = repeating(75.0, seed=70)
+    new = np.concatenate([seconds(old, 0.0, from_s), seconds(old, from_s + removed_s, 75.0)])
+    one, other = heard(old), heard(new)
+    first, second = find_stretches(one.fingerprint, other.fingerprint)
+    assert first.stop_s > from_s - 0.7
+    assert second.start_s < from_s + removed_s + 0.7
+    before, after = with_exact_ends(measured([first, second], one, other), one, other)
+    assert (before.stretch.start_s, before.stretch.stop_s) == pytest.approx((0.0, from_s), abs=0.1)
+    assert (after.stretch.start_s, after.stretch.stop_s) == pytest.approx((from_s + removed_s, 75.0), abs=0.1)
+    assert before.stretch.line.at(from_s / 2) == pytest.approx(from_s / 2, abs=1e-4)
+    assert after.stretch.line.at(70.0) == pytest.approx(70.0 - removed_s, abs=1e-4)
+
+
+def test_neighbours_that_linger_past_the_cut_between_them_lose_to_nothing_else() -> None:
+    before = Stretch(Line(1.0, 0.0, 0.0, 36.0), 0.0, 36.6, 0.99)
+    after = Stretch(Line(1.0, -36.7, 73.0, 180.0), 72.2, 180.0, 0.99)
+    stray = Stretch(Line(1.0, -26.0, 45.0, 60.0), 45.0, 60.0, 0.7)  # where the two meet
+    lost = _losers([before, stray, after])
+    assert any(index == 1 and stop_s - start_s > 14.0 for index, start_s, stop_s in lost)
+    assert all(index == 1 or stop_s - start_s < 1.2 for index, start_s, stop_s in lost)
+
+
 def kept_pitch(length_s: float) -> Course:
     """Return the course of a film that was made 4 % shorter with its pitch kept."""
     return Course(Stretch(Line(0.96, 0.0, 0.0, length_s), 0.0, length_s, 0.9), 1.0, 0.01, 9)

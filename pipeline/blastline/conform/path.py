@@ -23,6 +23,7 @@ _CHANCE = 0.35
 _CUT_COST_S = 0.8
 _REACH_S = 60.0
 _SHARED_S = 0.5
+_AS_GOOD_S = 0.1
 _ROUNDS = 20
 _FORBIDDEN = -10.0
 """A gain that no path bears: to leave a line and to come back costs less."""
@@ -76,14 +77,14 @@ def find_path(old: Fingerprint, new: Fingerprint, lines: Sequence[Line]) -> list
         stretches = _stretches(
             best_states([lane.first for lane in lanes], gains, steps, cost=_CUT_COST_S * FRAME_HZ / STEP), lanes
         )
-        losers = _losers(stretches)
+        losers = _losers(stretches, lanes)
         if not losers:
             return stretches
         for index, start_s, stop_s in losers:
             number = next(n for n, lane in enumerate(lanes) if lane.line is stretches[index].line)
             first, last = (round(time_s * FRAME_HZ / STEP) - lanes[number].first for time_s in (start_s, stop_s))
             gains[number][max(0, first) : max(0, last + 1)] = _FORBIDDEN
-    kept = {index for index, _, _ in _losers(stretches)}
+    kept = {index for index, _, _ in _losers(stretches, lanes)}
     return [stretch for index, stretch in enumerate(stretches) if index not in kept]
 
 
@@ -136,10 +137,11 @@ def _stretches(states: NDArray[np.int16], lanes: Sequence[Lane]) -> list[Stretch
     return found
 
 
-def _losers(stretches: Sequence[Stretch]) -> list[tuple[int, float, float]]:
+def _losers(stretches: Sequence[Stretch], lanes: Sequence[Lane] = ()) -> list[tuple[int, float, float]]:
     """Return what has to give way, as (index, from, to) of the old film, where two stretches claim one place.
 
-    Those on the heaviest chain that keeps the film's order win over others; among equals the longer one.
+    Those on the heaviest chain that keeps the film's order win over others; among equals the longer one. Two on the
+    chain may both linger past the cut between them, and are parted there.
     """
     weight = [(stretch.stop_s - stretch.start_s) * stretch.alike for stretch in stretches]
     chain = _ordered_chain(stretches, weight)
@@ -149,24 +151,61 @@ def _losers(stretches: Sequence[Stretch]) -> list[tuple[int, float, float]]:
         start, stop = stretches[index].new_span_s
         for other in order[:place]:
             low, high = stretches[other].new_span_s
-            shared = min(stop, high) - max(start, low)
-            if shared > _SHARED_S:
-                line = stretches[index].line
-                first, last = max(start, low), min(stop, high)
-                losers.append((index, (first - line.offset_s) / line.scale, (last - line.offset_s) / line.scale))
+            first, last = max(start, low), min(stop, high)
+            if last - first <= _SHARED_S:
+                continue
+            parts = [(index, first, last)]
+            if index in chain:
+                one, two = sorted((index, other))
+                cut = _parting_s(stretches[one], stretches[two], lanes, first, last, first_wins=one == other)
+                parts = [(one, cut, last), (two, first, cut)]
+            lines = [stretches[loser].line for loser, _, _ in parts]
+            losers += [(n, line.back(a), line.back(b)) for (n, a, b), line in zip(parts, lines, strict=True) if a < b]
     return losers
 
 
+def _parting_s(
+    one: Stretch, two: Stretch, lanes: Sequence[Lane], low_s: float, high_s: float, *, first_wins: bool
+) -> float:
+    """Return the moment of the new film, between two, up to which the first and from which the second is more alike.
+
+    Of moments that are as good, as in a scene that comes twice, it is the one that leaves most to the winner.
+    """
+    count = max(1, round((high_s - low_s) * FRAME_HZ / STEP))
+    edges_s = np.linspace(low_s, high_s, count + 1)
+    middles_s = 0.5 * (edges_s[1:] + edges_s[:-1])
+    better = _alike_at(one, lanes, middles_s) - _alike_at(two, lanes, middles_s)
+    total = np.concatenate([[0.0], np.cumsum(better)])
+    good = np.flatnonzero(total >= total.max() - _AS_GOOD_S * FRAME_HZ / STEP)
+    return float(edges_s[good[-1 if first_wins else 0]])
+
+
+def _alike_at(stretch: Stretch, lanes: Sequence[Lane], new_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return how alike the films are along a stretch at some moments of the new one."""
+    for lane in lanes:
+        if lane.line is stretch.line:
+            steps = np.round((new_s - lane.line.offset_s) / lane.line.scale * FRAME_HZ / STEP).astype(int) - lane.first
+            return np.asarray(lane.likeness[np.clip(steps, 0, len(lane.likeness) - 1)], np.float64)
+    return np.full(new_s.shape, stretch.alike)
+
+
 def _ordered_chain(stretches: Sequence[Stretch], weight: Sequence[float]) -> set[int]:
-    """Return the heaviest set of stretches that follow each other in both films."""
+    """Return the heaviest set of stretches that follow each other in both films.
+
+    What two of them share of the new film counts for neither more than once: it is charged at the higher likeness.
+    """
     best: list[float] = []
     before: list[int | None] = []
     for index, stretch in enumerate(stretches):
-        earlier = [
-            other for other in range(index) if stretches[other].new_span_s[1] <= stretch.new_span_s[0] + _SHARED_S
-        ]
-        last = max(earlier, key=lambda other: best[other], default=None)
-        best.append(weight[index] + (best[last] if last is not None else 0.0))
+        start, stop = stretch.new_span_s
+        last, most = None, 0.0
+        for other in range(index):
+            low, high = stretches[other].new_span_s
+            if low <= start and high <= stop:
+                shared = max(0.0, high - start) * max(stretch.alike, stretches[other].alike)
+                if best[other] - shared > most:
+                    last, most = other, best[other] - shared
+        best.append(weight[index] + most)
         before.append(last)
     chain: set[int] = set()
     at: int | None = max(range(len(best)), key=best.__getitem__, default=None)
