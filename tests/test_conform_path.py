@@ -161,6 +161,43 @@ def test_a_single_removal_leaves_both_sides_whole_where_a_passage_repeats(from_s
     assert after.stretch.line.at(70.0) == pytest.approx(70.0 - removed_s, abs=1e-4)
 
 
+@pytest.mark.parametrize(("from_s", "length_s"), [(20.0, 11.0), (37.4, 4.0), (50.0, 3.0), (31.0, 20.0)])
+@pytest.mark.parametrize("speed", [0.996, 1.004])
+def test_a_line_that_was_found_a_step_beside_its_speed_comes_back_to_it(
+    from_s: float, length_s: float, speed: float
+) -> None:
+    old = repeating(75.0, seed=74)
+    new = seconds(old, from_s, from_s + length_s)
+    middle_s, scale = from_s + length_s / 2, 1.0 / speed
+    line = Line(scale, length_s / 2 - scale * middle_s, middle_s, middle_s)
+    [course] = measured([Stretch(line, from_s, from_s + length_s, 0.85)], heard(old), heard(new))
+    assert course.stretch.line.scale == pytest.approx(1.0, abs=1e-5)
+    assert course.agree_s <= 1.0 / RATE_HZ
+    assert not course.keeps_pitch
+    assert course.stretch.line.at(middle_s) == pytest.approx(length_s / 2, abs=1e-5)
+
+
+@pytest.mark.parametrize("scenes_s", [(17.0, 26.5, 40.2, 44.5), (3.3, 15.0, 50.0, 58.1), (62.0, 66.4)])
+def test_an_excerpt_is_at_its_own_speed_with_every_shot(scenes_s: tuple[float, ...]) -> None:
+    old = repeating(75.0, seed=76)
+    onsets_s = (4.0, 7.1, 18.2, 21.9, 42.0, 51.3, 55.5, 64.1)
+    for number, onset_s in enumerate(onsets_s):
+        put(old, bang(seed=900 + number), onset_s)
+    scenes = list(zip(scenes_s[::2], scenes_s[1::2], strict=True))
+    new = np.concatenate([seconds(old, *scene) for scene in scenes])
+    at_s = np.cumsum([0.0, *(stop_s - start_s for start_s, stop_s in scenes)])
+    expected = [
+        next(
+            (a + o - start_s for a, (start_s, stop_s) in zip(at_s, scenes, strict=False) if start_s < o < stop_s), None
+        )
+        for o in onsets_s
+    ]
+    assert conformed(old, new, onsets_s) == near(expected)
+    for course in courses(heard(old), heard(new)):
+        assert course.stretch.line.scale == pytest.approx(1.0, abs=1e-5)
+        assert course.agree_s <= 1.0 / RATE_HZ
+
+
 def test_neighbours_that_linger_past_the_cut_between_them_lose_to_nothing_else() -> None:
     before = Stretch(Line(1.0, 0.0, 0.0, 36.0), 0.0, 36.6, 0.99)
     after = Stretch(Line(1.0, -36.7, 73.0, 180.0), 72.2, 180.0, 0.99)

@@ -16,7 +16,8 @@ from .search import Haystack, Hit
 SPEEDS = (1.0, 25.0 / 24.0, 24.0 / 25.0)
 """How much faster a copy may run. The pull of 1001/1000 is so little that it is found with these."""
 
-_OTHER_SPEEDS = tuple(float(speed) for speed in np.round(np.arange(0.9, 1.1001, 0.004), 3))
+SPEED_STEP = 0.004
+_OTHER_SPEEDS = tuple(float(speed) for speed in np.round(np.arange(0.9, 1.1001, SPEED_STEP), 3))
 """Tried where less than `_SETTLED` of the film is found: a fingerprint of 8 s stands 0.4 % either way."""
 
 _SETTLED = 0.3
@@ -35,7 +36,8 @@ _NEAR = 8
 _LEAST_ENERGY = 0.2
 _TOLERANCE_S, _DRIFT = 0.04, 0.002
 _LONGEST_GAP_S = 120.0
-_FITTED_S = 30.0
+FITTED_S = 30.0
+"""From here on the slope of a run of stretches tells its speed better than the speeds that were tried."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,8 @@ def find_lines(old: Fingerprint, new: Fingerprint, tell: Callable[[int, int], No
         length_s = _STRETCHES_S[0][0]
         probes = [at for at in _stretches(old, length_s, length_s) if _lively(old, at, length_s)]
         probes = probes[:: max(1, len(probes) // _PROBES)]
-        sure = [hit for hit in _hits(old, new, hay, probes, length_s, _OTHER_SPEEDS) if hit.score >= _SURE]
+        tried = _at_best_speeds(_hits(old, new, hay, probes, length_s, _OTHER_SPEEDS))
+        sure = [hit for hit in tried if hit.score >= _SURE]
         others = {1.0 / hit.scale for hit in sure}
         if others:
             speeds = tuple(sorted(others))
@@ -76,7 +79,7 @@ def find_lines(old: Fingerprint, new: Fingerprint, tell: Callable[[int, int], No
     length_s, spacing_s = _STRETCHES_S[1]
     left = [at for at in _stretches(old, length_s, spacing_s) if not _covered(at, hits)]
     hits += _hits(old, new, hay, left, length_s, used)
-    return [_fitted(run) for run in _runs(hits) if _credible(run)]
+    return [_fitted(run) for run in _runs(_at_best_speeds(hits)) if _credible(run)]
 
 
 def _stretches(old: Fingerprint, length_s: float, spacing_s: float) -> list[float]:
@@ -173,6 +176,17 @@ def _follows(one: Hit, other: Hit) -> bool:
     return near and abs(one.scale / other.scale - 1.0) < _DRIFT
 
 
+def _at_best_speeds(hits: Iterable[Hit]) -> list[Hit]:
+    """Return hits, less those of a stretch that lie where it is more alike at a speed next to theirs."""
+    kept: dict[float, list[Hit]] = {}
+    for hit in sorted(hits, key=lambda hit: -hit.score):
+        others = kept.setdefault(hit.old_s, [])
+        near = (other for other in others if abs(other.new_s - hit.new_s) <= _TOLERANCE_S)
+        if not any(abs(other.scale / hit.scale - 1.0) < 1.5 * SPEED_STEP for other in near):
+            others.append(hit)
+    return [hit for hits in kept.values() for hit in hits]
+
+
 def _runs(hits: Sequence[Hit]) -> list[list[Hit]]:
     """Return the hits in rows that lie on one line each, with no gap of more than two minutes."""
     runs: list[list[Hit]] = []
@@ -198,7 +212,7 @@ def _fitted(run: Sequence[Hit]) -> Line:
     """Return the line through a run: its own slope where it is long enough, else the speed that it was found at."""
     old_s, new_s = np.array([hit.old_s for hit in run]), np.array([hit.new_s for hit in run])
     scale = run[0].scale
-    if old_s[-1] - old_s[0] >= _FITTED_S:
+    if old_s[-1] - old_s[0] >= FITTED_S:
         scale = float(np.polyfit(old_s - old_s.mean(), new_s, 1)[0])
     return Line(scale, float(np.median(new_s - scale * old_s)), float(old_s[0]), float(old_s[-1]))
 
