@@ -6,6 +6,7 @@ sound = knocks + what rubs between them           next to no room
 
 import numpy as np
 
+from ..units import gain_from_db
 from .chance import between, chance, fork, log_between, pick
 from .echoes import overlaid
 from .impacts import Material, draw_body, series, struck
@@ -41,15 +42,15 @@ def _movement(rng: np.random.Generator, rate_hz: int) -> Samples:
         at_s += log_between(rng, (0.008, 0.25)) if number else 0.0
         ring = struck(fork(rng), rate_hz, body, hardness=log_between(rng, (0.7, 4.0)))
         ring = ring * np.exp(-np.arange(len(ring)) / (log_between(rng, (0.002, 0.06)) * rate_hz))
-        knock = overlaid([(0, normalised(ring) * _gain(between(rng, (-24.0, 3.0)))), (0, _click(rng, rate_hz))])
-        parts.append((round(at_s * rate_hz), normalised(knock) * _gain(-abs(between(rng, (-18.0, 18.0))))))
+        knock = overlaid([(0, normalised(ring) * gain_from_db(between(rng, (-24.0, 3.0)))), (0, _click(rng, rate_hz))])
+        parts.append((round(at_s * rate_hz), normalised(knock) * gain_from_db(-abs(between(rng, (-18.0, 18.0))))))
     if chance(rng, 0.5):
         frames = round((at_s + log_between(rng, (0.02, 0.4))) * rate_hz)
         low_hz = log_between(rng, (150.0, 3_000.0))
         rub = coloured(fork(rng), frames, slope=between(rng, (0.0, 1.0)), rate_hz=rate_hz)
         rub = bandpass(rub, low_hz, low_hz * log_between(rng, (2.0, 20.0)), rate_hz=rate_hz)
         bow = np.sin(np.pi * (np.arange(frames) + 0.5) / frames)
-        parts.append((0, normalised(rub * bow) * _gain(between(rng, (-50.0, -12.0)))))
+        parts.append((0, normalised(rub * bow) * gain_from_db(between(rng, (-50.0, -12.0)))))
     return normalised(overlaid(parts))
 
 
@@ -62,7 +63,3 @@ def _click(rng: np.random.Generator, rate_hz: int) -> Samples:
         attack_ms=pick(rng, (0.0, log_between(rng, (0.05, 4.0)))),
         decay_ms=log_between(rng, (0.2, 10.0)),
     )
-
-
-def _gain(level_db: float) -> float:
-    return float(10.0 ** (level_db / 20.0))

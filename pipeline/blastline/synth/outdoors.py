@@ -2,7 +2,7 @@
 
     pressure = blast + gas jet + arrivals within 20 ms      off the ground, the shooter, the weapon, a bench
              + bolt and case                                tens of milliseconds later and far softer
-             + backscatter                                  trees, berms and hills, from 40-300 ms on
+             + backscatter                                  trees, berms and hills, from 30-200 ms on
     heard    = pressure through the recording chain
 
 A microphone d metres from the muzzle hears the direct sound fall with 1/d, but what returns from afar hardly changes:
@@ -14,28 +14,45 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..units import gain_from_db
 from .chance import between, chance, fork, log_between, pick
 from .colour import draw_colour, record
 from .echoes import overlaid
 from .tone import Samples, highpass, lowpass, saturate, tilt, trimmed
 from .waves import band_burst, friedlander, n_wave, normalised
 
-_LONGEST_S = 3.0
 _ROUNDS_PER_MINUTE = (420.0, 1_300.0)
 
-_Part = tuple[int, Samples]
-_Return = tuple[int, float, float, float, tuple[float, float]]
+
+@dataclass(frozen=True)
+class _Noise:
+    """A burst of noise, so many samples after the blast's onset; its level is against the peak of the blast."""
+
+    after: int
+    level_db: float
+    attack_ms: float
+    decay_ms: float
+    band_hz: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class _Arrival:
+    """The blast again, so many samples later, by another way."""
+
+    after: int
+    gain: float
+    corner_hz: float
 
 
 @dataclass(frozen=True, eq=False)
 class _Gun:
-    """What the rounds of one gun at one place share; levels in dB are against the peak of the blast."""
+    """What the rounds of one gun at one place share."""
 
     blast: Samples
-    arrivals: tuple[tuple[int, float, float], ...]  # after so many samples, at this gain, with a corner in Hz
-    jet: tuple[float, float, float, tuple[float, float]]  # level, attack and decay in ms, band in Hz
-    clicks: tuple[tuple[int, float, float, float], ...]  # after so many samples: level, centre in Hz, decay in ms
-    returns: tuple[_Return, ...]
+    arrivals: tuple[_Arrival, ...]
+    jet: _Noise
+    clicks: tuple[_Noise, ...]
+    returns: tuple[_Noise, ...]
 
 
 def outdoor_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, tuple[int, ...], tuple[int, ...]]:
@@ -50,8 +67,7 @@ def outdoor_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, tuple
     places = np.round(np.concatenate([[0.0], np.cumsum(gaps)])).astype(int).tolist()
     spread_db = pick(rng, (0.3, 1.0, 2.0))
     parts = [
-        (at, _fired(fork(rng), rate_hz, gun) * 10.0 ** (spread_db * float(rng.standard_normal()) / 20.0))
-        for at in places
+        (at, _fired(fork(rng), rate_hz, gun) * gain_from_db(spread_db * float(rng.standard_normal()))) for at in places
     ]
     before = _crack(rng, rate_hz) if chance(rng, 0.1) else np.zeros(0)
     whole = overlaid([(len(before) + at, part) for at, part in parts] + [(0, before)])
@@ -64,40 +80,40 @@ def _gun(rng: np.random.Generator, rate_hz: int) -> _Gun:
         rate_hz, positive_ms=log_between(rng, (0.2, 4.0)), rise_ms=rise_ms, decay=log_between(rng, (0.6, 2.5))
     )
     arrivals = tuple(
-        (
+        _Arrival(
             round(log_between(rng, (0.25, 22.0)) * 1e-3 * rate_hz),
             between(rng, (-0.7, 0.9)),
             log_between(rng, (2e3, 2e4)),
         )
         for _ in range(int(rng.integers(0, 7)))
     )
-    jet = (
-        between(rng, (-24.0, 8.0)),
-        log_between(rng, (0.05, 6.0)),
-        log_between(rng, (0.6, 9.0)),
-        (log_between(rng, (60.0, 1_200.0)), log_between(rng, (2_000.0, 18_000.0))),
+    jet = _Noise(
+        after=0,
+        level_db=between(rng, (-24.0, 8.0)),
+        attack_ms=log_between(rng, (0.05, 6.0)),
+        decay_ms=log_between(rng, (0.6, 9.0)),
+        band_hz=(log_between(rng, (60.0, 1_200.0)), log_between(rng, (2_000.0, 18_000.0))),
     )
-    clicks = tuple(
-        (
-            round(between(rng, (0.006, 0.075)) * rate_hz),
-            between(rng, (-60.0, -22.0)),
-            log_between(rng, (800.0, 9_000.0)),
-            log_between(rng, (0.5, 12.0)),
-        )
-        for _ in range(int(rng.integers(0, 5)))
-    )
+    clicks = tuple(_click(rng, rate_hz) for _ in range(int(rng.integers(0, 5))))
     return _Gun(blast, arrivals, jet, clicks, _returns(rng, rate_hz))
 
 
-def _returns(rng: np.random.Generator, rate_hz: int) -> tuple[_Return, ...]:
-    """Return what comes back: after so many samples, level, how long it grows and dies in ms, and its band.
+def _click(rng: np.random.Generator, rate_hz: int) -> _Noise:
+    after, level_db = round(between(rng, (0.006, 0.075)) * rate_hz), between(rng, (-60.0, -22.0))
+    centre_hz, decay_ms = log_between(rng, (800.0, 9_000.0)), log_between(rng, (0.5, 12.0))
+    return _Noise(after, level_db, 0.1, decay_ms, (0.6 * centre_hz, 1.6 * centre_hz))
+
+
+def _returns(rng: np.random.Generator, rate_hz: int) -> tuple[_Noise, ...]:
+    """Return what comes back.
 
     Grass, people and a bench scatter at once and for tens of milliseconds, what is far up to six times later.
     """
 
-    def one(after_s: float, level_db: float, attack_ms: float, decay_ms: float) -> _Return:
+    def one(after_s: float, level_db: float, attack_ms: float, decay_ms: float) -> _Noise:
         low_hz = log_between(rng, (60.0, 700.0))
-        return round(after_s * rate_hz), level_db, attack_ms, decay_ms, (low_hz, low_hz * log_between(rng, (2.5, 30.0)))
+        band_hz = low_hz, low_hz * log_between(rng, (2.5, 30.0))
+        return _Noise(round(after_s * rate_hz), level_db, attack_ms, decay_ms, band_hz)
 
     found = []
     if chance(rng, 0.7):
@@ -112,26 +128,27 @@ def _returns(rng: np.random.Generator, rate_hz: int) -> tuple[_Return, ...]:
 
 def _fired(rng: np.random.Generator, rate_hz: int, gun: _Gun) -> Samples:
     """Return a round: the gas and what scatters it are never the same twice, the geometry is."""
-    level_db, attack_ms, decay_ms, band_hz = gun.jet
-    jet = band_burst(fork(rng), rate_hz, band_hz=band_hz, attack_ms=attack_ms, decay_ms=decay_ms)
-    direct = normalised(overlaid([(0, gun.blast), (0, jet * _gain(level_db + between(rng, (-2.0, 2.0))))]))
-    parts: list[_Part] = [(0, direct)]
-    parts += [(at, lowpass(direct, corner_hz, rate_hz=rate_hz) * gain) for at, gain, corner_hz in gun.arrivals]
-    for at, level_db, centre_hz, decay_ms in gun.clicks:
-        band_hz = (0.6 * centre_hz, 1.6 * centre_hz)
-        click = band_burst(fork(rng), rate_hz, band_hz=band_hz, attack_ms=0.1, decay_ms=decay_ms)
-        parts.append((at + int(0.003 * rate_hz * rng.random()), click * _gain(level_db)))
-    for at, level_db, attack_ms, decay_ms, band_hz in gun.returns:
-        scatter = band_burst(fork(rng), rate_hz, band_hz=band_hz, attack_ms=attack_ms, decay_ms=decay_ms)
-        parts.append((at, scatter * _gain(level_db)))
+    jet = _made(rng, rate_hz, gun.jet) * gain_from_db(between(rng, (-2.0, 2.0)))
+    direct = normalised(overlaid([(0, gun.blast), (0, jet)]))
+    parts = [(0, direct)]
+    parts += [(way.after, lowpass(direct, way.corner_hz, rate_hz=rate_hz) * way.gain) for way in gun.arrivals]
+    for click in gun.clicks:
+        sound = _made(rng, rate_hz, click)
+        parts.append((click.after + int(0.003 * rate_hz * rng.random()), sound))
+    parts += [(each.after, _made(rng, rate_hz, each)) for each in gun.returns]
     return overlaid(parts)
+
+
+def _made(rng: np.random.Generator, rate_hz: int, noise: _Noise) -> Samples:
+    burst = band_burst(fork(rng), rate_hz, band_hz=noise.band_hz, attack_ms=noise.attack_ms, decay_ms=noise.decay_ms)
+    return burst * gain_from_db(noise.level_db)
 
 
 def _crack(rng: np.random.Generator, rate_hz: int) -> Samples:
     """Return the bullet's shock and the time until the blast: a microphone down the range hears it first."""
     wave = n_wave(rate_hz, length_ms=between(rng, (0.15, 0.5)), rise_ms=log_between(rng, (0.005, 0.1)))
     lead = np.zeros(round(log_between(rng, (0.008, 0.25)) * rate_hz))
-    return overlaid([(0, wave * _gain(between(rng, (-20.0, 3.0)))), (0, lead)])
+    return overlaid([(0, wave * gain_from_db(between(rng, (-20.0, 3.0)))), (0, lead)])
 
 
 def _recorded(rng: np.random.Generator, sound: Samples, rate_hz: int) -> Samples:
@@ -150,7 +167,3 @@ def _recorded(rng: np.random.Generator, sound: Samples, rate_hz: int) -> Samples
         sound = record(sound, draw_colour(rng), rate_hz=rate_hz)
     sound = trimmed(sound, floor=1e-4)
     return normalised(sound)
-
-
-def _gain(level_db: float) -> float:
-    return float(10.0 ** (level_db / 20.0))
