@@ -26,7 +26,7 @@ SCENE = {
     "schema": 1,
     "rate_hz": RATE_HZ,
     "duration_s": 12.0,
-    "seed": 11,
+    "seed": 15,
     "layout": "mono",
     "beds": [{"kind": "ambience", "level_dbfs": -60.0}],
     "shots": [
