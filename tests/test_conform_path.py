@@ -133,9 +133,9 @@ def test_films_with_nothing_in_common_have_no_stretch() -> None:
 def test_of_two_claims_to_one_place_the_shorter_and_the_one_out_of_order_give_way() -> None:
     first, last = Line(1.0, 0.0, 0.0, 20.0), Line(1.0, -10.0, 30.0, 60.0)
     ordered = [Stretch(first, 0.0, 20.0, 0.9), Stretch(last, 30.0, 60.0, 0.9)]
-    assert _losers(ordered) == []
+    assert _losers(ordered, ()) == []
     stray = Stretch(Line(1.0, 15.0, 20.0, 30.0), 22.0, 29.0, 1.0)  # where the last one is from 47 to 54
-    assert _losers([ordered[0], stray, ordered[1]]) == [(1, 22.0, 29.0)]
+    assert _losers([ordered[0], stray, ordered[1]], ()) == [(1, 22.0, 29.0)]
 
 
 def repeating(length_s: float, *, seed: int) -> Samples:
@@ -202,7 +202,7 @@ def test_neighbours_that_linger_past_the_cut_between_them_lose_to_nothing_else()
     before = Stretch(Line(1.0, 0.0, 0.0, 36.0), 0.0, 36.6, 0.99)
     after = Stretch(Line(1.0, -36.7, 73.0, 180.0), 72.2, 180.0, 0.99)
     stray = Stretch(Line(1.0, -26.0, 45.0, 60.0), 45.0, 60.0, 0.7)  # where the two meet
-    lost = _losers([before, stray, after])
+    lost = _losers([before, stray, after], ())
     assert any(index == 1 and stop_s - start_s > 14.0 for index, start_s, stop_s in lost)
     assert all(index == 1 or stop_s - start_s < 1.2 for index, start_s, stop_s in lost)
 

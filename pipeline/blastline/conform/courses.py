@@ -30,6 +30,8 @@ _STEEPEST = 0.005
 """By how much a course may be steeper than its line: a step of the speeds that are tried, at 0.9 of the speed."""
 
 _BESIDE = 5e-4
+"""A course this near to the speed it was measured at needs no other speed: half of what 1001/1000 pulls."""
+
 _PULLS = (1.0, 1001.0 / 1000.0, 1000.0 / 1001.0)
 _ROUNDS = 3
 _SHARP_S = 20e-6

@@ -24,6 +24,8 @@ _CUT_COST_S = 0.8
 _REACH_S = 60.0
 _SHARED_S = 0.5
 _AS_GOOD_S = 0.1
+"""Places to part two stretches whose likeness differs by no more than so much of a full second are as good."""
+
 _ROUNDS = 20
 _FORBIDDEN = -10.0
 """A gain that no path bears: to leave a line and to come back costs less."""
@@ -137,7 +139,7 @@ def _stretches(states: NDArray[np.int16], lanes: Sequence[Lane]) -> list[Stretch
     return found
 
 
-def _losers(stretches: Sequence[Stretch], lanes: Sequence[Lane] = ()) -> list[tuple[int, float, float]]:
+def _losers(stretches: Sequence[Stretch], lanes: Sequence[Lane]) -> list[tuple[int, float, float]]:
     """Return what has to give way, as (index, from, to) of the old film, where two stretches claim one place.
 
     Those on the heaviest chain that keeps the film's order win over others; among equals the longer one. Two on the
@@ -184,7 +186,8 @@ def _alike_at(stretch: Stretch, lanes: Sequence[Lane], new_s: NDArray[np.float64
     """Return how alike the films are along a stretch at some moments of the new one."""
     for lane in lanes:
         if lane.line is stretch.line:
-            steps = np.round((new_s - lane.line.offset_s) / lane.line.scale * FRAME_HZ / STEP).astype(int) - lane.first
+            old_s = np.array([lane.line.back(each) for each in new_s.tolist()])
+            steps = np.round(old_s * FRAME_HZ / STEP).astype(int) - lane.first
             return np.asarray(lane.likeness[np.clip(steps, 0, len(lane.likeness) - 1)], np.float64)
     return np.full(new_s.shape, stretch.alike)
 

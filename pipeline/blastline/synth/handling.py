@@ -43,7 +43,7 @@ def _movement(rng: np.random.Generator, rate_hz: int) -> Samples:
         ring = struck(fork(rng), rate_hz, body, hardness=log_between(rng, (0.7, 4.0)))
         ring = ring * np.exp(-np.arange(len(ring)) / (log_between(rng, (0.002, 0.06)) * rate_hz))
         knock = overlaid([(0, normalised(ring) * gain_from_db(between(rng, (-24.0, 3.0)))), (0, _click(rng, rate_hz))])
-        parts.append((round(at_s * rate_hz), normalised(knock) * gain_from_db(-abs(between(rng, (-18.0, 18.0))))))
+        parts.append((round(at_s * rate_hz), normalised(knock) * gain_from_db(between(rng, (-18.0, 0.0)))))
     if chance(rng, 0.5):
         frames = round((at_s + log_between(rng, (0.02, 0.4))) * rate_hz)
         low_hz = log_between(rng, (150.0, 3_000.0))

@@ -12,6 +12,7 @@ WITH_CONFIDENCE = re.compile(r"(\S+) ([01]\.\d\d)")
 """A label as it is exported: an id and a confidence."""
 
 _COARSEST = Decimal("0.01")
+"""A program that rounds gains and confidences keeps so much; who writes less has typed it."""
 
 
 def settled(edited: EditedFile, edit: Edit, name: str, point: Point, before: int | None, rate_hz: int) -> int:
@@ -86,10 +87,7 @@ def gain_db(edited: EditedFile, edit: Edit, was: Event | None) -> float:
 
 
 def _rounds_to(value: float, said: Decimal) -> bool:
-    """Return whether what is said is a value, rounded or cut off at the last digit that is said.
-
-    A hundredth at the most: no program leaves fewer digits, but a hand types 0 for 0.5 and 1 for 0.97.
-    """
+    """Return whether what is said is a value, rounded or cut off at the last digit that is said, or at a hundredth."""
     exponent = said.as_tuple().exponent
     assert isinstance(exponent, int)
     step = min(Decimal(1).scaleb(exponent), _COARSEST)
