@@ -233,7 +233,8 @@ def test_a_network_for_other_pictures_is_refused_by_its_number(tmp_path: Path) -
     with pytest.raises(
         RuleError, match=r"narrower\.json: networks\[1\]: expected layers for the features and pictures of this version"
     ):
-        load_verifier(path, networks=1)
+        load_verifier(path, networks=2)
+    assert len(load_verifier(path, networks=1).networks) == 1  # what is not asked is not read
 
 
 def test_a_tier_that_asks_for_more_networks_than_there_are_is_refused() -> None:

@@ -47,6 +47,16 @@ class ModelFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     training: dict[str, Any]
 
 
+class _SealedModelFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The same file, its networks still text: most of the file, and most tiers ask few of them."""
+
+    schema: int
+    gate: SieveFile
+    screen: SieveFile
+    networks: list[msgspec.Raw]
+    training: dict[str, Any]
+
+
 @dataclass(frozen=True, eq=False)
 class Sieve:
     """A forest that drops candidates below its threshold."""
@@ -127,33 +137,43 @@ def log_odds_of(probability: NDArray[np.float64] | float) -> NDArray[np.float64]
 
 
 def load_verifier(path: Path, *, networks: int) -> Verifier:
-    """Read a model file; RuleError where `read_model` says so or it has fewer networks than asked."""
-    model = read_model(path)
-    if len(model.networks) < networks:
-        raise RuleError(f"{path}: networks: expected at least {networks}, as [verify] asks, got {len(model.networks)}")
+    """Read the sieves and the first `networks` networks of a model file; RuleError as `read_model`."""
+    model = read_model(path, networks=networks)
     gate, screen = (Sieve(grown(sieve.forest), sieve.threshold) for sieve in (model.gate, model.screen))
-    return Verifier(gate, screen, tuple(wired(network) for network in model.networks[:networks]))
+    return Verifier(gate, screen, tuple(wired(network) for network in model.networks))
 
 
-def read_model(path: Path) -> ModelFile:
-    """Read a model file as it is; RuleError where it does not fit this version's features and pictures."""
+def read_model(path: Path, *, networks: int | None = None) -> ModelFile:
+    """Read a model file with its first `networks` networks, or all.
+
+    Raises RuleError where it has fewer, or what is read does not fit this version's features and pictures.
+    """
     try:
-        model = msgspec.json.decode(path.read_bytes(), type=ModelFile)
+        sealed = msgspec.json.decode(path.read_bytes(), type=_SealedModelFile)
     except (OSError, msgspec.DecodeError) as error:
         raise RuleError(f"{path}: not a verifier model: {error}") from error
-    if model.schema != SCHEMA:
-        raise RuleError(f"{path}: schema = {model.schema}: expected {SCHEMA}")
+    if sealed.schema != SCHEMA:
+        raise RuleError(f"{path}: schema = {sealed.schema}: expected {SCHEMA}")
     for name, expected in (("gate", bandshape_names()), ("screen", feature_names())):
-        sieve: SieveFile = getattr(model, name)
+        sieve: SieveFile = getattr(sealed, name)
         if sieve.forest.features != expected:
             got = len(sieve.forest.features)
             raise RuleError(f"{path}: {name}.forest.features: expected the {len(expected)} of this version, got {got}")
-    for number, network in enumerate(model.networks):
-        if not fits(network, len(feature_names())):
-            raise RuleError(
-                f"{path}: networks[{number}]: expected layers for the features and pictures of this version"
-            )
-    return model
+    there = len(sealed.networks)
+    if networks is not None and there < networks:
+        raise RuleError(f"{path}: networks: expected at least {networks}, as [verify] asks, got {there}")
+    opened = [_network(path, number, text) for number, text in enumerate(sealed.networks[:networks])]
+    return ModelFile(sealed.schema, sealed.gate, sealed.screen, opened, sealed.training)
+
+
+def _network(path: Path, number: int, text: msgspec.Raw) -> NetworkFile:
+    try:
+        network = msgspec.json.decode(text, type=NetworkFile)
+    except msgspec.DecodeError as error:
+        raise RuleError(f"{path}: not a verifier model: networks[{number}]: {error}") from error
+    if not fits(network, len(feature_names())):
+        raise RuleError(f"{path}: networks[{number}]: expected layers for the features and pictures of this version")
+    return network
 
 
 def _probability(odds: NDArray[np.float64]) -> NDArray[np.float64]:
