@@ -224,11 +224,11 @@ def test_of_an_earlier_film_nothing_stays_beside_a_later_one(tmp_path: Path, res
     edited = tmp_path / "timeline.audacity.txt"
     edited.write_text("1.0\t1.2\tshot-0001 1.00\n")
     (tmp_path / "notes.txt").write_text("mine")
-    options = ("--format", "json", "--no-report", "--timeline", edited, "--original", result / "timeline.json")
+    options = ("--format", "csv", "--no-report", "--timeline", edited, "--original", result / "timeline.json")
     assert blastline("render", film, "-o", tmp_path, *options, "-q").code == 2
     assert {"timeline.otio", "report.html", "timeline.reel-01.haptic"} <= files(tmp_path).keys()
     assert blastline("render", film, "-o", tmp_path, *options, "-q", "--overwrite").code == 0
-    assert sorted(files(tmp_path)) == ["drive.wav", "notes.txt", edited.name, "timeline.json"]
+    assert sorted(files(tmp_path)) == ["drive.wav", "notes.txt", edited.name, "timeline.csv", "timeline.json"]
 
 
 def test_a_place_that_cannot_be_written_is_refused(tmp_path: Path, film: Path) -> None:

@@ -62,7 +62,7 @@ def test_a_render_is_summed_up(monkeypatch: pytest.MonkeyPatch) -> None:
     assert blastline("render", "film.mkv", "-o", "out", "--quiet").err == "warning: 2 samples were not numbers\n"
     (film, folder, options), (_, _, default) = asked
     assert (film, folder) == (Path("film.mkv"), Path("out"))
-    assert options == run.RenderOptions(formats=("csv", "json"), mix="0,2", stream=1)
+    assert options == run.RenderOptions(formats=("json", "csv"), mix="0,2", stream=1)
     assert default == run.RenderOptions()
 
 
@@ -104,7 +104,7 @@ def test_every_option_of_render_arrives(monkeypatch: pytest.MonkeyPatch) -> None
         mix="lfe",
         stream=0,
         timebase=parse_timebase(None, "25"),
-        formats=("audacity",),
+        formats=("json", "audacity"),
         report=False,
         overwrite=True,
         timeline=Path("cut.csv"),

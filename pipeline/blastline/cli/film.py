@@ -82,7 +82,7 @@ def render(
         mix=mix,
         stream=stream,
         timebase=parse_timebase(start_timecode, frame_rate),
-        formats=listed(formats),
+        formats=tuple(dict.fromkeys(("json", *listed(formats)))),  # `check`, `export` and `conform` read it
         report=report,
         overwrite=overwrite,
         timeline=timeline,
