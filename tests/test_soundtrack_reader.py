@@ -174,6 +174,58 @@ def test_a_header_that_was_never_finished_hides_nothing(tmp_path: Path, size: in
     assert any("never finished" in warning for warning in source.warnings) == warned
 
 
+def long_wave(form: bytes, data: bytes, declared: int) -> bytes:
+    """Return 16-bit stereo with sizes of 64 bits, as RF64 (EBU Tech 3306) and BW64 (ITU-R BS.2088) have them."""
+    ds64 = struct.pack("<4sIQQQI", b"ds64", 28, len(data), declared, declared // 4, 0)
+    fmt = struct.pack("<4sIHHIIHH", b"fmt ", 16, 1, 2, RATE_HZ, 4 * RATE_HZ, 4, 16)
+    unknown = struct.pack("<I", 0xFFFFFFFF)
+    return form + unknown + b"WAVE" + ds64 + fmt + b"data" + unknown + data
+
+
+@pytest.mark.parametrize("form", [b"RF64", b"BW64"])
+@pytest.mark.parametrize("share", [0.0, 0.1, 0.5, 1.0])
+def test_a_long_wave_is_read_whole_whatever_it_declares(tmp_path: Path, form: bytes, share: float) -> None:
+    plain = wav(tmp_path / "plain.wav", noise(channels=2))
+    expected, _ = read(plain)
+    data = soundfile.read(plain, dtype="int16")[0].astype("<i2").tobytes()
+    path = tmp_path / "film.wav"
+    path.write_bytes(long_wave(form, data, int(share * FRAMES) * 4))
+    found, source = read(path)
+    np.testing.assert_array_equal(found, expected)
+    assert [warning.endswith("read to the end of the file") for warning in source.warnings] == [True] * (share < 1.0)
+    path.write_bytes(2 * long_wave(form, data, len(data)))  # another film behind it is none of its sound
+    np.testing.assert_array_equal(read(path)[0], expected)
+
+
+@pytest.mark.parametrize(
+    ("container", "marker", "size", "empty"),
+    [
+        ("W64", b"data", "<12xq", 0),
+        ("W64", b"data", "<12xq", -1),
+        ("W64", b"data", "<12xq", 24),
+        ("AIFF", b"SSND", ">I", 8),
+        ("CAF", b"data", ">q", 4),
+    ],
+)
+def test_sample_files_that_were_never_finished_are_read_to_their_end(
+    tmp_path: Path, container: str, marker: bytes, size: str, empty: int
+) -> None:
+    path = tmp_path / "film.sound"
+    soundfile.write(path, noise(), RATE_HZ, format=container, subtype="PCM_16")
+    expected, _ = read(path)
+    data = bytearray(path.read_bytes())
+    # the sixteen bytes of a W64 chunk's name go on behind what reads as its name
+    place = data.rindex(marker, 0, 5_000) + 4
+    kept = data[place : place + 12]
+    struct.pack_into(size, data, place, empty)
+    if container == "W64":
+        data[place : place + 12] = kept
+    path.write_bytes(data)
+    found, source = read(path)
+    np.testing.assert_array_equal(found, expected)
+    assert source.warnings == ("the header was never finished; the sound was read to the end of the file",)
+
+
 def declaring(path: Path, data_bytes: int) -> Path:
     """Have a WAV declare another size of its samples."""
     data = bytearray(path.read_bytes())

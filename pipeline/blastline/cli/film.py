@@ -33,6 +33,7 @@ from .options import (
     StartTimecode,
     Stream,
     listed,
+    timeline_file,
 )
 from .progress import shown_progress
 from .summary import say_checks, say_summary, say_warnings
@@ -110,6 +111,7 @@ def detect(
             "-o",
             "--output",
             metavar="FILE",
+            parser=timeline_file,
             help="The timeline to write.",
             show_default="standard output",
             rich_help_panel=WRITING,

@@ -22,6 +22,18 @@ def results_folder(text: str) -> Path:
     return _named(text, "a folder for the results")
 
 
+def film_file(text: str) -> Path:
+    """Return the film that is named; RuleError where none is."""
+    return _named(text, "a film or a sound file")
+
+
+def timeline_file(text: str) -> Path:
+    """Return the file that is named; RuleError where none is."""
+    if text == "-":
+        raise RuleError("expected the name of a file; without -o the timeline goes to standard output")
+    return _named(text, "a file for the timeline")
+
+
 def _named(text: str, what: str) -> Path:
     """Return a path; an empty name, such as a script's unset variable, would be the current folder."""
     if not text:
@@ -29,7 +41,9 @@ def _named(text: str, what: str) -> Path:
     return Path(text)
 
 
-Film = Annotated[Path, typer.Argument(metavar="INPUT", help="A film or a sound file.", show_default=False)]
+Film = Annotated[
+    Path, typer.Argument(metavar="INPUT", parser=film_file, help="A film or a sound file.", show_default=False)
+]
 QualityOption = Annotated[
     Quality,
     typer.Option("--quality", help="How much time to spend on accuracy.", rich_help_panel=FINDING),

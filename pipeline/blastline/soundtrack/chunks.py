@@ -1,4 +1,4 @@
-"""The chunk table of WAV, RF64, W64, AIFF and CAF: what the header promises, which sample readers do not tell.
+"""The chunk table of WAV, RF64, BW64, W64, AIFF and CAF: what the header promises, which sample readers do not tell.
 
 A recorder that lost power leaves a data size of 0, a broken copy leaves a size beyond the end of the file, and beyond
 4 GiB the 32 bits of a size start again at 0; all read silently as something else. The broadcast extension holds the
@@ -61,6 +61,8 @@ class ChunkTable:
 
 def overflow_warning(table: ChunkTable, *, is_read: bool = True) -> str:
     """Return the line for the user where the sound goes on beyond what the header declares."""
+    if not table.data_bytes:
+        return "the header was never finished; the sound was read to the end of the file"
     done = "the sound was read to the end of the file" if is_read else "what is beyond was not read"
     return f"the header declares {table.data_bytes} bytes of sound but {table.present_bytes} follow; {done}"
 
@@ -83,8 +85,10 @@ def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | Non
         if name == form.data_name:
             size = _data_size(declared, kept.get(b"ds64"))
             start = body + form.data_preamble
-            data = (None if size is None else size - form.data_preamble, file_bytes - start)
-            goes_on = bool(size) and more_follows(file, body + (size or 0), file_bytes, form)
+            data = (None if size is None else max(0, size - form.data_preamble), file_bytes - start)
+            # of a WAV of size 0 the decoder of films reads what there is
+            may_go_on = size is not None and not (size == 0 and form.is_wave)
+            goes_on = may_go_on and more_follows(file, body + (size or 0), file_bytes, form)
         elif name in (b"ds64", b"fmt ", b"bext", form.layout_name):
             kept[name] = file.read(max(0, min(declared, _MAX_KEPT)))
         if size is None or size < 0 or goes_on or (data is not None and data[0] == 0):

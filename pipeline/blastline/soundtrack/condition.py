@@ -5,8 +5,9 @@ from collections.abc import Iterator
 from .repair import mended, repair_warning, require_usable
 from .track import Samples, TrackFacts
 
-_MIN_MISSING_S = 0.1
-"""What a lossy codec may round its length by, and more: less than this is not called missing."""
+_MIN_MISSING_S, _MIN_MISSING_COUNTED_S = 0.1, 0.005
+"""What a lossy codec may round its length by, and more: less than this is not called missing. Nothing is rounded where
+samples are counted."""
 
 
 class Condition:
@@ -55,7 +56,18 @@ class Condition:
             )
         elif self._frames and not self._mix_sounds:
             yield f"the mix {self._mix} is silent, though the film is not: its channels cancel, or others sound"
+        yield from self._missing()
+
+    def _missing(self) -> Iterator[str]:
+        """Yield a line where the track is shorter than declared."""
         declared, rate_hz = self._facts.declared_frames or 0, self._facts.rate_hz
-        if declared - self._frames > min(max(0.01 * declared, _MIN_MISSING_S * rate_hz), 0.5 * rate_hz):
+        tolerated = min(max(0.01 * declared, _MIN_MISSING_S * rate_hz), 0.5 * rate_hz)
+        if self._facts.length != "rounded":
+            tolerated = _MIN_MISSING_COUNTED_S * rate_hz
+        if declared - self._frames > tolerated:
             lasts, found = declared / rate_hz, self._frames / rate_hz
-            yield f"the file declares {lasts:.3f} s of sound but only {found:.3f} s could be read: the end is missing"
+            before = "" if self._facts.length == "stored" else ", or a part before it, and what follows plays early"
+            yield (
+                f"the file declares {lasts:.3f} s of sound but only {found:.3f} s could be read: "
+                f"the end is missing{before}"
+            )

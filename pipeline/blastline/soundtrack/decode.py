@@ -157,5 +157,5 @@ def _require_same(frame: "AudioFrame", *, rate_hz: int, channels: int, position:
     if (frame.sample_rate, found) != (rate_hz, channels):
         raise SoundtrackError(
             f"the sound changes from {channels} channels at {rate_hz} Hz to {found} channels at {frame.sample_rate} Hz "
-            f"after {position / rate_hz:.3f} s; convert it to one format first"
+            f"after {position / rate_hz:.3f} s; convert it to one format first, or the file is damaged there"
         )

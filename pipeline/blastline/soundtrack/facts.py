@@ -47,14 +47,13 @@ def film_facts(
 
     `is_cut` tells that the file stops before its own end.
     """
-    declared = header_frames(container, stream, first.sample_rate) if is_cut else None
+    counted = header_frames(container, stream, first.sample_rate)
+    is_counted = counted is not None and stream.codec_context.name.startswith("pcm_")  # of others AVI counts packets
+    declared = counted if is_cut or is_counted else None
     if declared is None:
         declared = _declared_frames(container, stream, first.sample_rate, origin or Fraction(0))
     names = tuple(channel.name for channel in first.layout.channels)
     picture = next((v for v in container.streams.video if not _is_cover(v)), None)
-    offset = Fraction(0)
-    if picture is not None and picture.start_time is not None and picture.time_base and origin is not None:
-        offset = origin - picture.start_time * picture.time_base
     tag = container.metadata.get("time_reference", "")
     reference = int(tag) if tag.isdecimal() else None
     timecode = _start_timecode(container)
@@ -66,10 +65,11 @@ def film_facts(
         channels=len(names),
         layout=names if len(set(names)) == len(names) and "NONE" not in names else None,
         declared_frames=declared,
+        length="counted" if is_counted else "rounded",
         stream=index,
         start_timecode=timecode,
         frame_rate=None if picture is None else _frame_rate(picture),
-        start_offset_s=float(offset),
+        start_offset_s=float(_offset(picture, origin)),
         time_reference=reference,
         guessed_s=container.duration / 1_000_000 if container.duration else None,
         beside=(*streams[:index], *streams[index + 1 :]),
@@ -84,6 +84,13 @@ def header_frames(container: "InputContainer", stream: "AudioStream", rate_hz: i
     if container.format.name != "avi" or not stream.frames or not stream.time_base:
         return None
     return int(stream.frames * stream.time_base * rate_hz)
+
+
+def _offset(picture: "VideoStream | None", origin: Fraction | None) -> Fraction:
+    """Return how much later than the picture sample 0 plays, in seconds; 0 where either does not say."""
+    if picture is None or picture.start_time is None or not picture.time_base or origin is None:
+        return Fraction(0)
+    return origin - picture.start_time * picture.time_base
 
 
 def _description(stream: "AudioStream") -> str:

@@ -106,9 +106,7 @@ class FilmTrack:
                 f"the time stamps jump by {jump / rate_hz:+.3f} s at {position / rate_hz:.3f} s{more}; "
                 "the sound was kept in one piece, so what follows may play beside its picture"
             )
-        if self._table is not None and self._table.data_bytes == 0:
-            lines.append("the header was never finished; the sound was read to the end of the file")
-        elif self._table is not None and self._table.goes_on:
+        if self._table is not None and (self._table.goes_on or self._table.data_bytes == 0):
             lines.append(overflow_warning(self._table, is_read=self._table.is_wave))
         elif self._table is not None and (self._table.data_bytes or 0) > self._table.present_bytes:
             declared, present = self._table.data_bytes, self._table.present_bytes
@@ -158,7 +156,8 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None
 
     try:
         # an absolute path, because FFmpeg takes what comes before a colon for a protocol
-        options = {"ignore_length": "1"} if table is not None and table.goes_on and table.is_wave else {}
+        is_open = table is not None and table.is_wave and (table.goes_on or table.data_bytes == 0)
+        options = {"ignore_length": "1"} if is_open else {}
         container = av.open(str(path.resolve()), metadata_errors="replace", options=options)
     except FFmpegError as error:
         raise SoundtrackError(f"is not a sound file or film that can be read: {error.strerror}") from error

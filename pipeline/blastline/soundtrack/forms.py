@@ -1,4 +1,4 @@
-"""How WAV, RF64, W64, AIFF and CAF write their chunks: where the first one is, and what stands before each."""
+"""How WAV, RF64, BW64, W64, AIFF and CAF write their chunks: where the first one is, and what stands before each."""
 
 import struct
 from dataclasses import dataclass
@@ -35,7 +35,9 @@ class Form:
             return None
         file.seek(place)
         name, size = self.head.unpack(file.read(self.head.size))
-        return name, place + self.head.size, size - self.head.size * self.size_includes_head
+        # a size that includes the head and is smaller than it was never written: nothing is declared
+        declared = max(0, size - self.head.size) if self.size_includes_head else size
+        return name, place + self.head.size, declared
 
     def after(self, body: int, size: int) -> int:
         """Return where the next chunk begins: a size is padded, wherever the chunk itself begins."""
@@ -45,6 +47,7 @@ class Form:
 FORMS = {
     b"RIFF": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True),
     b"RF64": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True),
+    b"BW64": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True),
     b"RIFX": Form(12, struct.Struct(">4sI"), alignment=2, is_wave=True),
     b"FORM": Form(12, struct.Struct(">4sI"), alignment=2, data_name=b"SSND", data_preamble=8, layout_name=b"CHAN"),
     b"riff": Form(40, struct.Struct("<4s12xq"), alignment=8, size_includes_head=True),

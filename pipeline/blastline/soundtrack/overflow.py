@@ -22,7 +22,7 @@ _KNOWN = frozenset(
     b"COMM MARK INST MIDI AESD APPL COMT NAME AUTH ANNO FVER CHAN ID3 "
     b"free uuid info regn edct pakt kuki chan desc midi peak strg".split()
 )
-_TAGS = (b"ID3", b"TAG", b"APETAGEX", b"LYRICSBEGIN", b"RIFF")
+_TAGS = (b"ID3", b"TAG", b"APETAGEX", b"LYRICSBEGIN", b"RIFF", b"RF64", b"BW64", b"caff")
 """What programs put behind a file that is no chunk: tags of music players, another file."""
 
 _SCANNED_BYTES = 1 << 20

@@ -1,4 +1,4 @@
-"""Uncompressed sample files (WAV, RF64, W64, AIFF, CAF) through libsndfile: any sample can be read again exactly."""
+"""Uncompressed sample files (WAV, RF64, BW64, W64, AIFF, CAF) by libsndfile: any sample can be read again exactly."""
 
 import errno
 import os
@@ -49,6 +49,7 @@ class PcmTrack:
             channels=file.channels,
             layout=table.layout if table.layout and len(table.layout) == file.channels else None,
             declared_frames=declared,
+            length="stored",
             is_integer=file.subtype.startswith("PCM_"),
             start_timecode=None if reference is None else clock(reference, file.samplerate, decimals=6),
             time_reference=reference,
@@ -177,7 +178,7 @@ def _silence(frames: int, channels: int) -> Samples:
 
 def open_pcm(path: Path, table: ChunkTable | None) -> PcmTrack | None:
     """Return the track of an uncompressed file, or None where the file is anything else or was never finished."""
-    if table is None or table.data_bytes == 0:
+    if table is None or (table.data_bytes == 0 and not table.goes_on):
         return None
     import soundfile
 
@@ -185,7 +186,7 @@ def open_pcm(path: Path, table: ChunkTable | None) -> PcmTrack | None:
         file = soundfile.SoundFile(path)
     except (soundfile.SoundFileError, TypeError):  # TypeError: a name that ends in .raw
         return None
-    if file.subtype not in _BYTES or not file.frames:
+    if file.subtype not in _BYTES or not (file.frames or table.goes_on):
         file.close()
         return None
     start = path.stat().st_size - table.present_bytes

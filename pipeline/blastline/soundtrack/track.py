@@ -2,12 +2,16 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 Samples = NDArray[np.float32]
+
+Length = Literal["stored", "counted", "rounded"]
+"""How a file declares its length: by the samples it stores in a row, of which only the end can be missing; by a count
+of samples that may be damaged anywhere; or by a time, which a lossy codec may round."""
 
 PIECE = 65_536
 """Frames that are read or decoded at once: large enough that Python costs nothing, small enough for the cache."""
@@ -18,14 +22,16 @@ class TrackFacts:
     """What is known of a track before it is decoded.
 
     `layout` is None where the file does not name its channels; `declared_frames` is None where it does not say how
-    long the track is, and then `guessed_s` is what its size suggests, if anything. `is_integer` tells that no sample
-    can be NaN. `beside` names the file's other sound streams. The rest is as in `model.Source`.
+    long the track is, and then `guessed_s` is what its size suggests, if anything; `length` tells how it says so.
+    `is_integer` tells that no sample can be NaN. `beside` names the file's other sound streams. The rest is as in
+    `model.Source`.
     """
 
     rate_hz: int
     channels: int
     layout: tuple[str, ...] | None
     declared_frames: int | None
+    length: Length = "rounded"
     stream: int = 0
     is_integer: bool = False
     start_timecode: str | None = None
