@@ -23,13 +23,13 @@ from numpy.typing import NDArray
 
 from blastline import scene
 from blastline.detect import Verifier, find_shots, fire, load_verifier
+from blastline.detect.chunks import chunks
 from blastline.detect.contrast import contrasts
 from blastline.detect.find import Test, described, guesses, judged, let_all_pass
 from blastline.detect.forest import score
 from blastline.detect.network import log_odds
 from blastline.detect.picture import pictures
 from blastline.detect.segment import segment
-from blastline.detect.stretches import stretches
 from blastline.detect.tracks import Grid, pieces
 from blastline.detect.verify import Sieve, Verdicts, log_odds_in, together
 from blastline.model import DriveChoice, DriveModel, Shot, ShotEvidence, Span
@@ -95,14 +95,14 @@ def looked(track: Soundtrack, truth: Truth, rules: Rules, verifier: Verifier, *,
     grid, tier = Grid(track.rate_hz), rules.tier
     gate, screen = (passing(sieve) if sieved else let_all_pass for sieve in (verifier.gate, verifier.screen))
     odds, networks, shots, look_s = [], [], [], 0.0
-    for stretch in stretches(pieces(track.blocks(BLOCK), track.rate_hz)):
-        found = described(stretch, grid, tier, gate=gate, screen=screen)
+    for chunk in chunks(pieces(track.blocks(BLOCK), track.rate_hz)):
+        found = described(chunk, grid, tier, gate=gate, screen=screen)
         began = process_time()
-        seen = contrasts(pictures(stretch.samples, found.onsets, track.rate_hz))
+        seen = contrasts(pictures(chunk.samples, found.onsets, track.rate_hz))
         networks.append(np.stack([log_odds(network, found.rows, seen) for network in verifier.networks]))
         look_s += process_time() - began
         odds.append(score(found.rows, verifier.screen.forest))
-        part = partial(segment, stretch.samples, film_start=stretch.start, film_stop=stretch.stop, confidence=0.0)
+        part = partial(segment, chunk.samples, film_start=chunk.start, film_stop=chunk.stop, confidence=0.0)
         shots += [part(int(onset), rate_hz=track.rate_hz, rules=tier.segment) for onset in found.onsets]
     return Looked(np.concatenate(odds), np.concatenate(networks, axis=1), tuple(shots), truth, look_s)
 
@@ -142,8 +142,8 @@ def scan_s(path: Path, rules: Rules) -> float:
     """Return the CPU seconds of reading a film and naming its candidates."""
     with open_soundtrack(path) as track:
         began = process_time()
-        for stretch in stretches(pieces(track.blocks(BLOCK), track.rate_hz)):
-            guesses(stretch, Grid(track.rate_hz), rules.tier)
+        for chunk in chunks(pieces(track.blocks(BLOCK), track.rate_hz)):
+            guesses(chunk, Grid(track.rate_hz), rules.tier)
         return process_time() - began
 
 

@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from blastline.detect import Detection, find_shots, load_verifier
+from blastline.detect.chunks import CORE_PIECES, Chunk, chunks
 from blastline.detect.features import feature_names
 from blastline.detect.find import Described, _first_of_each, described, let_all_pass
 from blastline.detect.forest import ForestFile, grown, probabilities
 from blastline.detect.picture import Pictures, pictures
-from blastline.detect.stretches import CORE_PIECES, Stretch, stretches
 from blastline.detect.tracks import Grid, pieces
 from blastline.detect.verify import (
     BEYOND_DOUBT,
@@ -158,22 +158,22 @@ def test_silence_and_a_full_scale_square_hold_no_shot() -> None:
 
 
 def test_features_are_finite_and_named(film: tuple[NDArray[np.float32], Truth]) -> None:
-    for stretch in stretches(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
-        found = described(stretch, Grid(RATE_HZ), RULES.tier, gate=let_all_pass, screen=let_all_pass)
+    for chunk in chunks(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
+        found = described(chunk, Grid(RATE_HZ), RULES.tier, gate=let_all_pass, screen=let_all_pass)
         assert found.rows.shape == (found.onsets.size, len(feature_names()))
         assert np.isfinite(found.rows).all()
     assert len(set(feature_names())) == len(feature_names())
 
 
-def _sieved(stretch: Stretch, verifier: Verifier) -> Described:
+def _sieved(chunk: Chunk, verifier: Verifier) -> Described:
     gate, screen = (lambda rows, _, sieve=sieve: sieve.lets_pass(rows) for sieve in (verifier.gate, verifier.screen))
-    return described(stretch, Grid(RATE_HZ), RULES.tier, gate=gate, screen=screen)
+    return described(chunk, Grid(RATE_HZ), RULES.tier, gate=gate, screen=screen)
 
 
 def test_what_the_sieves_hold_back_changes_nothing_else(film: tuple[NDArray[np.float32], Truth]) -> None:
-    for stretch in stretches(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
-        every = described(stretch, Grid(RATE_HZ), RULES.tier, gate=let_all_pass, screen=let_all_pass)
-        some = _sieved(stretch, VERIFIER)
+    for chunk in chunks(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
+        every = described(chunk, Grid(RATE_HZ), RULES.tier, gate=let_all_pass, screen=let_all_pass)
+        some = _sieved(chunk, VERIFIER)
         # of candidates whose onsets come to lie within 3 ms one is kept; another one where the first is held back
         assert np.abs(every.onsets[:, None] - some.onsets).min(axis=0).max() < 0.003 * RATE_HZ
         kept, same = np.isin(every.onsets, some.onsets), np.isin(some.onsets, every.onsets)
@@ -200,9 +200,9 @@ def test_a_second_opinion_is_asked_where_there_is_doubt_and_changes_no_clear_ver
 ) -> None:
     both = load_verifier(rules_path(f"verifier/{RULES.tier.verify.model}"), networks=2)
     first, second = (Verifier(both.gate, both.screen, (network,)) for network in both.networks)
-    for stretch in stretches(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
-        found = _sieved(stretch, both)
-        shown = pictures(stretch.samples, found.onsets, RATE_HZ)
+    for chunk in chunks(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
+        found = _sieved(chunk, both)
+        shown = pictures(chunk.samples, found.onsets, RATE_HZ)
         together, one, two = (each.verdicts(found.rows, shown) for each in (both, first, second))
         asked_both = together.networks == 2
         assert np.array_equal(asked_both, np.abs(log_odds_of(one.probability)) < BEYOND_DOUBT)
@@ -270,7 +270,7 @@ class Undecided(Verifier):
 
 
 @pytest.mark.parametrize("rounds", [6, 14])
-def test_a_row_may_cross_the_end_of_a_stretch(rounds: int) -> None:
+def test_a_row_may_cross_the_end_of_a_chunk(rounds: int) -> None:
     sieve = AllAlike(VERIFIER.screen.forest, 0.01)
     verifier = Undecided(sieve, sieve, VERIFIER.networks)
     border_s = CORE_PIECES * Grid(RATE_HZ).piece / RATE_HZ

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from blastline.detect.bandshape import band_levels
 from blastline.detect.bursts import group_bursts, keep_apart, part_from_echoes, without_echoes
+from blastline.detect.chunks import chunks
 from blastline.detect.onset import refine_onsets
 from blastline.detect.scan import candidate_steps, rises
 from blastline.detect.segment import segment
 from blastline.detect.sparse import bands_near
-from blastline.detect.stretches import stretches
 from blastline.detect.tracks import BANDS, Grid, pieces
 from blastline.model import Clip, Reflection, Shot, Span
 from blastline.ruleset import load_rules
@@ -107,9 +107,9 @@ def test_the_onset_is_the_first_sample_of_the_rise(rate_hz: int, rise_ms: float)
         shot = 0.5 * blast(rate_hz, rise_ms=rise_ms, positive_ms=2.0)
         samples[at : at + shot.shape[0]] += shot.astype(np.float32)
         grid = Grid(rate_hz)
-        piece = next(stretches(pieces(clips(samples, samples.shape[0], rate_hz), rate_hz)))
-        steps = candidate_steps(piece.peak, piece.slope, piece.bands, grid=grid, rules=TIER.scan)
-        onsets = refine_onsets(piece.samples, steps * grid.step, rate_hz=rate_hz, rules=TIER.onset)
+        chunk = next(chunks(pieces(clips(samples, samples.shape[0], rate_hz), rate_hz)))
+        steps = candidate_steps(chunk.peak, chunk.slope, chunk.bands, grid=grid, rules=TIER.scan)
+        onsets = refine_onsets(chunk.samples, steps * grid.step, rate_hz=rate_hz, rules=TIER.onset)
         errors_ms.append(np.min(np.abs(onsets - at)) * 1000.0 / rate_hz)
     # one sample of an 8 kHz film lasts 0.125 ms
     assert max(errors_ms) <= max(0.1, 1100.0 / rate_hz)
@@ -158,15 +158,15 @@ def test_an_engine_as_loud_as_the_shot_moves_no_onset(tone_hz: float) -> None:
 def test_a_step_is_a_candidate_wherever_it_lies_on_the_grid(place: int) -> None:
     samples = film(noise=1e-5)
     samples[place:] += np.float32(0.3)
-    piece = next(stretches(pieces(clips(samples, samples.shape[0]), RATE_HZ)))
-    steps = candidate_steps(piece.peak, piece.slope, piece.bands, grid=Grid(RATE_HZ), rules=TIER.scan)
-    onsets = refine_onsets(piece.samples, steps * 48, rate_hz=RATE_HZ, rules=TIER.onset)
+    chunk = next(chunks(pieces(clips(samples, samples.shape[0]), RATE_HZ)))
+    steps = candidate_steps(chunk.peak, chunk.slope, chunk.bands, grid=Grid(RATE_HZ), rules=TIER.scan)
+    onsets = refine_onsets(chunk.samples, steps * 48, rate_hz=RATE_HZ, rules=TIER.onset)
     assert np.abs(onsets - place).min() <= 1
 
 
 def steps_of(samples: NDArray[np.float32]) -> list[int]:
-    piece = next(stretches(pieces(clips(samples, samples.shape[0]), RATE_HZ)))
-    steps = candidate_steps(piece.peak, piece.slope, piece.bands, grid=Grid(RATE_HZ), rules=TIER.scan)
+    chunk = next(chunks(pieces(clips(samples, samples.shape[0]), RATE_HZ)))
+    steps = candidate_steps(chunk.peak, chunk.slope, chunk.bands, grid=Grid(RATE_HZ), rules=TIER.scan)
     return [int(step) for step in steps]
 
 
@@ -220,9 +220,9 @@ def test_a_shot_on_the_first_sample_is_a_candidate_with_onset_zero() -> None:
     samples = film()
     shot = 0.5 * blast()
     samples[: shot.shape[0]] += shot.astype(np.float32)
-    piece = next(stretches(pieces(clips(samples, samples.shape[0]), RATE_HZ)))
-    steps = candidate_steps(piece.peak, piece.slope, piece.bands, grid=Grid(RATE_HZ), rules=TIER.scan)
-    onsets = refine_onsets(piece.samples, steps * 48, rate_hz=RATE_HZ, rules=TIER.onset)
+    chunk = next(chunks(pieces(clips(samples, samples.shape[0]), RATE_HZ)))
+    steps = candidate_steps(chunk.peak, chunk.slope, chunk.bands, grid=Grid(RATE_HZ), rules=TIER.scan)
+    onsets = refine_onsets(chunk.samples, steps * 48, rate_hz=RATE_HZ, rules=TIER.onset)
     assert 0 in onsets
 
 

@@ -150,7 +150,7 @@ def _refused(shot: Shot, why: str) -> Rejection:
 def worth_parting(
     looked: Looked, rows: Sequence[EvenRow | None], *, rate_hz: int, tier: QualityRules, core: Span
 ) -> NDArray[np.bool_]:
-    """Return which candidates `in_company` could believe, given those of a stretch's core and the rows among them.
+    """Return which candidates `in_company` could believe, given those of a chunk's core and the rows among them.
 
     The others need no parts: they are rounds of no burst. What a burst or a row beyond the core may reach is worth it,
     a slow row of shots too, which the networks alone may believe.

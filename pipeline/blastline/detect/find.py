@@ -1,4 +1,4 @@
-"""The detector's story: stretches of the film go by, and what is a shot in each one's core is kept."""
+"""The detector's story: chunks of the film go by, and what is a shot in each one's core is kept."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -15,6 +15,7 @@ from ..units import samples_from_ms
 from .backdrop import backdrops, sounds
 from .bandshape import band_levels, bandshape
 from .bursts import group_bursts, keep_apart, part_from_echoes, without_echoes
+from .chunks import Chunk, aligned_chunks, chunks, track_peaks_dbfs
 from .company import in_company, unlike_a_shot, worth_parting
 from .direction import placed
 from .features import features
@@ -27,7 +28,6 @@ from .scan import candidate_steps, loudest_around
 from .segment import peak_dbfs, segment
 from .sides import are_audible, as_heard, beside, joined
 from .sparse import bands_near
-from .stretches import Stretch, side_by_side, stretches, track_peaks_dbfs
 from .tracks import Grid, pieces
 from .verify import Verifier, log_odds_in
 
@@ -47,7 +47,7 @@ class Detection:
 
 @dataclass(frozen=True, eq=False)
 class Searched:
-    """What a stretch holds, in one mix or in both: shots, rejections, and of each mix all that was looked at."""
+    """What a chunk holds, in one mix or in both: shots, rejections, and of each mix all that was looked at."""
 
     shots: list[Shot]
     refused: list[Rejection]
@@ -56,14 +56,14 @@ class Searched:
 
 @dataclass(frozen=True, eq=False)
 class Described:
-    """Candidates of a stretch: onsets as indices into it, ascending, and their features."""
+    """Candidates of a chunk: onsets as indices into it, ascending, and their features."""
 
     onsets: NDArray[np.intp]
     rows: NDArray[np.float64]
 
 
 Test = Callable[[NDArray[np.float64], NDArray[np.intp]], NDArray[np.bool_]]
-"""Says of each row of a table, whose candidates' places in the stretch are given, whether it is worth a closer look."""
+"""Says of each row of a table, whose candidates' places in the chunk are given, whether it is worth a closer look."""
 
 
 def let_all_pass(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
@@ -85,7 +85,7 @@ def find_shots(
 
 
 def in_rows(found: Sequence[Searched], *, rate_hz: int, tier: QualityRules) -> Iterator[list[Shot]]:
-    """Yield the shots of each stretch, with what the rows of the whole film tell of them: a row may cross stretches."""
+    """Yield the shots of each chunk, with what the rows of the whole film tell of them: a row may cross chunks."""
     told: dict[HeardIn, dict[int, EvenRow | None]] = {}
     rules_of: dict[HeardIn, QualityRules] = {"mains": tier, "sides": beside(tier)}
     for mix, rules in rules_of.items():
@@ -112,7 +112,7 @@ def judged(shots: Iterable[Shot], rejections: Iterable[Rejection], *, rate_hz: i
 def searched(
     blocks: Iterable[Clip], *, rate_hz: int, tier: QualityRules, verifier: Verifier, channels: Channels | None = None
 ) -> Iterator[Searched]:
-    """Yield what is found in each of a film's stretches, with what their sides add where the blocks have any.
+    """Yield what is found in each of a film's chunks, with what their sides add where the blocks have any.
 
     Nothing is believed yet, since that depends on all of the film.
     """
@@ -125,47 +125,47 @@ def searched(
     search = partial(_search, grid=grid, tier=tier, verifier=verifier, rate_hz=rate_hz)
     place = partial(placed, channels=channels, rate_hz=rate_hz, rules=tier.channels)
     if first.sides is None:
-        for mains in map(search, stretches(cut(film))):
+        for mains in map(search, chunks(cut(film))):
             yield Searched(place(mains.shots), mains.refused, mains.looked)
         return
     once, again = tee(film)
     search_beside = partial(search, tier=beside(tier))
-    for stretch, sides in side_by_side(cut(once), cut(map(as_heard, again))):
-        mains, there = search(stretch), search_beside(sides, over=stretch)
+    for chunk, sides in aligned_chunks(cut(once), cut(map(as_heard, again))):
+        mains, there = search(chunk), search_beside(sides, over=chunk)
         heard = ((each.shots, each.refused) for each in (mains, there))
         shots, refused = joined(*heard, rate_hz=rate_hz, tier=tier)
         looked: dict[HeardIn, Looked] = {"mains": mains.looked["mains"], "sides": there.looked["mains"]}
         yield Searched(place(shots, beside=[shot.onset for shot in there.shots]), refused, looked)
 
 
-def guesses(stretch: Stretch, grid: Grid, tier: QualityRules) -> NDArray[np.intp]:
-    """Return roughly where a stretch's candidates are, as indices into it, ascending."""
-    steps = candidate_steps(stretch.peak, stretch.slope, stretch.bands, grid=grid, rules=tier.scan)
+def guesses(chunk: Chunk, grid: Grid, tier: QualityRules) -> NDArray[np.intp]:
+    """Return roughly where a chunk's candidates are, as indices into it, ascending."""
+    steps = candidate_steps(chunk.peak, chunk.slope, chunk.bands, grid=grid, rules=tier.scan)
     places = steps * grid.step
-    return places[places < stretch.stop - stretch.start]
+    return places[places < chunk.stop - chunk.start]
 
 
-def described(stretch: Stretch, grid: Grid, tier: QualityRules, *, gate: Test, screen: Test) -> Described:
+def described(chunk: Chunk, grid: Grid, tier: QualityRules, *, gate: Test, screen: Test) -> Described:
     """Return the core's candidates that pass the gate, by their rough shapes, and the screen, by all features.
 
     The onset of those that are left is found to the sample.
     """
-    places = guesses(stretch, grid, tier)
-    bands = stretch.bands if stretch.bands.size else bands_near(stretch.samples, places, grid)
+    places = guesses(chunk, grid, tier)
+    bands = chunk.bands if chunk.bands.size else bands_near(chunk.samples, places, grid)
     rough = band_levels(bands, places, grid)
     margin = samples_from_ms(farthest_ms(tier.onset), grid.rate_hz)
-    at = places + stretch.start
-    near = np.flatnonzero((at >= stretch.core.start - margin) & (at < stretch.core.stop + margin))
+    at = places + chunk.start
+    near = np.flatnonzero((at >= chunk.core.start - margin) & (at < chunk.core.stop + margin))
     sketches = bandshape(rough[near])
     passed = gate(sketches, places[near])
     near, sketches = near[passed], sketches[passed]
     rows = features(sketches, neighbourhood(places, rough, near, grid.rate_hz))
     passed = screen(rows, places[near])
     near, rows = near[passed], rows[passed]
-    onsets = refine_onsets(stretch.samples, places[near], rate_hz=grid.rate_hz, rules=tier.onset)
+    onsets = refine_onsets(chunk.samples, places[near], rate_hz=grid.rate_hz, rules=tier.onset)
     kept = _first_of_each(onsets, samples_from_ms(_SAME_ONSET_MS, grid.rate_hz))
-    at = onsets[kept] + stretch.start
-    kept = kept[(at >= stretch.core.start) & (at < min(stretch.core.stop, stretch.stop))]
+    at = onsets[kept] + chunk.start
+    kept = kept[(at >= chunk.core.start) & (at < min(chunk.core.stop, chunk.stop))]
     return Described(onsets[kept], rows[kept])
 
 
@@ -179,49 +179,49 @@ def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
 
 
 def _worth_looking_at(
-    stretch: Stretch, grid: Grid, tier: QualityRules, verifier: Verifier, over: Stretch | None
+    chunk: Chunk, grid: Grid, tier: QualityRules, verifier: Verifier, over: Chunk | None
 ) -> Described:
     """Return the candidates that gate and screen do not find hopeless, and that no mix `over` theirs covers."""
 
     def gate(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
         passed = verifier.gate.lets_pass(rows)
-        return passed if over is None else passed & are_audible(stretch, over, places, grid)
+        return passed if over is None else passed & are_audible(chunk, over, places, grid)
 
     def screen(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
-        likely, peaks_dbfs = verifier.screen.probabilities(rows), track_peaks_dbfs(stretch, places, grid)
+        likely, peaks_dbfs = verifier.screen.probabilities(rows), track_peaks_dbfs(chunk, places, grid)
         least = verifier.screen.threshold
         return worth_a_look(places, peaks_dbfs, likely, least=least, rate_hz=grid.rate_hz, tier=tier)
 
-    return described(stretch, grid, tier, gate=gate, screen=screen)
+    return described(chunk, grid, tier, gate=gate, screen=screen)
 
 
 def _search(
-    stretch: Stretch,
+    chunk: Chunk,
     grid: Grid,
     tier: QualityRules,
     verifier: Verifier,
     rate_hz: int,
-    over: Stretch | None = None,
+    over: Chunk | None = None,
 ) -> Searched:
-    """Return what is found in a stretch of one mix, with its places in the samples of a film of that rate.
+    """Return what is found in a chunk of one mix, with its places in the samples of a film of that rate.
 
     What the mix `over` it covers is not looked at.
     """
-    found = _worth_looking_at(stretch, grid, tier, verifier, over)
-    loudest = loudest_around(stretch.peak, found.onsets // grid.step, grid=grid)
-    shown = pictures(stretch.samples, found.onsets, grid.rate_hz, loudest)
+    found = _worth_looking_at(chunk, grid, tier, verifier, over)
+    loudest = loudest_around(chunk.peak, found.onsets // grid.step, grid=grid)
+    shown = pictures(chunk.samples, found.onsets, grid.rate_hz, loudest)
     verdicts, before, own = verifier.verdicts(found.rows, shown), backdrops(shown), sounds(shown)
-    at = found.onsets + stretch.start
-    peaks_dbfs = np.array([peak_dbfs(stretch.samples, onset, grid.rate_hz) for onset in found.onsets.tolist()])
+    at = found.onsets + chunk.start
+    peaks_dbfs = np.array([peak_dbfs(chunk.samples, onset, grid.rate_hz) for onset in found.onsets.tolist()])
     looked = Looked(at, peaks_dbfs, log_odds_in(verdicts))
     rows = even_rows(looked, rate_hz=grid.rate_hz, tier=tier)
-    worth = worth_parting(looked, rows, rate_hz=grid.rate_hz, tier=tier, core=stretch.core)
+    worth = worth_parting(looked, rows, rate_hz=grid.rate_hz, tier=tier, core=chunk.core)
     shots = [
         segment(
-            stretch.samples,
+            chunk.samples,
             int(found.onsets[index]),
-            film_start=stretch.start,
-            film_stop=stretch.stop,
+            film_start=chunk.start,
+            film_stop=chunk.stop,
             confidence=float(verdicts.probability[index]),
             rate_hz=grid.rate_hz,
             rules=tier.segment,

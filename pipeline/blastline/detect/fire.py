@@ -24,7 +24,7 @@ from .verify import LogOdds, log_odds_of
 
 @dataclass(frozen=True, eq=False)
 class Looked:
-    """What the networks looked at in a stretch or a film, in order: onsets, how loud each gets, and what is thought."""
+    """What the networks looked at in a chunk or a film, in order: onsets, how loud each gets, and what is thought."""
 
     onsets: NDArray[np.intp]
     peaks_dbfs: NDArray[np.float64]
@@ -32,7 +32,7 @@ class Looked:
 
     @classmethod
     def all_of(cls, parts: Sequence["Looked"]) -> "Looked":
-        """Return what was looked at in all of a film's stretches; at least one."""
+        """Return what was looked at in all of a film's chunks; at least one."""
         return cls(
             np.concatenate([part.onsets for part in parts]),
             np.concatenate([part.peaks_dbfs for part in parts]),

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..model import Clip, Rejection, Shot
 from ..ruleset import QualityRules
 from ..units import samples_from_ms
-from .stretches import Stretch, track_peaks_dbfs
+from .chunks import Chunk, track_peaks_dbfs
 from .tracks import Grid
 
 Sorted = tuple[list[Shot], list[Rejection]]
@@ -27,8 +27,8 @@ _COVERED_DB = 24.0
 in made scenes the softest was 24 dB under the mains."""
 
 
-def are_audible(sides: Stretch, mains: Stretch, places: NDArray[np.intp], grid: Grid) -> NDArray[np.bool_]:
-    """Return which places of a stretch of the sides are heard under the mains, with which they play."""
+def are_audible(sides: Chunk, mains: Chunk, places: NDArray[np.intp], grid: Grid) -> NDArray[np.bool_]:
+    """Return which places of a chunk of the sides are heard under the mains, with which they play."""
     heard_db = track_peaks_dbfs(sides, places, grid) - track_peaks_dbfs(mains, places, grid)
     return np.asarray(heard_db >= -_COVERED_DB, np.bool_)
 

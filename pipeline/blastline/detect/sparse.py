@@ -19,7 +19,7 @@ _AT_ONCE = 256
 
 
 def bands_near(samples: NDArray[np.float32], places: NDArray[np.intp], grid: Grid) -> NDArray[np.float32]:
-    """Return band energies of a stretch, shape (hops, BANDS), exact from 14 ms before to 34 after each place."""
+    """Return band energies of a chunk, shape (hops, BANDS), exact from 14 ms before to 34 after each place."""
     hops = samples.shape[0] // grid.hop
     ms_per_hop = 1000.0 * grid.hop / grid.rate_hz
     reach = np.arange(-round(_BEFORE_MS / ms_per_hop), round(_AFTER_MS / ms_per_hop))

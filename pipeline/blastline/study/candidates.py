@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..detect.chunks import chunks
 from ..detect.find import described, let_all_pass
 from ..detect.scan import loudest_around
-from ..detect.stretches import stretches
 from ..detect.tracks import Grid, pieces
 from ..model import Clip
 from ..ruleset import QualityRules
@@ -44,10 +44,10 @@ def candidates(film: Mix, tier: QualityRules, lesson: int) -> Candidates:
     grid = Grid(RATE_HZ)
     clip = Clip(film.samples[:, None], RATE_HZ)
     found = []
-    for stretch in stretches(pieces([clip], RATE_HZ)):
-        each = described(stretch, grid, tier, gate=let_all_pass, screen=let_all_pass)
-        loudest = loudest_around(stretch.peak, each.onsets // grid.step, grid=grid)
-        found.append((stretch.start + each.onsets, loudest, each.rows.astype(np.float32)))
+    for chunk in chunks(pieces([clip], RATE_HZ)):
+        each = described(chunk, grid, tier, gate=let_all_pass, screen=let_all_pass)
+        loudest = loudest_around(chunk.peak, each.onsets // grid.step, grid=grid)
+        found.append((chunk.start + each.onsets, loudest, each.rows.astype(np.float32)))
     at, loudest, rows = (np.concatenate(parts) for parts in zip(*found, strict=True))
     shots, sure, missed = _labels(at, film)
     return Candidates(np.full(int(sure.sum()), lesson), at[sure], loudest[sure], rows[sure], shots[sure], missed)

@@ -1,4 +1,4 @@
-"""A film is searched stretch by stretch: where one ends and another begins, nothing is lost, cut or found twice."""
+"""A film is searched chunk by chunk: where one ends and another begins, nothing is lost, cut or found twice."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from blastline.detect.chunks import CORE_PIECES, LEFT_PIECES, RIGHT_PIECES, Chunk, chunks
 from blastline.detect.find import described, let_all_pass
 from blastline.detect.segment import segment
-from blastline.detect.stretches import CORE_PIECES, LEFT_PIECES, RIGHT_PIECES, Stretch, stretches
 from blastline.detect.tracks import Grid, pieces
 from blastline.model import Clip, Shot
 from blastline.ruleset import load_rules
@@ -23,18 +23,18 @@ BORDER = CORE_PIECES * GRID.piece
 """Where the first core of a film ends and the second begins."""
 
 
-def film_with(sound: NDArray[np.float64], at: int) -> list[Stretch]:
-    """Return the stretches of a film with one sound in it, just long enough to have two."""
+def film_with(sound: NDArray[np.float64], at: int) -> list[Chunk]:
+    """Return the chunks of a film with one sound in it, just long enough to have two."""
     film = 1e-5 * np.random.default_rng(2).standard_normal((CORE_PIECES + RIGHT_PIECES + 2) * GRID.piece)
     film[at : at + sound.size] += sound
     samples = film.astype(np.float32)[:, None]
-    return [copied(stretch) for stretch in stretches(pieces([Clip(samples, RATE_HZ)], RATE_HZ))]
+    return [copied(chunk) for chunk in chunks(pieces([Clip(samples, RATE_HZ)], RATE_HZ))]
 
 
-def copied(stretch: Stretch) -> Stretch:
-    """Return a stretch that holds when the next one is asked for."""
-    tracks = {name: getattr(stretch, name).copy() for name in ("samples", "peak", "slope", "bands")}
-    return replace(stretch, **tracks)
+def copied(chunk: Chunk) -> Chunk:
+    """Return a chunk that holds when the next one is asked for."""
+    tracks = {name: getattr(chunk, name).copy() for name in ("samples", "peak", "slope", "bands")}
+    return replace(chunk, **tracks)
 
 
 def swelling(rise_ms: float) -> NDArray[np.float64]:
@@ -47,7 +47,7 @@ def swelling(rise_ms: float) -> NDArray[np.float64]:
 def test_cores_tile_the_film_and_have_their_surroundings() -> None:
     film = film_with(swelling(1.0), BORDER)
     assert len(film) == 2
-    assert [stretch.core.start for stretch in film] == [0, BORDER]
+    assert [chunk.core.start for chunk in film] == [0, BORDER]
     for one, other in pairwise(film):
         assert other.core.start == one.core.stop == one.stop - RIGHT_PIECES * GRID.piece
         assert other.start == other.core.start - LEFT_PIECES * GRID.piece
@@ -68,9 +68,9 @@ def test_what_begins_beside_the_border_of_two_cores_is_found_once(
     """Its steepest step may lie in the other core, before its first sample or after it."""
     at = BORDER + beside
     onsets: list[int] = []
-    for stretch in film_with(sound, at - begins):
-        found = described(stretch, GRID, TIER, gate=let_all_pass, screen=let_all_pass).onsets + stretch.start
-        assert np.all((found >= stretch.core.start) & (found < stretch.core.stop))
+    for chunk in film_with(sound, at - begins):
+        found = described(chunk, GRID, TIER, gate=let_all_pass, screen=let_all_pass).onsets + chunk.start
+        assert np.all((found >= chunk.core.start) & (found < chunk.core.stop))
         onsets += found.tolist()
     assert sum(abs(onset - at) < 1.5 * 48 for onset in onsets) == 1
 
@@ -91,12 +91,12 @@ def lasting() -> NDArray[np.float64]:
 def parted(at: int, rules: SegmentRules) -> Shot:
     """Return the parts of the long bang where it begins at a sample of a film."""
     sound = lasting()
-    stretch = next(each for each in film_with(sound, at - RATE_HZ // 4) if each.core.start <= at < each.core.stop)
+    chunk = next(each for each in film_with(sound, at - RATE_HZ // 4) if each.core.start <= at < each.core.stop)
     return segment(
-        stretch.samples,
-        at - stretch.start,
-        film_start=stretch.start,
-        film_stop=stretch.stop,
+        chunk.samples,
+        at - chunk.start,
+        film_start=chunk.start,
+        film_stop=chunk.stop,
         confidence=1.0,
         rate_hz=RATE_HZ,
         rules=rules,
