@@ -28,8 +28,8 @@ from blastline.detect.contrast import contrasts
 from blastline.detect.find import Test, described, guesses, judged, let_all_pass
 from blastline.detect.forest import score
 from blastline.detect.network import log_odds
-from blastline.detect.picture import pictures
 from blastline.detect.segment import segment
+from blastline.detect.spectrogram import spectrograms
 from blastline.detect.tracks import Grid, pieces
 from blastline.detect.verify import Sieve, Verdicts, log_odds_in, together
 from blastline.model import DriveChoice, DriveModel, Shot, ShotEvidence, Span
@@ -98,7 +98,7 @@ def looked(track: Soundtrack, truth: Truth, rules: Rules, verifier: Verifier, *,
     for chunk in chunks(pieces(track.blocks(BLOCK), track.rate_hz)):
         found = described(chunk, grid, tier, gate=gate, screen=screen)
         began = process_time()
-        seen = contrasts(pictures(chunk.samples, found.onsets, track.rate_hz))
+        seen = contrasts(spectrograms(chunk.samples, found.onsets, track.rate_hz))
         networks.append(np.stack([log_odds(network, found.rows, seen) for network in verifier.networks]))
         look_s += process_time() - began
         odds.append(score(found.rows, verifier.screen.forest))

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from blastline.detect.backdrop import BITS, LEVELS, backdrops, bits_apart, sounds
-from blastline.detect.picture import pictures
+from blastline.detect.spectrogram import spectrograms
 
 RATE_HZ = 48_000
 LENGTH = RATE_HZ // 2
@@ -17,7 +17,7 @@ def of(bed: NDArray[np.float64], gain: float = 1.0, seed: int = 1) -> int | None
     film = gain * bed
     decay = np.exp(-np.arange(LENGTH - AT) / 800.0)
     film[AT:] += gain * np.random.default_rng(seed).standard_normal(LENGTH - AT) * decay
-    (backdrop,) = backdrops(pictures(film.astype(np.float32), np.array([AT]), RATE_HZ))
+    (backdrop,) = backdrops(spectrograms(film.astype(np.float32), np.array([AT]), RATE_HZ))
     return backdrop
 
 
@@ -56,7 +56,7 @@ def test_two_moments_of_a_noise_differ_by_half_of_their_bits() -> None:
 def test_silence_has_none() -> None:
     assert of(np.zeros(LENGTH)) is None
     assert of(noise(1, level=1e-6)) is None
-    assert backdrops(pictures(np.zeros(LENGTH, np.float32), np.zeros(0, np.intp), RATE_HZ)) == []
+    assert backdrops(spectrograms(np.zeros(LENGTH, np.float32), np.zeros(0, np.intp), RATE_HZ)) == []
 
 
 def test_a_hum_has_none() -> None:
@@ -76,7 +76,7 @@ def test_a_sound_is_like_itself_over_any_bed_and_unlike_another() -> None:
         tail = np.random.default_rng([7, bang]).standard_normal(LENGTH - AT)
         length, pole = 200.0 * 3.0**bang, 0.3 * bang
         film[AT:] += gain * lfilter([1.0 - pole], [1.0, -pole], tail * np.exp(-np.arange(LENGTH - AT) / length))
-        (sound,) = sounds(pictures(film.astype(np.float32), np.array([AT]), RATE_HZ))
+        (sound,) = sounds(spectrograms(film.astype(np.float32), np.array([AT]), RATE_HZ))
         assert len(sound) == LEVELS
         return np.array(sound, np.float64)
 

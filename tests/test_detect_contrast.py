@@ -1,11 +1,11 @@
-"""Pictures against what was before: what goes on is taken off, and what is new is left as if it were alone."""
+"""Spectrograms against what was before: what goes on is taken off, and what is new is left as if it were alone."""
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from blastline.detect.contrast import CONTRASTS, SCALE_DB, Contrasts, contrasts
-from blastline.detect.picture import LOWEST_DB, NEAR, WIDE, Pictures, pictures
+from blastline.detect.spectrogram import LOWEST_DB, NEAR, WIDE, Spectrograms, spectrograms
 
 RATE_HZ = 48_000
 AT = RATE_HZ
@@ -23,18 +23,18 @@ def hiss(seed: int) -> NDArray[np.float64]:
 
 
 def seen(samples: NDArray[np.float64]) -> Contrasts:
-    return contrasts(pictures(samples.astype(np.float32), np.array([AT]), RATE_HZ))
+    return contrasts(spectrograms(samples.astype(np.float32), np.array([AT]), RATE_HZ))
 
 
 def test_a_shot_over_a_steady_sound_is_left_as_if_it_were_alone() -> None:
     """Powers add: the levels change by up to 20 dB, the rest not at all where the shot is not drowned."""
     rng = np.random.default_rng(2)
     shot, bed = [], []
-    for raster in (NEAR, WIDE):
-        levels = rng.uniform(-25.0, 0.0, (1, raster.frames, raster.bands))
-        levels[:, : raster.before] = LOWEST_DB
+    for layout in (NEAR, WIDE):
+        levels = rng.uniform(-25.0, 0.0, (1, layout.frames, layout.bands))
+        levels[:, : layout.before] = LOWEST_DB
         shot.append(levels)
-        bed.append(np.broadcast_to(rng.uniform(-35.0, -5.0, raster.bands), levels.shape))
+        bed.append(np.broadcast_to(rng.uniform(-35.0, -5.0, layout.bands), levels.shape))
     alone, over = contrasts(of_levels(*shot)), contrasts(of_levels(*map(added, shot, bed)))
     for one, two, levels, steady in zip((alone.near, alone.wide), (over.near, over.wide), shot, bed, strict=True):
         heard = levels > steady - 10.0
@@ -46,8 +46,8 @@ def test_a_shot_over_a_steady_sound_is_left_as_if_it_were_alone() -> None:
         assert np.abs(apart).max() < 2.0 / SCALE_DB
 
 
-def of_levels(near: NDArray[np.float64], wide: NDArray[np.float64]) -> Pictures:
-    return Pictures(near.astype(np.float32), wide.astype(np.float32))
+def of_levels(near: NDArray[np.float64], wide: NDArray[np.float64]) -> Spectrograms:
+    return Spectrograms(near.astype(np.float32), wide.astype(np.float32))
 
 
 def added(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -75,20 +75,20 @@ def test_a_colour_of_the_whole_film_changes_no_rise_and_no_decay() -> None:
     rng = np.random.default_rng(4)
     near, wide = (rng.uniform(-40.0, 0.0, (3, r.frames, r.bands)).astype(np.float32) for r in (NEAR, WIDE))
     tilts = [np.linspace(-9.0, 9.0, r.bands, dtype=np.float32) for r in (NEAR, WIDE)]
-    plain, tilted = contrasts(Pictures(near, wide)), contrasts(Pictures(near + tilts[0], wide + tilts[1]))
+    plain, tilted = contrasts(Spectrograms(near, wide)), contrasts(Spectrograms(near + tilts[0], wide + tilts[1]))
     for which in (RISE, DECAY):
         np.testing.assert_allclose(tilted.near[..., which], plain.near[..., which], atol=1e-3)
         np.testing.assert_allclose(tilted.wide[..., which], plain.wide[..., which], atol=1e-3)
 
 
 def test_no_candidates_have_no_contrasts() -> None:
-    none = contrasts(pictures(np.zeros(10, np.float32), np.zeros(0, np.intp), RATE_HZ))
+    none = contrasts(spectrograms(np.zeros(10, np.float32), np.zeros(0, np.intp), RATE_HZ))
     assert none.near.shape == (0, NEAR.frames, NEAR.bands, CONTRASTS)
     assert none.wide.shape == (0, WIDE.frames, WIDE.bands, CONTRASTS)
 
 
 def test_silence_is_numbers_within_bounds() -> None:
-    still = contrasts(pictures(np.zeros(RATE_HZ, np.float32), np.array([0, RATE_HZ // 2, RATE_HZ - 1]), RATE_HZ))
+    still = contrasts(spectrograms(np.zeros(RATE_HZ, np.float32), np.array([0, RATE_HZ // 2, RATE_HZ - 1]), RATE_HZ))
     for each in (still.near, still.wide):
         assert np.isfinite(each).all()
         assert np.abs(each).max() <= 3.0

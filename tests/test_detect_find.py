@@ -14,7 +14,7 @@ from blastline.detect.chunks import CORE_PIECES, Chunk, chunks
 from blastline.detect.features import feature_names
 from blastline.detect.find import Described, _first_of_each, described, let_all_pass
 from blastline.detect.forest import ForestFile, grown, probabilities
-from blastline.detect.picture import Pictures, pictures
+from blastline.detect.spectrogram import Spectrograms, spectrograms
 from blastline.detect.tracks import Grid, pieces
 from blastline.detect.verify import (
     BEYOND_DOUBT,
@@ -202,7 +202,7 @@ def test_a_second_opinion_is_asked_where_there_is_doubt_and_changes_no_clear_ver
     first, second = (Verifier(both.gate, both.screen, (network,)) for network in both.networks)
     for chunk in chunks(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
         found = _sieved(chunk, both)
-        shown = pictures(chunk.samples, found.onsets, RATE_HZ)
+        shown = spectrograms(chunk.samples, found.onsets, RATE_HZ)
         together, one, two = (each.verdicts(found.rows, shown) for each in (both, first, second))
         asked_both = together.networks == 2
         assert np.array_equal(asked_both, np.abs(log_odds_of(one.probability)) < BEYOND_DOUBT)
@@ -225,7 +225,7 @@ def test_a_model_of_other_features_is_refused(tmp_path: Path) -> None:
         load_verifier(path, networks=1)
 
 
-def test_a_network_for_other_pictures_is_refused_by_its_number(tmp_path: Path) -> None:
+def test_a_network_for_other_spectrograms_is_refused_by_its_number(tmp_path: Path) -> None:
     shipped = msgspec.json.decode(rules_path(f"verifier/{RULES.tier.verify.model}").read_bytes(), type=ModelFile)
     narrower = msgspec.structs.replace(shipped.networks[1], wide=shipped.networks[1].wide[1:])
     path = tmp_path / "narrower.json"
@@ -264,7 +264,7 @@ class AllAlike(Sieve):
 class Undecided(Verifier):
     """A verifier that thinks just enough of everything for a row of it to be fire."""
 
-    def verdicts(self, rows: NDArray[np.float64], shown: Pictures) -> Verdicts:
+    def verdicts(self, rows: NDArray[np.float64], shown: Spectrograms) -> Verdicts:
         every = np.full(rows.shape[0], RULES.tier.verify.even_threshold + 0.01)
         return Verdicts(every, every, np.ones(rows.shape[0], np.intp))
 

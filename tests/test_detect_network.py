@@ -1,4 +1,4 @@
-"""Pictures and the networks that judge them: against independent transforms, and against PyTorch where it is there."""
+"""Spectrograms and the networks that judge them: against independent transforms, and PyTorch where it is there."""
 
 from fractions import Fraction
 from typing import Any
@@ -20,7 +20,7 @@ from blastline.detect.network import (
     log_odds,
     wired,
 )
-from blastline.detect.picture import ATTACK, HIGHEST_DB, LOWEST_DB, NEAR, WIDE, Pictures, pictures
+from blastline.detect.spectrogram import ATTACK, HIGHEST_DB, LOWEST_DB, NEAR, WIDE, Spectrograms, spectrograms
 
 RATE_HZ = 48_000
 
@@ -34,30 +34,30 @@ def bang(rate_hz: int, at_s: float = 1.0, seconds: float = 2.0) -> NDArray[np.fl
     return np.asarray(tones * (1e-3 + np.where(time >= 0.0, np.exp(-time / 0.05), 0.0)), np.float32)
 
 
-def test_gain_changes_no_picture_and_a_delay_moves_it() -> None:
+def test_gain_changes_no_spectrogram_and_a_delay_moves_it() -> None:
     noise = 4e-3 * np.random.default_rng(6).standard_normal(2 * RATE_HZ)
     samples, onset = (bang(RATE_HZ) + noise).astype(np.float32), np.array([RATE_HZ])
-    plain = pictures(samples, onset, RATE_HZ)
+    plain = spectrograms(samples, onset, RATE_HZ)
     for gain in (-1.0, 4.0, 0.5):
-        louder = pictures(np.asarray(gain * samples, np.float32), onset, RATE_HZ)
+        louder = spectrograms(np.asarray(gain * samples, np.float32), onset, RATE_HZ)
         for one, two in ((louder.near, plain.near), (louder.wide, plain.wide)):  # down to where 16 bits end
             np.testing.assert_allclose(np.maximum(one, -45.0), np.maximum(two, -45.0), atol=0.1)
-    later = pictures(np.concatenate([np.zeros(1_234, np.float32), samples]), onset + 1_234, RATE_HZ)
+    later = spectrograms(np.concatenate([np.zeros(1_234, np.float32), samples]), onset + 1_234, RATE_HZ)
     assert np.array_equal(later.near, plain.near)
     assert np.array_equal(later.wide, plain.wide)
 
 
-def test_a_faint_film_has_the_pictures_of_a_loud_one_down_to_silence() -> None:
+def test_a_faint_film_has_the_spectrograms_of_a_loud_one_down_to_silence() -> None:
     samples, onset = bang(RATE_HZ), np.array([RATE_HZ])
-    plain = pictures(samples, onset, RATE_HZ)
-    faint = pictures(np.float32(1e-2) * samples, onset, RATE_HZ, np.array([1e-2], np.float32))
+    plain = spectrograms(samples, onset, RATE_HZ)
+    faint = spectrograms(np.float32(1e-2) * samples, onset, RATE_HZ, np.array([1e-2], np.float32))
     for one, two in ((faint.near, plain.near), (faint.wide, plain.wide)):
         np.testing.assert_allclose(one, two, atol=1e-3)
 
 
 def test_a_frame_is_the_power_of_its_bands_against_the_attack() -> None:
     samples, onset = bang(RATE_HZ).astype(np.float64), RATE_HZ
-    shown = pictures(samples.astype(np.float32), np.array([onset]), RATE_HZ)
+    shown = spectrograms(samples.astype(np.float32), np.array([onset]), RATE_HZ)
     edges = np.geomspace(NEAR.low_hz, NEAR.high_hz, NEAR.bands + 2)
 
     def level_db(frame: int, band: int) -> float:
@@ -73,23 +73,25 @@ def test_a_frame_is_the_power_of_its_bands_against_the_attack() -> None:
     expected = level_db(15, 14) - level_db(9, 12)
     assert shown.near[0, 15, 14] - shown.near[0, 9, 12] == pytest.approx(expected, abs=0.01)
     noise = 0.05 * np.random.default_rng(7).standard_normal(samples.size)  # so that no level is clipped
-    full = pictures((samples + noise).astype(np.float32), np.array([onset]), RATE_HZ)
+    full = spectrograms((samples + noise).astype(np.float32), np.array([onset]), RATE_HZ)
     assert full.near[0, ATTACK].mean(axis=1).max() == pytest.approx(0.0, abs=1e-3)
 
 
-def test_a_constant_changes_no_picture() -> None:
+def test_a_constant_changes_no_spectrogram() -> None:
     noise = 4e-3 * np.random.default_rng(6).standard_normal(2 * RATE_HZ)
     samples = (bang(RATE_HZ) + noise).astype(np.float32)
-    for onset in (RATE_HZ, 100, 2 * RATE_HZ - 100):  # in the middle, and where pictures reach beyond the ends
-        plain, shifted = (pictures(each, np.array([onset]), RATE_HZ) for each in (samples, samples + np.float32(0.1)))
+    for onset in (RATE_HZ, 100, 2 * RATE_HZ - 100):  # in the middle, and where spectrograms reach beyond the ends
+        plain, shifted = (
+            spectrograms(each, np.array([onset]), RATE_HZ) for each in (samples, samples + np.float32(0.1))
+        )
         np.testing.assert_allclose(plain.near, shifted.near, atol=0.1)
         np.testing.assert_allclose(plain.wide, shifted.wide, atol=0.1)
 
 
 @pytest.mark.parametrize("rate_hz", [44_100, 96_000, 22_050])
-def test_another_rate_gives_nearly_the_same_picture(rate_hz: int) -> None:
-    here = pictures(bang(RATE_HZ), np.array([RATE_HZ]), RATE_HZ)
-    there = pictures(bang(rate_hz), np.array([rate_hz]), rate_hz)
+def test_another_rate_gives_nearly_the_same_spectrogram(rate_hz: int) -> None:
+    here = spectrograms(bang(RATE_HZ), np.array([RATE_HZ]), RATE_HZ)
+    there = spectrograms(bang(rate_hz), np.array([rate_hz]), rate_hz)
     edges = np.geomspace(WIDE.low_hz, WIDE.high_hz, WIDE.bands + 2)
     audible = (edges[1:-1] > 300.0) & (edges[1:-1] < 5_000.0)
     attack = slice(14, 29)
@@ -104,7 +106,7 @@ def test_low_bands_hear_the_same_at_every_rate(rate_hz: int) -> None:
     up, down = Fraction(rate_hz, RATE_HZ).as_integer_ratio()
     there = resample_poly(noise, up, down, window=("kaiser", 12.0)).astype(np.float32)
     shown = [
-        pictures(samples, np.round(onsets * rate / RATE_HZ).astype(np.intp), rate).wide[:, :, :12]
+        spectrograms(samples, np.round(onsets * rate / RATE_HZ).astype(np.intp), rate).wide[:, :, :12]
         for samples, rate in ((noise.astype(np.float32), RATE_HZ), (there, rate_hz))
     ]
     levels = [each - each.mean(axis=(1, 2), keepdims=True) for each in shown]
@@ -114,11 +116,11 @@ def test_low_bands_hear_the_same_at_every_rate(rate_hz: int) -> None:
 
 def test_silence_and_the_ends_of_a_film_are_numbers() -> None:
     for samples in (np.zeros(100, np.float32), bang(RATE_HZ)[RATE_HZ : RATE_HZ + 50]):
-        shown = pictures(samples, np.array([0, 10, samples.size - 1]), RATE_HZ)
-        for picture, raster in ((shown.near, NEAR), (shown.wide, WIDE)):
-            assert picture.shape == (3, raster.frames, raster.bands)
-            assert LOWEST_DB <= picture.min() <= picture.max() <= HIGHEST_DB
-    nothing = pictures(np.zeros(10, np.float32), np.zeros(0, np.intp), RATE_HZ)
+        shown = spectrograms(samples, np.array([0, 10, samples.size - 1]), RATE_HZ)
+        for spectrogram, layout in ((shown.near, NEAR), (shown.wide, WIDE)):
+            assert spectrogram.shape == (3, layout.frames, layout.bands)
+            assert LOWEST_DB <= spectrogram.min() <= spectrogram.max() <= HIGHEST_DB
+    nothing = spectrograms(np.zeros(10, np.float32), np.zeros(0, np.intp), RATE_HZ)
     assert nothing.near.shape == (0, NEAR.frames, NEAR.bands)
 
 
@@ -161,8 +163,8 @@ def by_scipy(network: Network, rows: NDArray[np.float64], shown: Contrasts) -> l
     odds = []
     for index in range(rows.shape[0]):
         parts = []
-        for picture, layers in ((shown.near, network.near), (shown.wide, network.wide)):
-            maps = list(np.moveaxis(picture[index].astype(np.float64), -1, 0))
+        for spectrogram, layers in ((shown.near, network.near), (shown.wide, network.wide)):
+            maps = list(np.moveaxis(spectrogram[index].astype(np.float64), -1, 0))
             for layer in layers:
                 kernels = layer.weights.astype(np.float64).reshape(3, 3, len(maps), -1)
                 maps = [
@@ -186,7 +188,7 @@ def by_scipy(network: Network, rows: NDArray[np.float64], shown: Contrasts) -> l
 
 def some_contrasts(rng: np.random.Generator, count: int) -> Contrasts:
     near, wide = (rng.uniform(LOWEST_DB, HIGHEST_DB, (count, r.frames, r.bands)) for r in (NEAR, WIDE))
-    return contrasts(Pictures(near.astype(np.float32), wide.astype(np.float32)))
+    return contrasts(Spectrograms(near.astype(np.float32), wide.astype(np.float32)))
 
 
 def test_a_network_is_its_correlations_and_products() -> None:
@@ -195,7 +197,7 @@ def test_a_network_is_its_correlations_and_products() -> None:
     np.testing.assert_allclose(log_odds(network, rows, shown), by_scipy(network, rows, shown), rtol=2e-4, atol=2e-4)
 
 
-def test_a_network_for_other_pictures_or_features_does_not_fit() -> None:
+def test_a_network_for_other_spectrograms_or_features_does_not_fit() -> None:
     network = random_file(5)
     assert fits(network, 5)
     assert not fits(network, 6)

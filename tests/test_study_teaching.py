@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from blastline.detect.contrast import contrasts
 from blastline.detect.network import NetworkFile, log_odds, wired
-from blastline.detect.picture import NEAR, WIDE, Pictures
+from blastline.detect.spectrogram import NEAR, WIDE, Spectrograms
 from blastline.study.networks import SIZES, between, size_of
 from blastline.study.teaching import FURTHER, SETTINGS, Examples, fit_network, teach_further
 
@@ -17,7 +17,7 @@ FEATURES = 6
 
 
 def examples(count: int, seed: int, *, late_in: str = "near") -> Examples:
-    """Return examples of which the shots are louder late in one picture and in their third feature."""
+    """Return examples of which the shots are louder late in one spectrogram and in their third feature."""
     rng = np.random.default_rng(seed)
     shots = rng.random(count) < 0.5
     near, wide = (rng.normal(-20.0, 6.0, (count, r.frames, r.bands)) for r in (NEAR, WIDE))
@@ -37,8 +37,8 @@ def test_a_network_tells_what_it_was_taught_from_what_it_was_not_shown(averaged:
 
 
 def said(network: NetworkFile, of: Examples) -> NDArray[np.float64]:
-    pictures = Pictures(of.near.astype(np.float32), of.wide.astype(np.float32))
-    return log_odds(wired(network), of.rows.astype(np.float64), contrasts(pictures))
+    spectrograms = Spectrograms(of.near.astype(np.float32), of.wide.astype(np.float32))
+    return log_odds(wired(network), of.rows.astype(np.float64), contrasts(spectrograms))
 
 
 @pytest.mark.parametrize(("averaged", "size"), [(False, "small"), (True, "small"), (False, "large")])

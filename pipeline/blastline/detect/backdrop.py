@@ -12,18 +12,18 @@ median and in nine of ten cases less than 2.4; different guns are 4 dB and more,
 import numpy as np
 from numpy.typing import NDArray
 
-from .picture import Pictures
+from .spectrogram import Spectrograms
 
 BITS = 50
-_FRAMES, _BANDS, _JOINED = 11, 6, 5  # until 10 ms before the onset; the bands of the wide picture five by five
+_FRAMES, _BANDS, _JOINED = 11, 6, 5  # until 10 ms before the onset; the bands of the wide spectrogram five by five
 _STILL_DB = 0.05
-_OWN, _OWN_FRAMES, _OWN_BANDS = slice(5, 20), 5, 5  # the near picture's first 15 ms from the onset, three by four
+_OWN, _OWN_FRAMES, _OWN_BANDS = slice(5, 20), 5, 5  # the near spectrogram's first 15 ms from the onset, three by four
 LEVELS = _OWN_FRAMES * _OWN_BANDS
 _LONGEST_PERIOD, _PERIODIC = 5, 0.2
 """In frames: a hum of 50 or 60 Hz repeats itself after 20 or 50 ms, and up to so much of its bits is something else."""
 
 
-def backdrops(shown: Pictures) -> list[int | None]:
+def backdrops(shown: Spectrograms) -> list[int | None]:
     """Return the backdrop of each candidate; None where it tells nothing.
 
     That is where half of it and more is silence or does not change, and where it repeats itself: a hum is the same at
@@ -40,7 +40,7 @@ def backdrops(shown: Pictures) -> list[int | None]:
     return [number if known else None for number, known in zip(numbers.tolist(), told.tolist(), strict=True)]
 
 
-def sounds(shown: Pictures) -> list[tuple[int, ...]]:
+def sounds(shown: Spectrograms) -> list[tuple[int, ...]]:
     """Return the sound of each candidate itself: levels in dB against its attack, `_OWN_BANDS` at each moment."""
     own = shown.near[:, _OWN]
     count, frames, bands = own.shape

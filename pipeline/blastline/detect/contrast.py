@@ -1,6 +1,6 @@
-"""A candidate's pictures against what was heard just before it: a shot under a voice should look like a shot.
+"""A candidate's spectrograms against what was heard just before it: a shot under a voice should look like a shot.
 
-    level   as in the picture: against the attack of all that sounds
+    level   as in the spectrogram: against the attack of all that sounds
     rise    over the mean power of the same band before the onset
     rest    what is left when that power is taken off, against the attack of what is left
     decay   the same, against the same band's loudest moment in the attack: whatever the sound's colour
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .picture import ATTACK, HIGHEST_DB, LOWEST_DB, NEAR, WIDE, Pictures, Raster
+from .spectrogram import ATTACK, HIGHEST_DB, LOWEST_DB, NEAR, WIDE, SpectrogramLayout, Spectrograms
 
 CONTRASTS = 4
 SCALE_DB = 15.0
@@ -27,7 +27,7 @@ _LOG_PER_DB = np.float32(np.log(10.0) / 10.0)
 
 @dataclass(frozen=True, eq=False)
 class Contrasts:
-    """Pictures of n candidates as networks take them: `near` (n, frames, bands, CONTRASTS) and `wide`, float32."""
+    """Spectrograms of n candidates as networks take them: `near` (n, frames, bands, CONTRASTS) and `wide`, float32."""
 
     near: NDArray[np.float32]
     wide: NDArray[np.float32]
@@ -37,8 +37,8 @@ class Contrasts:
         return Contrasts(self.near[which], self.wide[which])
 
 
-def contrasts(shown: Pictures) -> Contrasts:
-    """Return the pictures of n candidates against what was before them."""
+def contrasts(shown: Spectrograms) -> Contrasts:
+    """Return the spectrograms of n candidates against what was before them."""
     (near_rise, near_rest), (wide_rise, wide_rest) = _new(shown.near, NEAR), _new(shown.wide, WIDE)
     attack = near_rest[:, ATTACK].mean(axis=2).max(axis=1, initial=-np.inf)[:, None, None]
     near_decay, wide_decay = _decay(near_rest, ATTACK), _decay(wide_rest, _WIDE_ATTACK)
@@ -48,10 +48,10 @@ def contrasts(shown: Pictures) -> Contrasts:
     )
 
 
-def _new(levels: NDArray[np.float32], raster: Raster) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def _new(levels: NDArray[np.float32], layout: SpectrogramLayout) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return how far each level is over what was before the onset, and what is left without that, in dB."""
     power = np.exp(levels * _LOG_PER_DB)
-    before = power[:, : raster.before].mean(axis=1, keepdims=True)
+    before = power[:, : layout.before].mean(axis=1, keepdims=True)
     rest = np.maximum(power - before, _LEAST_REST * power)
     return levels - np.log(before) / _LOG_PER_DB, np.log(rest, out=rest) / _LOG_PER_DB
 

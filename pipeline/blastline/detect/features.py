@@ -1,4 +1,4 @@
-"""What the verifier knows of a candidate besides its pictures: its shape band by band, and its neighbourhood."""
+"""What the verifier knows of a candidate besides its spectrograms: its shape band by band, and its neighbourhood."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -22,12 +22,12 @@ from .features import features
 from .fire import Looked, even_rows, worth_a_look
 from .neighbours import neighbourhood
 from .onset import farthest_ms, refine_onsets
-from .picture import pictures
 from .rate import LISTENING_HZ, film_sample, in_film, resampled
 from .scan import candidate_steps, loudest_around
 from .segment import peak_dbfs, segment
 from .sides import are_audible, as_heard, beside, joined
 from .sparse import bands_near
+from .spectrogram import spectrograms
 from .tracks import Grid, pieces
 from .verify import Verifier, log_odds_in
 
@@ -209,7 +209,7 @@ def _search(
     """
     found = _worth_looking_at(chunk, grid, tier, verifier, over)
     loudest = loudest_around(chunk.peak, found.onsets // grid.step, grid=grid)
-    shown = pictures(chunk.samples, found.onsets, grid.rate_hz, loudest)
+    shown = spectrograms(chunk.samples, found.onsets, grid.rate_hz, loudest)
     verdicts, before, own = verifier.verdicts(found.rows, shown), backdrops(shown), sounds(shown)
     at = found.onsets + chunk.start
     peaks_dbfs = np.array([peak_dbfs(chunk.samples, onset, grid.rate_hz) for onset in found.onsets.tolist()])

@@ -1,8 +1,8 @@
 """A small convolutional network over a candidate's contrasts and features, evaluated in numpy.
 
-    near picture --conv--conv--conv--conv--+
-    wide picture --conv--conv--conv--conv--+--dense--dense--dense--> log-odds of a shot
-    features ------------------------------+
+    near spectrogram --conv--conv--conv--conv--+
+    wide spectrogram --conv--conv--conv--conv--+--dense--dense--dense--> log-odds of a shot
+    features ----------------------------------+
 
 Trained offline (`study.train`); what normalises while training is folded into the weights.
 """
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .contrast import CONTRASTS, Contrasts
-from .picture import NEAR, WIDE
+from .spectrogram import NEAR, WIDE
 
 Values = NDArray[np.float32]
 
@@ -73,12 +73,12 @@ def wired(file: NetworkFile) -> Network:
 
 
 def fits(file: NetworkFile, features: int) -> bool:
-    """Return whether a network is whole and takes so many features and the pictures of this version."""
+    """Return whether a network is whole and takes so many features and the spectrograms of this version."""
     if not len(file.means) == len(file.spreads) == features:
         return False
     inputs = features
-    for raster, layers in ((NEAR, file.near), (WIDE, file.wide)):
-        frames, bands, channels = raster.frames, raster.bands, CONTRASTS
+    for layout, layers in ((NEAR, file.near), (WIDE, file.wide)):
+        frames, bands, channels = layout.frames, layout.bands, CONTRASTS
         for layer in layers:
             if layer.stride < 1 or not _takes(layer, KERNEL * KERNEL * channels):
                 return False
@@ -135,12 +135,12 @@ def _convolve(values: Values, layer: Layer) -> Values:
     padded = np.zeros((count, frames + KERNEL - 1, bands + KERNEL - 1, channels), np.float32)
     padded[:, 1:-1, 1:-1] = values
     frames, bands = -(-frames // layer.stride), -(-bands // layer.stride)
-    per_picture, per_frame, per_band, per_channel = padded.strides
+    per_candidate, per_frame, per_band, per_channel = padded.strides
     windows = np.ndarray(
         (count, frames, bands, KERNEL, KERNEL, channels),
         np.float32,
         padded,
-        strides=(per_picture, layer.stride * per_frame, layer.stride * per_band, per_frame, per_band, per_channel),
+        strides=(per_candidate, layer.stride * per_frame, layer.stride * per_band, per_frame, per_band, per_channel),
     )
     convolved = windows.reshape(count * frames * bands, -1) @ layer.weights
     convolved += layer.biases

@@ -17,7 +17,7 @@ from .contrast import contrasts
 from .features import feature_names
 from .forest import Forest, ForestFile, grown, probabilities, score
 from .network import Network, NetworkFile, fits, log_odds, wired
-from .picture import Pictures
+from .spectrogram import Spectrograms
 
 SCHEMA = 4
 BEYOND_DOUBT = 3.0
@@ -92,17 +92,17 @@ class LogOdds:
 
 @dataclass(frozen=True, eq=False)
 class Verifier:
-    """The gate, by rough shapes; the screen, by shape and neighbourhood; and the networks, which also see pictures."""
+    """The gate, by rough shapes; the screen, by shape and neighbourhood; the networks, which also see spectrograms."""
 
     gate: Sieve
     screen: Sieve
     networks: tuple[Network, ...]
 
-    def probabilities(self, rows: NDArray[np.float64], shown: Pictures) -> NDArray[np.float64]:
+    def probabilities(self, rows: NDArray[np.float64], shown: Spectrograms) -> NDArray[np.float64]:
         """Return the probability that each candidate is a shot, shape (n,)."""
         return self.verdicts(rows, shown).probability
 
-    def verdicts(self, rows: NDArray[np.float64], shown: Pictures) -> Verdicts:
+    def verdicts(self, rows: NDArray[np.float64], shown: Spectrograms) -> Verdicts:
         """Return what is thought of each candidate, by screen and networks.
 
         Trees and networks err in different places. A further network is asked only where those before it leave room
@@ -146,7 +146,7 @@ def load_verifier(path: Path, *, networks: int) -> Verifier:
 def read_model(path: Path, *, networks: int | None = None) -> ModelFile:
     """Read a model file with its first `networks` networks, or all.
 
-    Raises RuleError where it has fewer, or what is read does not fit this version's features and pictures.
+    Raises RuleError where it has fewer, or what is read does not fit this version's features and spectrograms.
     """
     try:
         sealed = msgspec.json.decode(path.read_bytes(), type=_SealedModelFile)

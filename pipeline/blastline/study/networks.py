@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..detect.contrast import CONTRASTS
 from ..detect.network import KERNEL, LayerFile, NetworkFile
-from ..detect.picture import NEAR, WIDE, Raster
+from ..detect.spectrogram import NEAR, WIDE, SpectrogramLayout
 
 if TYPE_CHECKING:
     from torch import Tensor, nn
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Size:
-    """Output channels and stride of each convolution over either picture, and the width of the dense layers."""
+    """Output channels and stride of each convolution over either spectrogram, and the width of the dense layers."""
 
     near: tuple[tuple[int, int], ...]
     wide: tuple[tuple[int, int], ...]
@@ -36,7 +36,7 @@ SIZES = {
 
 @dataclass(frozen=True, eq=False)
 class Judge:
-    """The network while it is trained: the layers over each picture, and those over what comes out of them."""
+    """The network while it is trained: the layers over each spectrogram, and those over what comes out of them."""
 
     near: nn.Sequential
     wide: nn.Sequential
@@ -177,12 +177,12 @@ def _centred(norm: nn.BatchNorm1d | nn.BatchNorm2d, answers: Tensor, biases: Ten
     return said
 
 
-def _convolutions(raster: Raster, layers: tuple[tuple[int, int], ...]) -> tuple[nn.Sequential, int]:
-    """Return the convolutions over a picture's contrasts, and how many values come out of them."""
+def _convolutions(layout: SpectrogramLayout, layers: tuple[tuple[int, int], ...]) -> tuple[nn.Sequential, int]:
+    """Return the convolutions over a spectrogram's contrasts, and how many values come out of them."""
     from torch import nn
 
     parts: list[nn.Module] = []
-    channels, height, width = CONTRASTS, raster.frames, raster.bands
+    channels, height, width = CONTRASTS, layout.frames, layout.bands
     for outputs, stride in layers:
         parts += [
             nn.Conv2d(channels, outputs, KERNEL, stride=stride, padding=1, bias=False),

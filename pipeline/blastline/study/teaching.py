@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ..detect.contrast import contrasts
 from ..detect.network import FEATURE_LIMIT, NetworkFile
-from ..detect.picture import Pictures
+from ..detect.spectrogram import Spectrograms
 from .networks import SIZES, Judge, exported, new_judge, restored
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ TILTED = (1.0, 0.0, 1.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Examples:
-    """What networks learn from: pictures (half precision, to save memory), features and whether a shot."""
+    """What networks learn from: spectrograms (half precision, to save memory), features and whether a shot."""
 
     near: NDArray[np.float16]
     wide: NDArray[np.float16]
@@ -56,7 +56,7 @@ class Examples:
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """The examples as a network takes them: pictures still as levels, features in their spreads."""
+    """The examples as a network takes them: spectrograms still as levels, features in their spreads."""
 
     near: NDArray[np.float16]
     wide: NDArray[np.float16]
@@ -72,8 +72,8 @@ class Material:
         """Return the contrasts of some of them, as a judge takes them."""
         import torch
 
-        near, wide = (pictures[which.numpy()].astype(np.float32) for pictures in (self.near, self.wide))
-        seen = contrasts(Pictures(near, wide))
+        near, wide = (levels[which.numpy()].astype(np.float32) for levels in (self.near, self.wide))
+        seen = contrasts(Spectrograms(near, wide))
         near, wide = (torch.from_numpy(each).permute(0, 3, 1, 2) for each in (seen.near, seen.wide))
         return near, wide
 

@@ -1,6 +1,6 @@
 """Train the verifier: `python -m blastline.study.train --corpus DIR [--corpus DIR ...] -o rules/verifier/shots.json`.
 
-    lessons (films, mixes, mixes of recordings) --> candidates --> gate --> screen --> pictures of the rest --> networks
+    lessons (films, mixes, recordings in mixes) --> candidates --> gate --> screen --> spectrograms --> networks
 
 Candidates on a shot's onset are positives, all others negatives. Some films, and with `--hold-out` a part of the
 sources of recordings, are never learnt from; what the file scores on them is written into it. With `--more` the
@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from ..detect.forest import grown
 from ..detect.network import NetworkFile, wired
-from ..detect.picture import Pictures, pictures
+from ..detect.spectrogram import Spectrograms, spectrograms
 from ..detect.verify import SCHEMA, ModelFile, Sieve, Verifier, read_model
 from ..ruleset import QualityRules, load_rules
 from .candidates import Candidates, best_f1, candidates, joined
@@ -58,14 +58,14 @@ def _listen(tier: QualityRules, item: tuple[int, Kept]) -> Candidates:
 
 
 def _look(item: tuple[Kept, Candidates]) -> tuple[NDArray[np.float16], NDArray[np.float16]]:
-    """Return the pictures of candidates of a lesson, near and wide, in half precision."""
+    """Return the spectrograms of candidates of a lesson, near and wide, in half precision."""
     lesson, found = item
-    shown = pictures(heard(lesson).samples, found.onsets, RATE_HZ, found.loudest)
+    shown = spectrograms(heard(lesson).samples, found.onsets, RATE_HZ, found.loudest)
     return shown.near.astype(np.float16), shown.wide.astype(np.float16)
 
 
 def look(every: Candidates, kept: Sequence[Kept], pool: ProcessPoolExecutor) -> Examples:
-    """Return the pictures of candidates with their features and labels; they are in order of lessons."""
+    """Return the spectrograms of candidates with their features and labels; they are in order of lessons."""
     numbers = np.unique(every.lesson).tolist()
     wanted = [(kept[number], every.taken(every.lesson == number)) for number in numbers]
     near, wide = zip(*pool.map(_look, wanted, chunksize=4), strict=True)
@@ -86,7 +86,7 @@ def score(model: ModelFile, tested: Candidates, kept: Sequence[Kept], pool: Proc
     """Return the best F1 on candidates that were held out, by the screen alone and by one to all networks."""
     left = sieved(tested, model.gate, model.screen)
     seen = look(left, kept, pool)
-    shown = Pictures(seen.near.astype(np.float32), seen.wide.astype(np.float32))
+    shown = Spectrograms(seen.near.astype(np.float32), seen.wide.astype(np.float32))
     rows = left.rows.astype(np.float64)
     gate, screen = (Sieve(grown(sieve.forest), sieve.threshold) for sieve in (model.gate, model.screen))
     networks = tuple(wired(network) for network in model.networks)

@@ -1,4 +1,4 @@
-"""A candidate as two pictures: how its spectrum goes on, near in milliseconds and wide over half a second.
+"""Two log-spectrograms of a candidate: a fine one of 24 ms and a coarse one of half a second.
 
               onset
     near  ....|..................     24 frames 1 ms apart, of 4 ms each, 20 bands, from 5 ms before to 18 ms after
@@ -27,8 +27,8 @@ _FULL_SCALE, _SMALLEST = np.ones(1, np.float32), np.finfo(np.float32).tiny
 
 
 @dataclass(frozen=True)
-class Raster:
-    """How a picture is taken: frames and bands, the first frame's start against the onset, all in ms and Hz.
+class SpectrogramLayout:
+    """How a spectrogram is laid out: frames and bands, the first frame's start against the onset, all in ms and Hz.
 
     The first `before` frames are over before the onset. `transform_ms` is how long the transforms are, the window
     padded: a power of two at 48 kHz, a percent or so more where that is faster. It sets which frequencies they hear,
@@ -46,7 +46,7 @@ class Raster:
     high_hz: float
 
 
-NEAR = Raster(
+NEAR = SpectrogramLayout(
     frames=24,
     before=4,
     bands=20,
@@ -57,7 +57,7 @@ NEAR = Raster(
     low_hz=150.0,
     high_hz=18_000.0,
 )
-WIDE = Raster(
+WIDE = SpectrogramLayout(
     frames=48,
     before=11,
     bands=32,
@@ -74,63 +74,67 @@ ATTACK = slice(6, 12)
 
 
 @dataclass(frozen=True, eq=False)
-class Pictures:
-    """The pictures of n candidates: `near` (n, frames, bands) and `wide`, in dB against the attack, float32."""
+class Spectrograms:
+    """The spectrograms of n candidates: `near` (n, frames, bands) and `wide`, in dB against the attack, float32."""
 
     near: NDArray[np.float32]
     wide: NDArray[np.float32]
 
 
-def pictures(
+def spectrograms(
     samples: NDArray[np.float32], onsets: NDArray[np.intp], rate_hz: int, loudest: NDArray[np.float32] = _FULL_SCALE
-) -> Pictures:
-    """Return the pictures of candidates whose onsets are indices into `samples`; beyond its ends it is still.
+) -> Spectrograms:
+    """Return the spectrograms of candidates whose onsets are indices into `samples`; beyond its ends it is still.
 
     `loudest` is the largest peak around each, shape (n,) or (1,): what is silence in a film is so in a quieter copy.
     """
     floor = np.maximum(np.float32(FLOOR) * np.square(loudest), _SMALLEST)[:, None, None]
-    near, wide = (_levels(samples, onsets, raster, rate_hz, floor) for raster in (NEAR, WIDE))
+    near, wide = (_levels(samples, onsets, layout, rate_hz, floor) for layout in (NEAR, WIDE))
     attack = near[:, ATTACK].mean(axis=2).max(axis=1, initial=-np.inf)[:, None, None]
-    return Pictures(np.clip(near - attack, LOWEST_DB, HIGHEST_DB), np.clip(wide - attack, LOWEST_DB, HIGHEST_DB))
+    return Spectrograms(np.clip(near - attack, LOWEST_DB, HIGHEST_DB), np.clip(wide - attack, LOWEST_DB, HIGHEST_DB))
 
 
 def _levels(
-    samples: NDArray[np.float32], onsets: NDArray[np.intp], raster: Raster, rate_hz: int, floor: NDArray[np.float32]
+    samples: NDArray[np.float32],
+    onsets: NDArray[np.intp],
+    layout: SpectrogramLayout,
+    rate_hz: int,
+    floor: NDArray[np.float32],
 ) -> NDArray[np.float32]:
     """Return the mean power of each band in each frame over a floor, in dB, shape (n, frames, bands)."""
     from scipy.fft import rfft
 
-    window, bands = _kernels(raster, rate_hz)
+    window, filterbank = _window_and_filterbank(layout, rate_hz)
     mean_of = window / window.sum()
-    size = _transform_size(raster, rate_hz)
-    starts = [samples_from_ms(raster.start_ms + raster.hop_ms * frame, rate_hz) for frame in range(raster.frames)]
-    levels = np.empty((onsets.size, raster.frames, raster.bands), np.float32)
-    at_once = max(1, _AT_ONCE // (raster.frames * size))
+    size = _transform_size(layout, rate_hz)
+    starts = [samples_from_ms(layout.start_ms + layout.hop_ms * frame, rate_hz) for frame in range(layout.frames)]
+    levels = np.empty((onsets.size, layout.frames, layout.bands), np.float32)
+    at_once = max(1, _AT_ONCE // (layout.frames * size))
     for first in range(0, onsets.size, at_once):
         some = onsets[first : first + at_once]
         frames = gather(samples, (some[:, None] + np.array(starts)).ravel(), window.size)
         frames -= (frames @ mean_of)[:, None]
         frames *= window
-        parts = rfft(frames, size, axis=1).view(np.float32)[:, : 2 * bands.shape[0]]
+        parts = rfft(frames, size, axis=1).view(np.float32)[:, : 2 * filterbank.shape[0]]
         np.square(parts, out=parts)
         power = parts[:, ::2] + parts[:, 1::2]
-        levels[first : first + at_once] = (power @ bands).reshape(some.size, raster.frames, raster.bands)
+        levels[first : first + at_once] = (power @ filterbank).reshape(some.size, layout.frames, layout.bands)
     levels += floor
     return np.multiply(np.log(levels, out=levels), _DB_PER_LOG, out=levels)
 
 
 @cache
-def _kernels(raster: Raster, rate_hz: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def _window_and_filterbank(layout: SpectrogramLayout, rate_hz: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return the window, and the bands' triangular weights on the bins, scaled so that a full-scale sine has power 1.
 
     Bands above what the rate can hold are silent.
     """
-    count = samples_from_ms(raster.window_ms, rate_hz)
-    size = _transform_size(raster, rate_hz)
+    count = samples_from_ms(layout.window_ms, rate_hz)
+    size = _transform_size(layout, rate_hz)
     window = np.hanning(count + 2)[1:-1]
-    # as if the transform were exactly as long as the raster's: so each band has the same bins at every rate
-    hz = np.arange(size // 2 + 1) * 1000.0 / raster.transform_ms
-    edges = np.geomspace(raster.low_hz, raster.high_hz, raster.bands + 2)
+    # as if the transform were exactly as long as the layout's: so each band has the same bins at every rate
+    hz = np.arange(size // 2 + 1) * 1000.0 / layout.transform_ms
+    edges = np.geomspace(layout.low_hz, layout.high_hz, layout.bands + 2)
     rising = (hz[:, None] - edges[:-2]) / (edges[1:-1] - edges[:-2])
     falling = (edges[2:] - hz[:, None]) / (edges[2:] - edges[1:-1])
     weights = np.maximum(0.0, np.minimum(rising, falling))
@@ -143,8 +147,8 @@ def _kernels(raster: Raster, rate_hz: int) -> tuple[NDArray[np.float32], NDArray
     return (window * (2.0 / window.sum())).astype(np.float32), weights[:heard].astype(np.float32)
 
 
-def _transform_size(raster: Raster, rate_hz: int) -> int:
-    """Return the number of samples that is near to the raster's and fast to transform."""
+def _transform_size(layout: SpectrogramLayout, rate_hz: int) -> int:
+    """Return the number of samples that is near to the layout's and fast to transform."""
     from scipy.fft import next_fast_len
 
-    return int(next_fast_len(samples_from_ms(raster.transform_ms, rate_hz)))
+    return int(next_fast_len(samples_from_ms(layout.transform_ms, rate_hz)))
