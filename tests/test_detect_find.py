@@ -13,7 +13,7 @@ from blastline.detect import Detection, find_shots, load_verifier
 from blastline.detect.chunks import CORE_PIECES, Chunk, chunks
 from blastline.detect.features import feature_names
 from blastline.detect.find import Described, _first_of_each, described, let_all_pass
-from blastline.detect.forest import ForestFile, grown, probabilities
+from blastline.detect.forest import ForestFile, forest_from, probabilities
 from blastline.detect.spectrogram import Spectrograms, spectrograms
 from blastline.detect.tracks import Grid, pieces
 from blastline.detect.verify import (
@@ -191,7 +191,7 @@ def test_the_runtime_walks_the_trees_as_scikit_learn_does() -> None:
     rows = rng.standard_normal((600, 8))
     labels = rows[:, 0] * rows[:, 1] + 0.3 * rng.standard_normal(600) > 0.0
     classifier = HistGradientBoostingClassifier(max_iter=40, random_state=0).fit(rows, labels)
-    ours = probabilities(rows, grown(exported(classifier, tuple("abcdefgh"))))
+    ours = probabilities(rows, forest_from(exported(classifier, tuple("abcdefgh"))))
     np.testing.assert_allclose(ours, classifier.predict_proba(rows)[:, 1], rtol=0.0, atol=1e-9)
 
 

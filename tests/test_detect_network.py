@@ -16,9 +16,9 @@ from blastline.detect.network import (
     LayerFile,
     Network,
     NetworkFile,
-    fits,
+    is_compatible,
     log_odds,
-    wired,
+    network_from,
 )
 from blastline.detect.spectrogram import ATTACK, HIGHEST_DB, LOWEST_DB, NEAR, WIDE, Spectrograms, spectrograms
 
@@ -199,8 +199,8 @@ def test_a_network_is_its_correlations_and_products() -> None:
 
 def test_a_network_for_other_spectrograms_or_features_does_not_fit() -> None:
     network = random_file(5)
-    assert fits(network, 5)
-    assert not fits(network, 6)
+    assert is_compatible(network, 5)
+    assert not is_compatible(network, 6)
     broken_parts: tuple[dict[str, Any], ...] = (
         {"wide": network.wide[:1]},
         {"near": []},
@@ -210,7 +210,7 @@ def test_a_network_for_other_spectrograms_or_features_does_not_fit() -> None:
         {"head": [msgspec.structs.replace(network.head[0], biases=[0.0]), *network.head[1:]]},
     )
     for broken in broken_parts:
-        assert not fits(msgspec.structs.replace(network, **broken), 5)
+        assert not is_compatible(msgspec.structs.replace(network, **broken), 5)
 
 
 def test_candidates_are_judged_one_by_one() -> None:
@@ -241,12 +241,12 @@ def test_the_runtime_judges_as_pytorch_does(size: str) -> None:
     judge.parts().eval()
     with torch.no_grad():
         theirs = judge.odds(seen[0], seen[1], known).numpy()
-    ours = log_odds(wired(exported(judge, np.zeros(5), np.ones(5))), rows, shown)
+    ours = log_odds(network_from(exported(judge, np.zeros(5), np.ones(5))), rows, shown)
     np.testing.assert_allclose(ours, theirs, rtol=1e-3, atol=1e-3)
 
 
 def test_a_network_file_is_wired_as_written() -> None:
     layer = LayerFile(0, [[1.0, 2.0], [3.0, 4.0]], [0.5, -0.5])
-    network = wired(NetworkFile([1.0], [2.0], [], [], [layer]))
+    network = network_from(NetworkFile([1.0], [2.0], [], [], [layer]))
     assert network.head[0].weights.tolist() == [[1.0, 2.0], [3.0, 4.0]]
     assert network.head[0].biases.tolist() == [0.5, -0.5]

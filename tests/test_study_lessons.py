@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from blastline.detect.forest import grown
+from blastline.detect.forest import forest_from
 from blastline.detect.verify import Sieve
 from blastline.ruleset import load_rules
 from blastline.study.again import BENEATH_DB, heard_again
@@ -104,7 +104,7 @@ def test_a_sieve_loses_about_the_share_of_shots_it_may() -> None:
     shots = rng.random(12_000) < 0.3
     rows = (rng.standard_normal((12_000, 2)) + 1.5 * shots[:, None]).astype(np.float32)
     file = fit_sieve(rows, shots, names=("a", "b"), loss=0.05, settings=GATE_SETTINGS, seed=1)
-    passed = Sieve(grown(file.forest), file.threshold).lets_pass(rows.astype(np.float64))
+    passed = Sieve(forest_from(file.forest), file.threshold).lets_pass(rows.astype(np.float64))
     assert passed[shots].mean() == pytest.approx(0.95, abs=0.02)
     assert passed[~shots].mean() < 0.5
 

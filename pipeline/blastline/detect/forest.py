@@ -48,7 +48,7 @@ class Forest:
     baseline: float
 
 
-def grown(file: ForestFile) -> Forest:
+def forest_from(file: ForestFile) -> Forest:
     """Return the trees padded to one size. ValueError where one has more leaves than `MOST_LEAVES`."""
     parted = [_parted(tree) for tree in file.trees]
     most_splits = max((len(splits) for splits, _ in parted), default=0)

@@ -65,15 +65,15 @@ class Network:
     head: tuple[Layer, ...]
 
 
-def wired(file: NetworkFile) -> Network:
+def network_from(file: NetworkFile) -> Network:
     """Return the network that a file describes."""
     return Network(
         np.array(file.means), np.array(file.spreads), *(_layers(part) for part in (file.near, file.wide, file.head))
     )
 
 
-def fits(file: NetworkFile, features: int) -> bool:
-    """Return whether a network is whole and takes so many features and the spectrograms of this version."""
+def is_compatible(file: NetworkFile, features: int) -> bool:
+    """Return whether a network is whole and takes that many features and the spectrograms of this version."""
     if not len(file.means) == len(file.spreads) == features:
         return False
     inputs = features

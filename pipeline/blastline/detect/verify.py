@@ -15,8 +15,8 @@ from ..errors import RuleError
 from .bandshape import bandshape_names
 from .contrast import contrasts
 from .features import feature_names
-from .forest import Forest, ForestFile, grown, probabilities, score
-from .network import Network, NetworkFile, fits, log_odds, wired
+from .forest import Forest, ForestFile, forest_from, probabilities, score
+from .network import Network, NetworkFile, is_compatible, log_odds, network_from
 from .spectrogram import Spectrograms
 
 SCHEMA = 4
@@ -139,8 +139,8 @@ def log_odds_of(probability: NDArray[np.float64] | float) -> NDArray[np.float64]
 def load_verifier(path: Path, *, networks: int) -> Verifier:
     """Read the sieves and the first `networks` networks of a model file; RuleError as `read_model`."""
     model = read_model(path, networks=networks)
-    gate, screen = (Sieve(grown(sieve.forest), sieve.threshold) for sieve in (model.gate, model.screen))
-    return Verifier(gate, screen, tuple(wired(network) for network in model.networks))
+    gate, screen = (Sieve(forest_from(sieve.forest), sieve.threshold) for sieve in (model.gate, model.screen))
+    return Verifier(gate, screen, tuple(network_from(network) for network in model.networks))
 
 
 def read_model(path: Path, *, networks: int | None = None) -> ModelFile:
@@ -171,7 +171,7 @@ def _network(path: Path, number: int, text: msgspec.Raw) -> NetworkFile:
         network = msgspec.json.decode(text, type=NetworkFile)
     except msgspec.DecodeError as error:
         raise RuleError(f"{path}: not a verifier model: networks[{number}]: {error}") from error
-    if not fits(network, len(feature_names())):
+    if not is_compatible(network, len(feature_names())):
         raise RuleError(f"{path}: networks[{number}]: expected layers for the features and pictures of this version")
     return network
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..detect.bandshape import bandshape_names
 from ..detect.features import feature_names
-from ..detect.forest import ForestFile, Tree, grown
+from ..detect.forest import ForestFile, Tree, forest_from
 from ..detect.verify import Sieve, SieveFile
 from .candidates import Candidates
 
@@ -26,8 +26,8 @@ def sieved(every: Candidates, gate: SieveFile, screen: SieveFile) -> Candidates:
     """Return the candidates that pass gate and screen."""
     rows = every.rows.astype(np.float64)
     sketches = rows[:, : len(bandshape_names())]
-    passed = Sieve(grown(gate.forest), gate.threshold).lets_pass(sketches)
-    passed[passed] = Sieve(grown(screen.forest), screen.threshold).lets_pass(rows[passed])
+    passed = Sieve(forest_from(gate.forest), gate.threshold).lets_pass(sketches)
+    passed[passed] = Sieve(forest_from(screen.forest), screen.threshold).lets_pass(rows[passed])
     return every.taken(passed)
 
 
@@ -38,7 +38,7 @@ def fit_sieves(learnt: Candidates, seed: int) -> tuple[SieveFile, SieveFile]:
         learnt.rows[:, : len(names)], learnt.shots, names=names, loss=GATE_LOSS, settings=GATE_SETTINGS, seed=seed
     )
     sketches = learnt.rows[:, : len(names)].astype(np.float64)
-    past = learnt.taken(Sieve(grown(gate.forest), gate.threshold).lets_pass(sketches))
+    past = learnt.taken(Sieve(forest_from(gate.forest), gate.threshold).lets_pass(sketches))
     screen = fit_sieve(
         past.rows, past.shots, names=feature_names(), loss=SCREEN_LOSS, settings=SCREEN_SETTINGS, seed=seed
     )

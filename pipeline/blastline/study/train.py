@@ -22,8 +22,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ..detect.forest import grown
-from ..detect.network import NetworkFile, wired
+from ..detect.forest import forest_from
+from ..detect.network import NetworkFile, network_from
 from ..detect.spectrogram import Spectrograms, spectrograms
 from ..detect.verify import SCHEMA, ModelFile, Sieve, Verifier, read_model
 from ..ruleset import QualityRules, load_rules
@@ -88,8 +88,8 @@ def score(model: ModelFile, tested: Candidates, kept: Sequence[Kept], pool: Proc
     seen = look(left, kept, pool)
     shown = Spectrograms(seen.near.astype(np.float32), seen.wide.astype(np.float32))
     rows = left.rows.astype(np.float64)
-    gate, screen = (Sieve(grown(sieve.forest), sieve.threshold) for sieve in (model.gate, model.screen))
-    networks = tuple(wired(network) for network in model.networks)
+    gate, screen = (Sieve(forest_from(sieve.forest), sieve.threshold) for sieve in (model.gate, model.screen))
+    networks = tuple(network_from(network) for network in model.networks)
     f1 = [best_f1(screen.probabilities(rows), left)[0]]
     for count in range(len(networks)):
         f1.append(best_f1(Verifier(gate, screen, networks[: count + 1]).probabilities(rows, shown), left)[0])
