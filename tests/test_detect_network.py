@@ -227,21 +227,21 @@ def test_candidates_are_judged_one_by_one() -> None:
 @pytest.mark.parametrize("size", ["small", "large"])
 def test_the_runtime_judges_as_pytorch_does(size: str) -> None:
     torch = pytest.importorskip("torch")
-    from blastline.study.networks import SIZES, exported, new_judge
+    from blastline.study.networks import SIZES, exported, new_network
 
     torch.manual_seed(1)
-    judge = new_judge(5, 0.3, SIZES[size])
+    network = new_network(5, 0.3, SIZES[size])
     rng = np.random.default_rng(4)
     shown, rows = some_contrasts(rng, 32), rng.standard_normal((32, 5))
     seen = [torch.from_numpy(each).permute(0, 3, 1, 2) for each in (shown.near, shown.wide)]
     known = torch.from_numpy(rows.astype(np.float32))
-    judge.parts().train()
+    network.parts().train()
     for _ in range(3):  # so that the running means are not what they start from
-        judge.odds(seen[0], seen[1], known)
-    judge.parts().eval()
+        network.log_odds(seen[0], seen[1], known)
+    network.parts().eval()
     with torch.no_grad():
-        theirs = judge.odds(seen[0], seen[1], known).numpy()
-    ours = log_odds(network_from(exported(judge, np.zeros(5), np.ones(5))), rows, shown)
+        theirs = network.log_odds(seen[0], seen[1], known).numpy()
+    ours = log_odds(network_from(exported(network, np.zeros(5), np.ones(5))), rows, shown)
     np.testing.assert_allclose(ours, theirs, rtol=1e-3, atol=1e-3)
 
 

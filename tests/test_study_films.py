@@ -11,7 +11,7 @@ import soundfile
 from blastline.errors import RuleError
 from blastline.study.cases import GUN_FREE_EVERY, Case, random_films, scenes
 from blastline.study.corpus import read_corpus
-from blastline.study.courses import FOLD_SEED, FOLDS, by_fold
+from blastline.study.datasets import FOLD_SEED, FOLDS, by_fold
 from blastline.study.detection import study_detection
 from blastline.study.filmlike import CLIP_S, film_mixes, one_shot_clips, stock
 from blastline.study.mixes import Levels, Sound, mix

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from blastline.detect.forest import forest_from
 from blastline.detect.verify import Sieve
 from blastline.ruleset import load_rules
-from blastline.study.again import BENEATH_DB, heard_again
-from blastline.study.candidates import Candidates, best_f1, candidates, joined
+from blastline.study.augment import BENEATH_DB, augmented
+from blastline.study.candidates import Candidates, best_f1, candidates, concatenated
 from blastline.study.codecs import BITS_PER_S, Codec, coded
 from blastline.study.lessons import outdoor_mix, plain_mix, synthetic_film, synthetic_mix, without_drowned
 from blastline.study.mixes import RATE_HZ, Mix, Sound
@@ -72,7 +72,7 @@ def test_a_lesson_is_always_the_same_and_its_shots_add_up(lesson: object) -> Non
     assert int(found.shots.sum()) + found.missed == film.onsets.size
     some = found.taken(np.arange(found.shots.size) % 2 == 0)
     assert int(some.shots.sum()) + some.missed == film.onsets.size
-    both = joined([found, some])
+    both = concatenated([found, some])
     assert both.rows.shape[0] == both.shots.size == found.shots.size + some.shots.size
     assert both.missed == found.missed + some.missed
 
@@ -174,29 +174,29 @@ def rises_at(samples: NDArray[np.float32], at: int) -> bool:
 def test_a_lesson_heard_again_has_its_shots_where_they_sound(seed: int) -> None:
     """Whatever its speed, its colours and what lies beneath: none is lost but by the cut, and none is elsewhere."""
     film, other = bangs([0.4, 0.5, 0.3, 0.4, 0.5], 8.0), bangs([], 8.0)
-    again = heard_again(film, other, np.random.default_rng(seed))
-    assert again.onsets.size == film.onsets.size
-    assert all(rises_at(again.samples, at) for at in again.onsets.tolist())
-    assert np.all(np.diff(again.onsets) >= 0)
-    assert again.level_db.size == again.onsets.size
-    assert np.abs(again.samples).max() <= 1.0
-    assert not np.array_equal(again.samples[: film.samples.size], film.samples[: again.samples.size])
+    changed = augmented(film, other, np.random.default_rng(seed))
+    assert changed.onsets.size == film.onsets.size
+    assert all(rises_at(changed.samples, at) for at in changed.onsets.tolist())
+    assert np.all(np.diff(changed.onsets) >= 0)
+    assert changed.level_db.size == changed.onsets.size
+    assert np.abs(changed.samples).max() <= 1.0
+    assert not np.array_equal(changed.samples[: film.samples.size], film.samples[: changed.samples.size])
 
 
 def test_what_lies_beneath_keeps_its_shots_and_is_softer() -> None:
     film, other = bangs([0.4], 8.0), bangs([0.4] * 6, 8.0)
-    beneath = [heard_again(film, other, np.random.default_rng(seed)) for seed in range(40)]
-    labelled = [again for again in beneath if again.onsets.size + again.unsure.size > 1]
+    beneath = [augmented(film, other, np.random.default_rng(seed)) for seed in range(40)]
+    labelled = [changed for changed in beneath if changed.onsets.size + changed.unsure.size > 1]
     assert 10 <= len(labelled) <= 30
-    for again in labelled:
-        assert again.onsets.size + again.unsure.size >= 4
-        loudest = sorted(float(np.abs(again.samples[at : at + 480]).max()) for at in again.onsets.tolist())
+    for changed in labelled:
+        assert changed.onsets.size + changed.unsure.size >= 4
+        loudest = sorted(float(np.abs(changed.samples[at : at + 480]).max()) for at in changed.onsets.tolist())
         assert loudest[0] < loudest[-1] * 10.0 ** (BENEATH_DB[1] / 40.0)
 
 
 def test_a_lesson_without_a_shot_has_none_when_heard_again() -> None:
     silent = Mix(np.zeros(RATE_HZ, np.float32), np.zeros(0, np.intp), np.zeros(0), np.zeros(0, np.intp))
     for seed in range(10):
-        again = heard_again(silent, silent, np.random.default_rng(seed))
-        assert again.onsets.size == 0
-        assert not again.samples.any()
+        changed = augmented(silent, silent, np.random.default_rng(seed))
+        assert changed.onsets.size == 0
+        assert not changed.samples.any()

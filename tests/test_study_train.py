@@ -8,14 +8,14 @@ import pytest
 
 from blastline.detect.verify import ModelFile, read_model
 from blastline.ruleset import rules_path
-from blastline.study.courses import Course
+from blastline.study.datasets import Dataset
+from blastline.study.lesson_files import SeededDatasets
 from blastline.study.lessons import plain_mix
-from blastline.study.lots import Lot
 from blastline.study.networks import named_size
 from blastline.study.train import main, train
 
 SEED = 5
-LOTS = [Lot(SEED, [Course("plain", plain_mix(SEED), 6, 3)])]
+DATASETS = [SeededDatasets(SEED, [Dataset("plain", plain_mix(SEED), 6, 3)])]
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +28,7 @@ def model(work: Path) -> ModelFile:
     """Return what six minutes of textbook sounds teach, of which two are held out."""
     pytest.importorskip("torch")
     pytest.importorskip("sklearn")
-    return train(LOTS, work, networks=("small",), jobs=1, again=1)
+    return train(DATASETS, work, networks=("small",), jobs=1, copies=1)
 
 
 def test_what_is_learnt_of_some_minutes_is_worth_something_in_others(model: ModelFile) -> None:
@@ -38,23 +38,25 @@ def test_what_is_learnt_of_some_minutes_is_worth_something_in_others(model: Mode
 
 
 def test_the_same_lessons_teach_the_same(model: ModelFile, work: Path) -> None:
-    assert msgspec.json.encode(train(LOTS, work, networks=("small",), jobs=1, again=1)) == msgspec.json.encode(model)
+    assert msgspec.json.encode(train(DATASETS, work, networks=("small",), jobs=1, copies=1)) == msgspec.json.encode(
+        model
+    )
 
 
-def test_the_file_is_read_as_it_was_trained_and_its_networks_are_taught_further(model: ModelFile, work: Path) -> None:
+def test_the_file_is_read_as_it_was_trained_and_its_networks_are_fine_tuned(model: ModelFile, work: Path) -> None:
     path = work / "model.json"
     path.write_bytes(msgspec.json.encode(model))
     before = read_model(path)
     assert msgspec.json.encode(before) == path.read_bytes()
-    further = train(LOTS, work, networks=("small", "small"), jobs=1, before=before)
-    assert [named_size(network) for network in further.networks] == ["small", "small"]
-    assert further.training["before"] == model.training
-    assert further.networks[0].means == model.networks[0].means  # goes on; the second one began with other lessons
-    assert further.networks[1].means != model.networks[0].means
+    tuned = train(DATASETS, work, networks=("small", "small"), jobs=1, before=before)
+    assert [named_size(network) for network in tuned.networks] == ["small", "small"]
+    assert tuned.training["before"] == model.training
+    assert tuned.networks[0].means == model.networks[0].means  # goes on; the second one began with other lessons
+    assert tuned.networks[1].means != model.networks[0].means
 
 
 @pytest.mark.parametrize("sizes", ["small", "large,small,large", "huge"])
-def test_networks_other_than_those_that_are_taught_further_are_refused(
+def test_networks_other_than_those_that_are_fine_tuned_are_refused(
     sizes: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     shipped, output = rules_path("verifier/shots.json"), tmp_path / "model.json"

@@ -53,7 +53,7 @@ def candidates(film: Mix, tier: QualityRules, lesson: int) -> Candidates:
     return Candidates(np.full(int(sure.sum()), lesson), at[sure], loudest[sure], rows[sure], shots[sure], missed)
 
 
-def joined(parts: Sequence[Candidates]) -> Candidates:
+def concatenated(parts: Sequence[Candidates]) -> Candidates:
     """Return several sets of candidates as one."""
     return Candidates(
         np.concatenate([part.lesson for part in parts]),
@@ -65,12 +65,12 @@ def joined(parts: Sequence[Candidates]) -> Candidates:
     )
 
 
-def best_f1(score: NDArray[np.float64], tested: Candidates) -> tuple[float, float]:
+def best_f1(score: NDArray[np.float64], held_out: Candidates) -> tuple[float, float]:
     """Return the largest F1 that a threshold on the scores gives, and that threshold; the missed count as missed."""
     order = np.argsort(-score, kind="stable")
-    hits = np.cumsum(tested.shots[order])
+    hits = np.cumsum(held_out.shots[order])
     taken = np.arange(1, order.size + 1)
-    f1 = 2.0 * hits / (taken + int(tested.shots.sum()) + tested.missed)
+    f1 = 2.0 * hits / (taken + int(held_out.shots.sum()) + held_out.missed)
     best = int(np.argmax(f1))
     return float(f1[best]), float(score[order[best]])
 

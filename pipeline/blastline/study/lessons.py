@@ -38,8 +38,8 @@ DROWNED_DB = 3.0
 """A shot that stands out by less teaches nothing: it counts neither way."""
 
 
-Lesson = Callable[[int], Mix]
-"""Makes the lesson of a number, always the same."""
+LessonMaker = Callable[[int], Mix]
+"""Makes the lesson with a number, always the same."""
 
 Shot = Callable[[np.random.Generator, int], tuple[Samples, tuple[int, ...]]]
 """Makes a shot or a burst, and says where its rounds begin."""
@@ -62,27 +62,27 @@ SPARSE = Density(shots=(0, 7), negatives=(2, 16), gun_free=(3, 18))
 """Sounds that stand alone, as in most of a film: who knows crowded films only takes what stands alone for a shot."""
 
 
-def synthetic_mix(seed: int) -> Lesson:
+def synthetic_mix(seed: int) -> LessonMaker:
     """Return lessons of synthetic sounds over a synthetic bed."""
     return partial(_synthetic_mix, seed)
 
 
-def plain_mix(seed: int) -> Lesson:
+def plain_mix(seed: int) -> LessonMaker:
     """Return lessons of blasts, swells, clicks and knocks as textbooks draw them; one in four has no shot."""
     return partial(_plain_mix, seed)
 
 
-def designed_mix(seed: int) -> Lesson:
+def designed_mix(seed: int) -> LessonMaker:
     """Return lessons of shots as designers build them among other sudden sounds; one in four has no shot."""
     return partial(_designed_mix, seed)
 
 
-def outdoor_mix(seed: int) -> Lesson:
+def outdoor_mix(seed: int) -> LessonMaker:
     """Return lessons of guns recorded near and outdoors among what hands do near a microphone; one in four no shot."""
     return partial(_outdoor_mix, seed)
 
 
-def synthetic_film(seed: int, density: Density = CROWDED) -> Lesson:
+def synthetic_film(seed: int, density: Density = CROWDED) -> LessonMaker:
     """Return lessons that are scenes as `blastline synth` makes them: bursts, rooms, changing beds, one master.
 
     Some are cut to begin with a shot or just before it, some to end inside one, as a reel or a trailer may.
@@ -90,12 +90,12 @@ def synthetic_film(seed: int, density: Density = CROWDED) -> Lesson:
     return partial(_synthetic_film, seed, density)
 
 
-def gun_free_film(seed: int, density: Density = CROWDED) -> Lesson:
+def gun_free_film(seed: int, density: Density = CROWDED) -> LessonMaker:
     """Return lessons that are scenes without a gun, full of what could be taken for one."""
     return partial(_gun_free_film, seed, density)
 
 
-def recorded_mix(recordings: Sequence[Recording], seed: int, synthetic: float = 0.3) -> Lesson:
+def recorded_mix(recordings: Sequence[Recording], seed: int, synthetic: float = 0.3) -> LessonMaker:
     """Return lessons of recordings, sources drawn evenly, with a share of synthetic sounds and beds among them."""
     shots = by_source(r for r in recordings if r.gunshot)
     negatives = by_source(r for r in recordings if not r.gunshot)

@@ -35,14 +35,14 @@ SIZES = {
 
 
 @dataclass(frozen=True, eq=False)
-class Judge:
+class TorchNetwork:
     """The network while it is trained: the layers over each spectrogram, and those over what comes out of them."""
 
     near: nn.Sequential
     wide: nn.Sequential
     head: nn.Sequential
 
-    def odds(self, near: Tensor, wide: Tensor, rows: Tensor) -> Tensor:
+    def log_odds(self, near: Tensor, wide: Tensor, rows: Tensor) -> Tensor:
         """Return the log-odds of a shot, shape (n,), of contrasts (n, CONTRASTS, frames, bands) and scaled features."""
         import torch
 
@@ -57,7 +57,7 @@ class Judge:
         return nn.ModuleList([self.near, self.wide, self.head])
 
 
-def new_judge(features: int, dropout: float, size: Size) -> Judge:
+def new_network(features: int, dropout: float, size: Size) -> TorchNetwork:
     """Return a network of a size with random weights."""
     from torch import nn
 
@@ -74,22 +74,22 @@ def new_judge(features: int, dropout: float, size: Size) -> Judge:
         nn.Dropout(dropout),
         nn.Linear(size.hidden, 1),
     )
-    return Judge(near, wide, head)
+    return TorchNetwork(near, wide, head)
 
 
-def exported(judge: Judge, means: NDArray[np.float64], spreads: NDArray[np.float64]) -> NetworkFile:
+def exported(network: TorchNetwork, means: NDArray[np.float64], spreads: NDArray[np.float64]) -> NetworkFile:
     """Return a trained network as `detect.network` reads it, its numbers to five digits."""
     from torch import nn
 
-    dense = [layer for layer in judge.head if isinstance(layer, nn.Linear)]
-    norm = next(layer for layer in judge.head if isinstance(layer, nn.BatchNorm1d))
+    dense = [layer for layer in network.head if isinstance(layer, nn.Linear)]
+    norm = next(layer for layer in network.head if isinstance(layer, nn.BatchNorm1d))
     head = [(dense[0].weight, dense[0].bias, norm), (dense[1].weight, dense[1].bias, None)]
     head.append((dense[2].weight, dense[2].bias, None))
     return NetworkFile(
         means=_short(means),
         spreads=_short(spreads),
-        near=_convolution_files(judge.near),
-        wide=_convolution_files(judge.wide),
+        near=_convolution_files(network.near),
+        wide=_convolution_files(network.wide),
         head=[_layer(0, weight, bias, norm) for weight, bias, norm in head],
     )
 
@@ -112,15 +112,15 @@ def named_size(file: NetworkFile) -> str:
 def between(before: NetworkFile, after: NetworkFile, share: float) -> NetworkFile:
     """Return the network with a share of the weights after and the rest of those before (Wortsman et al. 2022).
 
-    Both take their features in the same spreads: the one was taught further to become the other.
+    Both take their features in the same spreads: the one was fine-tuned to become the other.
     """
     parts = ((before.near, after.near), (before.wide, after.wide), (before.head, after.head))
     near, wide, head = ([_layer_between(*pair, share) for pair in zip(*part, strict=True)] for part in parts)
     return NetworkFile(after.means, after.spreads, near, wide, head)
 
 
-def restored(file: NetworkFile, near: Tensor, wide: Tensor, rows: Tensor, dropout: float) -> Judge:
-    """Return the network that was exported, ready to be taught further: it says what the file's network says.
+def restored(file: NetworkFile, near: Tensor, wide: Tensor, rows: Tensor, dropout: float) -> TorchNetwork:
+    """Return the network that was exported, ready to be fine-tuned: it says what the file's network says.
 
     What its normalisations take off and give back is what its layers answer to these contrasts and features.
     """
@@ -128,11 +128,11 @@ def restored(file: NetworkFile, near: Tensor, wide: Tensor, rows: Tensor, dropou
     from torch import nn
 
     size = size_of(file)
-    judge = new_judge(len(file.means), dropout, size)
-    judge.parts().eval()
+    network = new_network(len(file.means), dropout, size)
+    network.parts().eval()
     with torch.no_grad():
         seen = []
-        for part, layers, shown in ((judge.near, file.near, near), (judge.wide, file.wide, wide)):
+        for part, layers, shown in ((network.near, file.near, near), (network.wide, file.wide, wide)):
             answers = shown
             for conv, norm, layer in zip(part[::3], part[1::3], layers, strict=True):
                 assert isinstance(conv, nn.Conv2d)
@@ -140,13 +140,13 @@ def restored(file: NetworkFile, near: Tensor, wide: Tensor, rows: Tensor, dropou
                 conv.weight.copy_(_weights(layer).view_as(conv.weight))
                 answers = torch.relu(_centred(norm, conv(answers), torch.tensor(layer.biases)))
             seen.append(answers.permute(0, 2, 3, 1).flatten(1))
-        dense = [layer for layer in judge.head if isinstance(layer, nn.Linear)]
+        dense = [layer for layer in network.head if isinstance(layer, nn.Linear)]
         for linear, layer in zip(dense, file.head, strict=True):
             linear.weight.copy_(_weights(layer))
             linear.bias.copy_(torch.tensor(layer.biases))
-        norm = next(layer for layer in judge.head if isinstance(layer, nn.BatchNorm1d))
+        norm = next(layer for layer in network.head if isinstance(layer, nn.BatchNorm1d))
         _centred(norm, dense[0](torch.cat([*seen, rows], dim=1)), torch.zeros(size.hidden))
-    return judge
+    return network
 
 
 def _layer_between(before: LayerFile, after: LayerFile, share: float) -> LayerFile:

@@ -31,14 +31,14 @@ def sieved(every: Candidates, gate: SieveFile, screen: SieveFile) -> Candidates:
     return every.taken(passed)
 
 
-def fit_sieves(learnt: Candidates, seed: int) -> tuple[SieveFile, SieveFile]:
+def fit_sieves(training: Candidates, seed: int) -> tuple[SieveFile, SieveFile]:
     """Return the gate, fitted to the rough shapes, and the screen, fitted to all features of what passes the gate."""
     names = bandshape_names()
     gate = fit_sieve(
-        learnt.rows[:, : len(names)], learnt.shots, names=names, loss=GATE_LOSS, settings=GATE_SETTINGS, seed=seed
+        training.rows[:, : len(names)], training.shots, names=names, loss=GATE_LOSS, settings=GATE_SETTINGS, seed=seed
     )
-    sketches = learnt.rows[:, : len(names)].astype(np.float64)
-    past = learnt.taken(Sieve(forest_from(gate.forest), gate.threshold).lets_pass(sketches))
+    sketches = training.rows[:, : len(names)].astype(np.float64)
+    past = training.taken(Sieve(forest_from(gate.forest), gate.threshold).lets_pass(sketches))
     screen = fit_sieve(
         past.rows, past.shots, names=feature_names(), loss=SCREEN_LOSS, settings=SCREEN_SETTINGS, seed=seed
     )

@@ -8,7 +8,7 @@ from pathlib import Path
 from ..errors import RuleError
 from .cases import FILM_S, Case, random_films, recordings, scenes
 from .corpus import Recording, read_corpus
-from .courses import FOLD_SEED, FOLDS, by_fold
+from .datasets import FOLD_SEED, FOLDS, by_fold
 from .filmlike import CLIP_S, film_mixes, one_shot_clips, stock
 from .mixes import MIX_S, Levels
 

@@ -3,9 +3,9 @@
     lessons (films, mixes, recordings in mixes) --> candidates --> gate --> screen --> spectrograms --> networks
 
 Candidates on a shot's onset are positives, all others negatives. Some films, and with `--hold-out` a part of the
-sources of recordings, are never learnt from; what the file scores on them is written into it. With `--more` the
-networks also learn from lessons of other seeds, with `--again` from each lesson as other films; gate and screen need
-fewer. With `--further` the networks of a file go on learning from the new lessons; gate and screen begin anew.
+sources of recordings, are held out; what the file scores on them is written into it. With `--more` the networks
+also learn from lessons of other seeds, with `--again` from augmented copies of each; gate and screen need fewer. With
+`--further` the networks of a file are fine-tuned on the new lessons; gate and screen are fitted anew.
 """
 
 import argparse
@@ -27,65 +27,67 @@ from ..detect.network import NetworkFile, network_from
 from ..detect.spectrogram import Spectrograms, spectrograms
 from ..detect.verify import SCHEMA, ModelFile, Sieve, Verifier, read_model
 from ..ruleset import QualityRules, load_rules
-from .candidates import Candidates, best_f1, candidates, joined
-from .courses import FOLDS, courses
-from .lots import Kept, Lot, heard, keep_lessons, times_more
+from .candidates import Candidates, best_f1, candidates, concatenated
+from .datasets import FOLDS, datasets
+from .lesson_files import LessonFile, SeededDatasets, augmented_copies, load_augmented, write_lessons
 from .mixes import MIX_S, RATE_HZ
 from .networks import SIZES, between, named_size
 from .sieves import GATE_LOSS, GATE_SETTINGS, SCREEN_LOSS, SCREEN_SETTINGS, fit_sieves, sieved
-from .teaching import FURTHER, SETTINGS, Examples, fit_network, teach_further
+from .training import FINE_TUNING, SETTINGS, Examples, fine_tune, fit_network
 
 _Thing = TypeVar("_Thing")
 
 AFTER_SHARE = 0.6
-"""Of the weights of a network that was taught further; the rest is as before."""
+"""Of the weights of a fine-tuned network; the rest is as before."""
 NETWORKS = ("small", "large", "large")
 """As many as the reference tier asks: the first stands for itself, the others judge what it doubts."""
 
 
-def as_taught(tier: QualityRules) -> QualityRules:
-    """Return a tier that scans as for lessons: with lower jumps than films are, so that there is more to learn from.
+def training_tier(tier: QualityRules) -> QualityRules:
+    """Return a tier that scans lessons: with lower jumps than for films, so that there is more to learn from.
 
-    And with one silence for all, since the shipped model has learnt so.
+    And with one silence for all, since the shipped model was trained so.
     """
     scan = {"jump_db": 3.0, "difference_jump_db": 3.0, "band_jump_db": 4.0, "floor_dbfs": -80.0, "range_db": 140.0}
     return msgspec.structs.replace(tier, scan=msgspec.structs.replace(tier.scan, **scan))
 
 
-def _listen(tier: QualityRules, item: tuple[int, Kept]) -> Candidates:
+def _listen(tier: QualityRules, item: tuple[int, LessonFile]) -> Candidates:
     """Return the candidates of a lesson, numbered."""
-    return candidates(heard(item[1]), tier, item[0])
+    return candidates(load_augmented(item[1]), tier, item[0])
 
 
-def _look(item: tuple[Kept, Candidates]) -> tuple[NDArray[np.float16], NDArray[np.float16]]:
+def _look(item: tuple[LessonFile, Candidates]) -> tuple[NDArray[np.float16], NDArray[np.float16]]:
     """Return the spectrograms of candidates of a lesson, near and wide, in half precision."""
     lesson, found = item
-    shown = spectrograms(heard(lesson).samples, found.onsets, RATE_HZ, found.loudest)
+    shown = spectrograms(load_augmented(lesson).samples, found.onsets, RATE_HZ, found.loudest)
     return shown.near.astype(np.float16), shown.wide.astype(np.float16)
 
 
-def look(every: Candidates, kept: Sequence[Kept], pool: ProcessPoolExecutor) -> Examples:
+def look(every: Candidates, lessons: Sequence[LessonFile], pool: ProcessPoolExecutor) -> Examples:
     """Return the spectrograms of candidates with their features and labels; they are in order of lessons."""
     numbers = np.unique(every.lesson).tolist()
-    wanted = [(kept[number], every.taken(every.lesson == number)) for number in numbers]
+    wanted = [(lessons[number], every.taken(every.lesson == number)) for number in numbers]
     near, wide = zip(*pool.map(_look, wanted, chunksize=4), strict=True)
     return Examples(np.concatenate(near), np.concatenate(wide), every.rows, every.shots)
 
 
 def _network(examples: Examples, seed: int, number: int, size: str, known: Sequence[NetworkFile]) -> NetworkFile:
-    """Return the network of a number: a known one taught further, or one of a size, annealed and averaged in turns.
+    """Return the network of a number: a known one fine-tuned, or a new one of a size, annealed and averaged in turns.
 
     Of a known one it is the mean of the weights before and after: what was forgotten of the old lessons comes back.
     """
     if number < len(known):
-        return between(known[number], teach_further(known[number], examples, seed + number), AFTER_SHARE)
+        return between(known[number], fine_tune(known[number], examples, seed + number), AFTER_SHARE)
     return fit_network(examples, seed + number, averaged=number % 2 == 1, size=size)
 
 
-def score(model: ModelFile, tested: Candidates, kept: Sequence[Kept], pool: ProcessPoolExecutor) -> dict[str, Any]:
-    """Return the best F1 on candidates that were held out, by the screen alone and by one to all networks."""
-    left = sieved(tested, model.gate, model.screen)
-    seen = look(left, kept, pool)
+def score(
+    model: ModelFile, held_out: Candidates, lessons: Sequence[LessonFile], pool: ProcessPoolExecutor
+) -> dict[str, Any]:
+    """Return the best F1 on held-out candidates, by the screen alone and by one to all networks."""
+    left = sieved(held_out, model.gate, model.screen)
+    seen = look(left, lessons, pool)
     shown = Spectrograms(seen.near.astype(np.float32), seen.wide.astype(np.float32))
     rows = left.rows.astype(np.float64)
     gate, screen = (Sieve(forest_from(sieve.forest), sieve.threshold) for sieve in (model.gate, model.screen))
@@ -101,79 +103,83 @@ def score(model: ModelFile, tested: Candidates, kept: Sequence[Kept], pool: Proc
 
 
 def train(
-    lots: Sequence[Lot],
+    seeded: Sequence[SeededDatasets],
     work: Path,
     *,
     networks: Sequence[str],
     jobs: int,
-    again: int = 0,
+    copies: int = 0,
     before: ModelFile | None = None,
 ) -> ModelFile:
-    """Return a verifier trained on the lots, or one from before taught further; the first lot's seed is the model's.
+    """Return a verifier trained on datasets, or one from before fine-tuned; the first seed is the model's.
 
-    Its networks are of the sizes named, and hear each lesson `again` times more, each time as another film.
+    Its networks are of the sizes named, and see `copies` augmented copies of each lesson as well.
     """
-    listen = partial(_listen, as_taught(load_rules("reference").tier))
-    seed = lots[0].seed
+    listen = partial(_listen, training_tier(load_rules("reference").tier))
+    seed = seeded[0].seed
     with ProcessPoolExecutor(jobs) as pool:
-        kept = [
+        lessons = [
             each
-            for lot in lots
-            for course in lot.courses
-            for each in _said(keep_lessons(work, course, lot.seed, pool), f"{course.name} of {lot.seed}")
+            for of_seed in seeded
+            for dataset in of_seed.datasets
+            for each in _said(write_lessons(work, dataset, of_seed.seed, pool), f"{dataset.name} of {of_seed.seed}")
         ]
-        kept += times_more(kept, again, seed)
-        numbered = list(enumerate(kept))
-        learnt = joined(list(pool.map(listen, [item for item in numbered if not item[1].tested], chunksize=4)))
-        _say(f"{learnt.shots.size} candidates to learn from, {int(learnt.shots.sum())} of them shots")
-        gate, screen = fit_sieves(learnt.taken(_of_sieves(learnt, kept, seed)), seed)
-        left = sieved(learnt, gate, screen)
+        lessons += augmented_copies(lessons, copies, seed)
+        numbered = list(enumerate(lessons))
+        training = concatenated(
+            list(pool.map(listen, [item for item in numbered if not item[1].held_out], chunksize=4))
+        )
+        _say(f"{training.shots.size} candidates to learn from, {int(training.shots.sum())} of them shots")
+        gate, screen = fit_sieves(training.taken(_of_sieves(training, lessons, seed)), seed)
+        left = sieved(training, gate, screen)
         _say(f"{left.shots.size} of them pass gate and screen, {int(left.shots.sum())} of them shots")
-        examples = look(left, kept, pool)
+        examples = look(left, lessons, pool)
         known = before.networks if before else []
-        judges = [
+        trained = [
             _said(_network(examples, seed, number, size, known), f"network {number + 1}")
             for number, size in enumerate(networks)
         ]
-        training = _record(lots, learnt, left, again, before)
-        model = ModelFile(SCHEMA, gate, screen, judges, training)
+        record = _record(seeded, training, left, copies, before)
+        model = ModelFile(SCHEMA, gate, screen, trained, record)
         scores = {}
-        for name in {each.course: None for each in kept if each.tested}:
-            tested = [item for item in numbered if item[1].tested and item[1].course == name]
-            scores[name] = score(model, joined(list(pool.map(listen, tested, chunksize=4))), kept, pool)
+        for name in {each.dataset: None for each in lessons if each.held_out}:
+            held_out = [item for item in numbered if item[1].held_out and item[1].dataset == name]
+            scores[name] = score(model, concatenated(list(pool.map(listen, held_out, chunksize=4))), lessons, pool)
     _say(f"held out: {scores}")
-    return msgspec.structs.replace(model, training=training | {"held_out": scores})
+    return msgspec.structs.replace(model, training=record | {"held_out": scores})
 
 
-def _of_sieves(learnt: Candidates, kept: Sequence[Kept], seed: int) -> NDArray[np.bool_]:
+def _of_sieves(training: Candidates, lessons: Sequence[LessonFile], seed: int) -> NDArray[np.bool_]:
     """Return which candidates gate and screen learn from: those of one seed's lessons, as they are."""
-    suited = np.array([each.seed == seed and each.again is None for each in kept], bool)
-    return np.asarray(suited[learnt.lesson], bool)
+    suited = np.array([each.seed == seed and each.augmentation is None for each in lessons], bool)
+    return np.asarray(suited[training.lesson], bool)
 
 
 def _record(
-    lots: Sequence[Lot], learnt: Candidates, left: Candidates, again: int, before: ModelFile | None
+    seeded: Sequence[SeededDatasets], training: Candidates, left: Candidates, copies: int, before: ModelFile | None
 ) -> dict[str, Any]:
     """Return how a model was trained: on which lessons, of which so much passed the sieves, and after which model."""
     first, *more = (
-        {"seed": lot.seed, "lessons": {course.name: course.count for course in lot.courses}} for lot in lots
+        {"seed": each.seed, "lessons": {dataset.name: dataset.count for dataset in each.datasets}} for each in seeded
     )
     record: dict[str, Any] = {
         "command": "python -m blastline.study.train",
         **first,
         "more": more,
         "minutes_each": MIX_S / 60.0,
-        "again": again,
-        "candidates": int(learnt.shots.size),
-        "shots": int(learnt.shots.sum()),
-        "shots_without_candidate": learnt.missed,
+        "again": copies,
+        "candidates": int(training.shots.size),
+        "shots": int(training.shots.sum()),
+        "shots_without_candidate": training.missed,
         "passed": int(left.shots.size),
         "shots_passed": int(left.shots.sum()),
         "gate": GATE_SETTINGS | {"loss": GATE_LOSS},
         "screen": SCREEN_SETTINGS | {"loss": SCREEN_LOSS},
         "networks": SETTINGS,
     }
-    return record | {"further": FURTHER, "after_share": AFTER_SHARE, "before": before.training} if before else record
+    return (
+        record | {"further": FINE_TUNING, "after_share": AFTER_SHARE, "before": before.training} if before else record
+    )
 
 
 def main() -> None:
@@ -204,8 +210,10 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("-o", "--output", type=Path, required=True)
     options = parser.parse_args()
-    lots = [
-        Lot(seed, courses(options.corpus, synthetic=made, recorded=mixed, seed=seed, hold_out=options.hold_out))
+    seeded = [
+        SeededDatasets(
+            seed, datasets(options.corpus, synthetic=made, recorded=mixed, seed=seed, hold_out=options.hold_out)
+        )
         for seed, made, mixed in [(options.seed, options.synthetic, options.recorded), *options.more]
     ]
     before = read_model(options.further) if options.further else None
@@ -215,12 +223,12 @@ def main() -> None:
         parser.error(f"--networks {','.join(sizes)}: expected {','.join(known)} first, as in {options.further}")
     with tempfile.TemporaryDirectory(prefix="blastline-") as made:
         work = options.work or Path(made)
-        model = train(lots, work, networks=sizes, jobs=options.jobs, again=options.again, before=before)
+        model = train(seeded, work, networks=sizes, jobs=options.jobs, copies=options.again, before=before)
     options.output.write_bytes(msgspec.json.encode(model) + b"\n")
 
 
 def _lot(text: str) -> tuple[int, int, int]:
-    """Return the three numbers of a lot; ValueError, of which argparse tells, where there are others."""
+    """Return a seed and two counts of lessons; ValueError, of which argparse tells, where there is anything else."""
     seed, synthetic, recorded = (int(part) for part in text.split(","))
     return seed, synthetic, recorded
 

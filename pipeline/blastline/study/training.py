@@ -1,11 +1,11 @@
-"""Teaching networks: examples in, a network out, in one of two ways that err differently.
+"""Training networks: examples in, a network out, in one of two ways that err differently.
 
-- annealed: the pace rises and falls once (Smith & Topin 2017), and the last weights count: surer of what is like the
-  lessons.
-- averaged: at a constant pace, and the average of the weights over most of the training counts (Izmailov et al. 2018;
-  Cha et al. 2021): better on sources never heard.
+- annealed: the learning rate rises and falls once (Smith & Topin 2017), and the last weights count: surer of what is
+  like the lessons.
+- averaged: the learning rate is constant, and the mean of the weights over most of the training counts (Izmailov et
+  al. 2018; Cha et al. 2021): better on sources never heard.
 
-An annealed network can be taught further, by new lessons at a slower pace.
+A network can be fine-tuned: annealed once more on new lessons, at a lower learning rate.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ..detect.contrast import contrasts
 from ..detect.network import FEATURE_LIMIT, NetworkFile
 from ..detect.spectrogram import Spectrograms
-from .networks import SIZES, Judge, exported, new_judge, restored
+from .networks import SIZES, TorchNetwork, exported, new_network, restored
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -36,7 +36,7 @@ SETTINGS: dict[str, Any] = {
     "picture_noise": 0.1,
     "feature_noise": 0.05,
 }
-FURTHER: dict[str, Any] = SETTINGS | {"epochs": 3, "learning_rate": 1e-3}
+FINE_TUNING: dict[str, Any] = SETTINGS | {"epochs": 3, "learning_rate": 1e-3}
 """For networks that know most of it already."""
 
 NORMALISING_BATCHES = 200
@@ -69,7 +69,7 @@ class Material:
         return len(self.shots)
 
     def seen(self, which: Tensor) -> tuple[Tensor, Tensor]:
-        """Return the contrasts of some of them, as a judge takes them."""
+        """Return the contrasts of some of them, as a network takes them."""
         import torch
 
         near, wide = (levels[which.numpy()].astype(np.float32) for levels in (self.near, self.wide))
@@ -78,10 +78,10 @@ class Material:
         return near, wide
 
     def drawn(self, which: Tensor, settings: dict[str, Any]) -> tuple[Tensor, Tensor, Tensor, Tensor]:
-        """Return some of them as a judge takes them, coloured, and their truth."""
+        """Return some of them as a network takes them, with noise and tilts, and their truth."""
         import torch
 
-        near, wide = (_coloured(seen, settings) for seen in self.seen(which))
+        near, wide = (_noise_and_tilt(seen, settings) for seen in self.seen(which))
         rows = self.rows[which] + settings["feature_noise"] * torch.randn(len(which), self.rows.shape[1])
         return near, wide, rows, self.shots[which]
 
@@ -95,23 +95,23 @@ def fit_network(
     torch.manual_seed(seed)
     means = examples.rows.mean(axis=0, dtype=np.float64)
     spreads = examples.rows.std(axis=0, dtype=np.float64) + 1e-6
-    judge = new_judge(examples.rows.shape[1], settings["dropout"], SIZES[size])
+    network = new_network(examples.rows.shape[1], settings["dropout"], SIZES[size])
     material = _material(examples, means, spreads)
-    return exported(_taught(judge, material, settings, averaged=averaged), means, spreads)
+    return exported(_trained(network, material, settings, averaged=averaged), means, spreads)
 
 
-def teach_further(
-    network: NetworkFile, examples: Examples, seed: int, *, settings: dict[str, Any] = FURTHER
+def fine_tune(
+    file: NetworkFile, examples: Examples, seed: int, *, settings: dict[str, Any] = FINE_TUNING
 ) -> NetworkFile:
-    """Return a network that goes on learning from the examples, where it was left, annealed once more."""
+    """Return a network that goes on learning from the examples where it was left, annealed once more."""
     import torch
 
     torch.manual_seed(seed)
-    means, spreads = np.array(network.means), np.array(network.spreads)
+    means, spreads = np.array(file.means), np.array(file.spreads)
     material = _material(examples, means, spreads)
     some = torch.randperm(material.count)[: NORMALISING_BATCHES * settings["batch"] // 4]
-    judge = restored(network, *material.seen(some), material.rows[some], settings["dropout"])
-    return exported(_taught(judge, material, settings, averaged=False), means, spreads)
+    network = restored(file, *material.seen(some), material.rows[some], settings["dropout"])
+    return exported(_trained(network, material, settings, averaged=False), means, spreads)
 
 
 def _material(examples: Examples, means: NDArray[np.float64], spreads: NDArray[np.float64]) -> Material:
@@ -126,59 +126,59 @@ def _material(examples: Examples, means: NDArray[np.float64], spreads: NDArray[n
     )
 
 
-def _taught(judge: Judge, material: Material, settings: dict[str, Any], *, averaged: bool) -> Judge:
-    """Return the judge after its lessons, or one with the average of the weights it had from a share of them on."""
+def _trained(network: TorchNetwork, material: Material, settings: dict[str, Any], *, averaged: bool) -> TorchNetwork:
+    """Return the network after training, or one with the mean of the weights it had from a share of the steps on."""
     import torch
     from torch import nn
     from torch.optim.swa_utils import AveragedModel
 
     batches = max(1, material.count // settings["batch"])
     steps, rate = settings["epochs"] * batches, settings["learning_rate"]
-    judge.parts().to(memory_format=torch.channels_last)  # twice as fast on a processor
-    optimiser = torch.optim.AdamW(judge.parts().parameters(), lr=rate, weight_decay=settings["weight_decay"])
-    pace: torch.optim.lr_scheduler.LRScheduler
+    network.parts().to(memory_format=torch.channels_last)  # twice as fast on a processor
+    optimiser = torch.optim.AdamW(network.parts().parameters(), lr=rate, weight_decay=settings["weight_decay"])
+    schedule: torch.optim.lr_scheduler.LRScheduler
     if averaged:
         warm_up = max(1, round(settings["warm_up"] * steps))
-        pace = torch.optim.lr_scheduler.LambdaLR(optimiser, lambda step: min(1.0, (step + 1) / warm_up))
+        schedule = torch.optim.lr_scheduler.LambdaLR(optimiser, lambda step: min(1.0, (step + 1) / warm_up))
     else:
-        pace = torch.optim.lr_scheduler.OneCycleLR(optimiser, rate, total_steps=steps + 1)
-    average = AveragedModel(judge.parts())
-    judge.parts().train()
+        schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, rate, total_steps=steps + 1)
+    average = AveragedModel(network.parts())
+    network.parts().train()
     for step in range(steps):
         if step % batches == 0:
             order = torch.randperm(material.count)[: batches * settings["batch"]].chunk(batches)
         near, wide, rows, shots = material.drawn(order[step % batches], settings)
-        loss = nn.functional.binary_cross_entropy_with_logits(judge.odds(near, wide, rows), shots)
+        loss = nn.functional.binary_cross_entropy_with_logits(network.log_odds(near, wide, rows), shots)
         optimiser.zero_grad()
         loss.backward()
         optimiser.step()
-        pace.step()
+        schedule.step()
         if averaged and step >= settings["averaged_from"] * steps:
-            average.update_parameters(judge.parts())
+            average.update_parameters(network.parts())
     if averaged:
-        return _normalised(Judge(*average.module.children()), material, settings)
-    judge.parts().eval()
-    return judge
+        return _normalised(TorchNetwork(*average.module.children()), material, settings)
+    network.parts().eval()
+    return network
 
 
-def _normalised(judge: Judge, material: Material, settings: dict[str, Any]) -> Judge:
-    """Return a judge whose normalisations know what its own layers give: weights were averaged, not what they see."""
+def _normalised(network: TorchNetwork, material: Material, settings: dict[str, Any]) -> TorchNetwork:
+    """Return a network whose normalisations know what its own layers give: only the weights were averaged."""
     import torch
     from torch import nn
 
-    for layer in judge.parts().modules():
+    for layer in network.parts().modules():
         if isinstance(layer, nn.BatchNorm1d | nn.BatchNorm2d):
             layer.reset_running_stats()
             layer.momentum = None  # the plain mean of all batches
-    judge.parts().train()
+    network.parts().train()
     with torch.no_grad():
         for some in torch.randperm(material.count).split(settings["batch"])[:NORMALISING_BATCHES]:
-            judge.odds(*material.drawn(some, settings)[:3])
-    judge.parts().eval()
-    return judge
+            network.log_odds(*material.drawn(some, settings)[:3])
+    network.parts().eval()
+    return network
 
 
-def _coloured(seen: Tensor, settings: dict[str, Any]) -> Tensor:
+def _noise_and_tilt(seen: Tensor, settings: dict[str, Any]) -> Tensor:
     """Return contrasts with some noise, half of them as another microphone would hear them: their levels tilted.
 
     What a band rises or decays by, no microphone changes.

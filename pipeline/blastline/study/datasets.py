@@ -1,4 +1,4 @@
-"""What a training run learns from and is tested on: courses of lessons, and how many of each."""
+"""The datasets that a training run learns from and is tested on: which lessons, and how many of each."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ import numpy as np
 from .corpus import Recording, read_corpus
 from .lessons import (
     SPARSE,
-    Lesson,
+    LessonMaker,
     designed_mix,
     gun_free_film,
     outdoor_mix,
@@ -27,41 +27,43 @@ GUN_FREE_SHARE = 0.4  # so many films without a gun come to each film with some
 PLAIN_SHARE = 0.4  # so many mixes of textbook sounds come to each film
 DESIGNED_SHARE = 1.5  # and so many of sounds as designers build them
 OUTDOOR_SHARE = 1.0  # and so many of guns recorded outdoors, and of what hands do near a microphone
-TESTED_EVERY = 12  # of the films one in so many is held out
+HELD_OUT_EVERY = 12  # of the films one in so many is held out
 
 
 @dataclass(frozen=True)
-class Course:
-    """Lessons of one kind: how they are made, how many, and whether they are learnt from or only tested on."""
+class Dataset:
+    """Lessons of one kind: how they are made, how many, and which are held out of training (every n-th; 0 for none)."""
 
     name: str
-    lesson: Lesson
+    make_lesson: LessonMaker
     count: int
-    tested_every: int
+    held_out_every: int
 
-    def tested(self, number: int) -> bool:
+    def is_held_out(self, number: int) -> bool:
         """Return whether a lesson is held out."""
-        return bool(self.tested_every) and number % self.tested_every == 0
+        return bool(self.held_out_every) and number % self.held_out_every == 0
 
 
-def courses(corpus: Sequence[Path], *, synthetic: int, recorded: int, seed: int, hold_out: int | None) -> list[Course]:
-    """Return the courses of a training run; the recordings' sources are parted into `FOLDS`."""
+def datasets(
+    corpus: Sequence[Path], *, synthetic: int, recorded: int, seed: int, hold_out: int | None
+) -> list[Dataset]:
+    """Return the datasets of a training run; the recordings' sources are split into `FOLDS`."""
     sparse = round(SPARSE_SHARE * synthetic)
     made = [
-        Course("film", synthetic_film(seed), synthetic, TESTED_EVERY),
-        Course("gun-free", gun_free_film(seed + 50), round(GUN_FREE_SHARE * synthetic), 0),
-        Course("sparse-film", synthetic_film(seed + 60, SPARSE), sparse, TESTED_EVERY),
-        Course("sparse-gun-free", gun_free_film(seed + 70, SPARSE), round(GUN_FREE_SHARE * sparse), 0),
-        Course("mix", synthetic_mix(seed + 1), synthetic // FILMS_PER_MIX, 0),
+        Dataset("film", synthetic_film(seed), synthetic, HELD_OUT_EVERY),
+        Dataset("gun-free", gun_free_film(seed + 50), round(GUN_FREE_SHARE * synthetic), 0),
+        Dataset("sparse-film", synthetic_film(seed + 60, SPARSE), sparse, HELD_OUT_EVERY),
+        Dataset("sparse-gun-free", gun_free_film(seed + 70, SPARSE), round(GUN_FREE_SHARE * sparse), 0),
+        Dataset("mix", synthetic_mix(seed + 1), synthetic // FILMS_PER_MIX, 0),
     ]
     for fold, recordings in enumerate(by_fold(read_corpus(corpus), FOLDS, FOLD_SEED) if recorded else ()):
-        lesson = recorded_mix(recordings, seed + 2 + fold)
-        made.append(Course(f"recorded-{fold}", lesson, -(-recorded // FOLDS), 1 if fold == hold_out else 0))
+        make_lesson = recorded_mix(recordings, seed + 2 + fold)
+        made.append(Dataset(f"recorded-{fold}", make_lesson, -(-recorded // FOLDS), 1 if fold == hold_out else 0))
     return [
         *made,
-        Course("plain", plain_mix(seed + 80), round(PLAIN_SHARE * synthetic), TESTED_EVERY),
-        Course("designed", designed_mix(seed + 90), round(DESIGNED_SHARE * synthetic), TESTED_EVERY),
-        Course("outdoors", outdoor_mix(seed + 100), round(OUTDOOR_SHARE * synthetic), TESTED_EVERY),
+        Dataset("plain", plain_mix(seed + 80), round(PLAIN_SHARE * synthetic), HELD_OUT_EVERY),
+        Dataset("designed", designed_mix(seed + 90), round(DESIGNED_SHARE * synthetic), HELD_OUT_EVERY),
+        Dataset("outdoors", outdoor_mix(seed + 100), round(OUTDOOR_SHARE * synthetic), HELD_OUT_EVERY),
     ]
 
 

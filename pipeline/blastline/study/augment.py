@@ -1,7 +1,7 @@
-"""A lesson heard again as another film: faster or slower, in other colours, over another lesson, cut elsewhere.
+"""Data augmentation: a training film at another speed and tilt, over another one, overdriven, or cut at its start.
 
 A film takes seconds to make and a network hears it many times: what it learns by heart is worth nothing on others.
-What changes here changes alike for shots and for everything else.
+All changes are the same for shots and for everything else.
 """
 
 from dataclasses import replace
@@ -15,7 +15,7 @@ from .lessons import without_drowned
 from .mixes import RATE_HZ, Mix, Samples, Sound, as_16_bit
 from .variants import SPEEDS, at_speed
 
-OTHER_SPEED, OTHER_COLOUR, ANOTHER_BENEATH, DRIVEN, CUT = 0.8, 0.8, 0.5, 0.2, 0.5
+OTHER_SPEED, OTHER_TILT, ANOTHER_BENEATH, DRIVEN, CUT = 0.8, 0.8, 0.5, 0.2, 0.5
 """How often each of the changes is made."""
 
 BENEATH_DB = (-20.0, -3.0)
@@ -24,14 +24,14 @@ DRIVE_DB = (0.0, 12.0)
 CUT_SHARE = 0.05
 
 
-def heard_again(film: Mix, other: Mix, rng: np.random.Generator) -> Mix:
-    """Return a lesson as another film, half of the time with the other one beneath it; its labels go with it.
+def augmented(film: Mix, other: Mix, rng: np.random.Generator) -> Mix:
+    """Return a film augmented, half of the time with the other one beneath it; its labels are moved along.
 
     A shot that hardly stands out of what is before it then counts neither way.
     """
-    film = _coloured(_at_speed(film, rng), rng)
+    film = _tilted(_at_speed(film, rng), rng)
     if rng.random() < ANOTHER_BENEATH:
-        film = _over(film, _coloured(_at_speed(other, rng), rng), rng.uniform(*BENEATH_DB))
+        film = _over(film, _tilted(_at_speed(other, rng), rng), rng.uniform(*BENEATH_DB))
     film = _cut(film, rng)
     samples = film.samples.astype(np.float64)
     top = peak(samples) or 1.0
@@ -49,8 +49,8 @@ def _at_speed(film: Mix, rng: np.random.Generator) -> Mix:
     return replace(film, samples=_single(played.samples), onsets=_places(played.onsets), unsure=_places(played.unsure))
 
 
-def _coloured(film: Mix, rng: np.random.Generator) -> Mix:
-    if rng.random() >= OTHER_COLOUR:
+def _tilted(film: Mix, rng: np.random.Generator) -> Mix:
+    if rng.random() >= OTHER_TILT:
         return film
     samples = film.samples.astype(np.float64)
     for _ in range(int(rng.integers(1, MOST_TILTS + 1))):

@@ -8,7 +8,7 @@ from blastline.detect.contrast import contrasts
 from blastline.detect.network import NetworkFile, log_odds, network_from
 from blastline.detect.spectrogram import NEAR, WIDE, Spectrograms
 from blastline.study.networks import SIZES, between, size_of
-from blastline.study.teaching import FURTHER, SETTINGS, Examples, fit_network, teach_further
+from blastline.study.training import FINE_TUNING, SETTINGS, Examples, fine_tune, fit_network
 
 pytest.importorskip("torch")
 
@@ -42,12 +42,12 @@ def said(network: NetworkFile, of: Examples) -> NDArray[np.float64]:
 
 
 @pytest.mark.parametrize(("averaged", "size"), [(False, "small"), (True, "small"), (False, "large")])
-def test_who_is_taught_nothing_further_says_what_was_said_before(averaged: bool, size: str) -> None:
-    """At no pace only the normalisations look: what was folded away is there again and is folded away once more."""
+def test_fine_tuning_at_no_learning_rate_changes_little(averaged: bool, size: str) -> None:
+    """Only the normalisations look: what was folded away is there again and is folded away once more."""
     known, fresh = examples(600, 1), examples(300, 2)
     network = fit_network(known, 3, averaged=averaged, size=size, settings=QUICK)
     still = {"epochs": 1, "learning_rate": 0.0, "batch": 600}
-    same = teach_further(network, known, 4, settings=FURTHER | still)
+    same = fine_tune(network, known, 4, settings=FINE_TUNING | still)
     odds = said(network, fresh)
     assert np.corrcoef(said(same, fresh), odds)[0, 1] > 0.98
     assert np.mean((said(same, fresh) > 0) == (odds > 0)) > 0.97
@@ -55,15 +55,15 @@ def test_who_is_taught_nothing_further_says_what_was_said_before(averaged: bool,
 
 
 @pytest.mark.parametrize("averaged", [False, True])
-def test_who_is_taught_further_knows_the_old_and_the_new(averaged: bool) -> None:
+def test_a_fine_tuned_network_knows_the_old_and_the_new(averaged: bool) -> None:
     first = fit_network(examples(600, 1), 3, averaged=averaged, settings=QUICK)
     old, new = examples(300, 2), examples(300, 3, late_in="wide")
     assert np.mean((said(first, new) > 0) == new.shots) < 0.8
     more = [examples(600, 5), examples(600, 6, late_in="wide")]
     both = Examples(*(np.concatenate([getattr(m, f) for m in more]) for f in ("near", "wide", "rows", "shots")))
-    further = teach_further(first, both, 3, settings=QUICK)
+    tuned = fine_tune(first, both, 3, settings=QUICK)
     for each in (old, new):
-        assert np.mean((said(further, each) > 0) == each.shots) > 0.93
+        assert np.mean((said(tuned, each) > 0) == each.shots) > 0.93
 
 
 def test_between_two_networks_lie_both_and_the_way_back_is_the_same() -> None:
@@ -78,7 +78,7 @@ def test_between_two_networks_lie_both_and_the_way_back_is_the_same() -> None:
     assert np.allclose(between(first, second, 0.25).head[0].weights, mean, rtol=1e-4)
 
 
-def test_the_same_seed_teaches_the_same_and_another_one_something_else() -> None:
+def test_the_same_seed_gives_the_same_network_and_another_one_another() -> None:
     first, again, other = (
         fit_network(examples(100, 1), seed, averaged=True, settings=QUICK | {"epochs": 1}) for seed in (3, 3, 4)
     )
