@@ -25,13 +25,13 @@ from blastline import scene
 from blastline.detect import Verifier, find_shots, fire, load_verifier
 from blastline.detect.chunks import chunks
 from blastline.detect.contrast import contrasts
-from blastline.detect.find import Test, described, guesses, judged, let_all_pass
+from blastline.detect.find import Test, candidate_places, describe_candidates, let_all_pass, select_shots
 from blastline.detect.forest import score
 from blastline.detect.network import log_odds
 from blastline.detect.segment import segment
 from blastline.detect.spectrogram import spectrograms
 from blastline.detect.tracks import Grid, pieces
-from blastline.detect.verify import Sieve, Verdicts, log_odds_in, together
+from blastline.detect.verify import Sieve, Verdicts, combined_log_odds, log_odds_in
 from blastline.model import DriveChoice, DriveModel, Shot, ShotEvidence, Span
 from blastline.render import drive_filters, hear_window, measure, needed_audio, plan_windows, render_window
 from blastline.render.filters import felt
@@ -60,7 +60,7 @@ class Way:
 
 
 @dataclass(frozen=True, eq=False)
-class Looked:
+class SeenFilm:
     """What was seen of a film's candidates: the screen's log-odds, those of each network, and the parts of each."""
 
     screen: NDArray[np.float64]
@@ -90,13 +90,13 @@ def passing(sieve: Sieve) -> Test:
     return lambda rows, _: sieve.lets_pass(rows)
 
 
-def looked(track: Soundtrack, truth: Truth, rules: Rules, verifier: Verifier, *, sieved: bool) -> Looked:
+def look_at(track: Soundtrack, truth: Truth, rules: Rules, verifier: Verifier, *, sieved: bool) -> SeenFilm:
     """Show the candidates of a film to all networks and segment them; `sieved` only those that pass gate and screen."""
     grid, tier = Grid(track.rate_hz), rules.tier
     gate, screen = (passing(sieve) if sieved else let_all_pass for sieve in (verifier.gate, verifier.screen))
     odds, networks, shots, look_s = [], [], [], 0.0
     for chunk in chunks(pieces(track.blocks(BLOCK), track.rate_hz)):
-        found = described(chunk, grid, tier, gate=gate, screen=screen)
+        found = describe_candidates(chunk, grid, tier, gate=gate, screen=screen)
         began = process_time()
         seen = contrasts(spectrograms(chunk.samples, found.onsets, track.rate_hz))
         networks.append(np.stack([log_odds(network, found.rows, seen) for network in verifier.networks]))
@@ -104,10 +104,10 @@ def looked(track: Soundtrack, truth: Truth, rules: Rules, verifier: Verifier, *,
         odds.append(score(found.rows, verifier.screen.forest))
         part = partial(segment, chunk.samples, film_start=chunk.start, film_stop=chunk.stop, confidence=0.0)
         shots += [part(int(onset), rate_hz=track.rate_hz, rules=tier.segment) for onset in found.onsets]
-    return Looked(np.concatenate(odds), np.concatenate(networks, axis=1), tuple(shots), truth, look_s)
+    return SeenFilm(np.concatenate(odds), np.concatenate(networks, axis=1), tuple(shots), truth, look_s)
 
 
-def believed(film: Looked, probability: NDArray[np.float64], rules: Rules) -> tuple[Shot, ...]:
+def believed(film: SeenFilm, probability: NDArray[np.float64], rules: Rules) -> tuple[Shot, ...]:
     """Return the shots that a run makes of a film's candidates with these probabilities; 0 for those never judged."""
     tier, rate_hz = rules.tier, film.truth.rate_hz
     seen = np.flatnonzero(probability > 0.0)
@@ -116,7 +116,7 @@ def believed(film: Looked, probability: NDArray[np.float64], rules: Rules) -> tu
     odds = log_odds_in(
         Verdicts(probability[seen], _probability(film.screen[seen]), np.full(seen.size, len(film.networks)))
     )
-    rows = fire.even_rows(fire.Looked(onsets, peaks_dbfs, odds), rate_hz=rate_hz, tier=tier)
+    rows = fire.even_rows(fire.ScoredCandidates(onsets, peaks_dbfs, odds), rate_hz=rate_hz, tier=tier)
     enough = [
         msgspec.structs.replace(
             film.shots[place],
@@ -126,7 +126,7 @@ def believed(film: Looked, probability: NDArray[np.float64], rules: Rules) -> tu
         for place, row in zip(seen, rows, strict=True)
         if probability[place] >= tier.verify.round_threshold or row == "fire"
     ]
-    return judged(enough, (), rate_hz=rate_hz, tier=tier).shots
+    return select_shots(enough, (), rate_hz=rate_hz, tier=tier).shots
 
 
 def counted(shots: Sequence[Shot], truth: Truth) -> Counts:
@@ -143,7 +143,7 @@ def scan_s(path: Path, rules: Rules) -> float:
     with open_soundtrack(path) as track:
         began = process_time()
         for chunk in chunks(pieces(track.blocks(BLOCK), track.rate_hz)):
-            guesses(chunk, Grid(track.rate_hz), rules.tier)
+            candidate_places(chunk, Grid(track.rate_hz), rules.tier)
         return process_time() - began
 
 
@@ -174,7 +174,7 @@ def rendered(track: Soundtrack, shots: Sequence[Shot], rules: Rules, choice: Dri
                 way.correlation.append(float(is_felt @ wanted) / (norms[0] * norms[1]))
 
 
-def compared(films: Iterator[tuple[Path, Truth]], rules: Rules) -> tuple[Way, Way, Way, list[Looked]]:
+def compared(films: Iterator[tuple[Path, Truth]], rules: Rules) -> tuple[Way, Way, Way, list[SeenFilm]]:
     """Return a set's films worked by choice, with every window constrained, and with everything done; what was seen."""
     verify = rules.tier.verify
     verifier = load_verifier(rules_path(f"verifier/{verify.model}"), networks=verify.networks)
@@ -190,24 +190,24 @@ def compared(films: Iterator[tuple[Path, Truth]], rules: Rules) -> tuple[Way, Wa
             rendered(track, found.shots, rules, "constrained", constrained)
         with open_soundtrack(path) as track:
             began = process_time()
-            every = looked(track, truth, rules, verifier, sieved=False)
-            odds = together(every.networks.sum(axis=0), every.networks.shape[0], every.screen)
+            every = look_at(track, truth, rules, verifier, sieved=False)
+            odds = combined_log_odds(every.networks.sum(axis=0), every.networks.shape[0], every.screen)
             shots = believed(every, _probability(odds), rules)
             everything.detect_s += process_time() - began - scanning_s
             everything.counts += counted(shots, truth)
             rendered(track, shots, rules, "constrained", everything)
         with open_soundtrack(path) as track:
-            seen.append(looked(track, truth, rules, verifier, sieved=True))
+            seen.append(look_at(track, truth, rules, verifier, sieved=True))
     return chosen, constrained, everything, seen
 
 
-def spared(seen: Sequence[Looked], rules: Rules, look_from: float, sure_from: float) -> tuple[float, Counts]:
+def spared(seen: Sequence[SeenFilm], rules: Rules, look_from: float, sure_from: float) -> tuple[float, Counts]:
     """Return the share of candidates behind gate and screen that networks look at, and what is found then."""
     counts, shown, every = Counts(0, 0, 0), 0, 0
     for film in seen:
         screened = _probability(film.screen)
         sure = (screened >= sure_from) & (sure_from < 1.0)
-        odds = together(film.networks.sum(axis=0), film.networks.shape[0], film.screen)
+        odds = combined_log_odds(film.networks.sum(axis=0), film.networks.shape[0], film.screen)
         probability = np.where(sure, screened, np.where(screened < look_from, 0.0, _probability(odds)))
         shown, every = shown + int(((screened >= look_from) & ~sure).sum()), every + screened.size
         counts += counted(believed(film, probability, rules), film.truth)
@@ -237,7 +237,7 @@ def main() -> None:
     truth = msgspec.json.decode(film.with_suffix(".truth.json").read_bytes(), type=Truth)
     fixtures = ((path, truth) for _, path, truth in synthesised(sorted(options.fixtures.glob("*.toml"))))
     print("| films | way | detection, CPU s | rendering | both | F1 | ratio | correlation |\n" + "| --- " * 8 + "|")
-    seen: list[Looked] = []
+    seen: list[SeenFilm] = []
     for name, films in (("fixtures", fixtures), (f"mixed, {options.minutes:g} min", iter([(film, truth)]))):
         chosen, constrained, everything, looks = compared(films, rules)
         show(name, chosen, constrained, everything)

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from blastline.detect.chunks import CORE_PIECES, LEFT_PIECES, RIGHT_PIECES, Chunk, chunks
-from blastline.detect.find import described, let_all_pass
+from blastline.detect.find import describe_candidates, let_all_pass
 from blastline.detect.segment import segment
 from blastline.detect.tracks import Grid, pieces
 from blastline.model import Clip, Shot
@@ -69,7 +69,7 @@ def test_what_begins_beside_the_border_of_two_cores_is_found_once(
     at = BORDER + beside
     onsets: list[int] = []
     for chunk in film_with(sound, at - begins):
-        found = described(chunk, GRID, TIER, gate=let_all_pass, screen=let_all_pass).onsets + chunk.start
+        found = describe_candidates(chunk, GRID, TIER, gate=let_all_pass, screen=let_all_pass).onsets + chunk.start
         assert np.all((found >= chunk.core.start) & (found < chunk.core.stop))
         onsets += found.tolist()
     assert sum(abs(onset - at) < 1.5 * 48 for onset in onsets) == 1

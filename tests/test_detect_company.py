@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from blastline.detect.backdrop import LEVELS
 from blastline.detect.company import in_company, worth_parting
-from blastline.detect.fire import Looked
+from blastline.detect.fire import ScoredCandidates
 from blastline.detect.verify import Verdicts, log_odds_in
 from blastline.model import EvenRow, Shot, ShotEvidence, Span
 from blastline.ruleset import load_rules
@@ -37,9 +37,9 @@ def believed_ms(*shots: Shot) -> list[float]:
     return [s.onset * 1000 / RATE_HZ for s in kept]
 
 
-def looked(onsets: NDArray[np.intp], probability: NDArray[np.float64]) -> Looked:
+def scored(onsets: NDArray[np.intp], probability: NDArray[np.float64]) -> ScoredCandidates:
     """Return candidates of which screen and networks think alike."""
-    return Looked(
+    return ScoredCandidates(
         onsets, np.zeros(onsets.size), log_odds_in(Verdicts(probability, probability, np.full(onsets.size, 2)))
     )
 
@@ -71,11 +71,11 @@ def test_a_run_that_only_the_sides_hear_has_to_be_as_sure_as_their_company() -> 
 @pytest.mark.parametrize("inside", [1, 2, 3])
 def test_a_slow_row_that_the_end_of_a_core_cuts_is_parted_on_both_sides(inside: int) -> None:
     onsets = np.array([20_000 + 600 * n for n in range(4)]) * (RATE_HZ // 1000)
-    every = looked(onsets, np.full(4, (VERIFY.round_threshold + VERIFY.company_threshold) / 2))
+    every = scored(onsets, np.full(4, (VERIFY.round_threshold + VERIFY.company_threshold) / 2))
     end = int(onsets[inside - 1]) + 300 * RATE_HZ // 1000
     for core in (Span(0, end), Span(end, 100 * RATE_HZ)):
         mine = (onsets >= core.start) & (onsets < core.stop)
-        here = looked(onsets[mine], np.full(mine.sum(), (VERIFY.round_threshold + VERIFY.company_threshold) / 2))
+        here = scored(onsets[mine], np.full(mine.sum(), (VERIFY.round_threshold + VERIFY.company_threshold) / 2))
         assert worth_parting(here, [None] * int(mine.sum()), rate_hz=RATE_HZ, tier=TIER, core=core).all()
     far = worth_parting(every, [None] * 4, rate_hz=RATE_HZ, tier=TIER, core=Span(0, 100 * RATE_HZ))
     assert not far.any(), "the others are rounds of no burst"
@@ -165,7 +165,7 @@ def test_what_is_not_worth_parting_is_never_believed(seed: int) -> None:
         inside = np.flatnonzero((onsets >= start) & (onsets < start + 20 * RATE_HZ))
         core, rows = Span(start, start + 20 * RATE_HZ), row[inside].tolist()
         worth[inside] = worth_parting(
-            looked(onsets[inside], probability[inside]), rows, rate_hz=RATE_HZ, tier=TIER, core=core
+            scored(onsets[inside], probability[inside]), rows, rate_hz=RATE_HZ, tier=TIER, core=core
         )
     assert np.sum(~worth & (probability >= VERIFY.round_threshold)) > 0
     assert believed_ms(*shots) == believed_ms(*(s for s, kept in zip(shots, worth, strict=True) if kept))
@@ -176,7 +176,7 @@ def test_a_round_at_the_edge_of_a_core_may_belong_to_a_burst_beyond_it() -> None
     edges_ms = (0.0, BURSTS.longest_gap_ms, 10_000.0, 20_000.0 - BURSTS.longest_gap_ms, 19_999.0)
     onsets = np.array([round(at_ms * RATE_HZ / 1000) for at_ms in edges_ms], np.intp)
     probability = np.full(onsets.size, VERIFY.round_threshold)
-    worth = worth_parting(looked(onsets, probability), [None] * onsets.size, rate_hz=RATE_HZ, tier=TIER, core=core)
+    worth = worth_parting(scored(onsets, probability), [None] * onsets.size, rate_hz=RATE_HZ, tier=TIER, core=core)
     assert worth.tolist() == [True, True, False, True, True]
 
 
@@ -223,7 +223,7 @@ def test_fire_is_worth_parting_however_unlikely_each_of_its_rounds() -> None:
     onsets = np.array([s.onset for s in pair()], np.intp)
     core, probability = Span(0, 40 * RATE_HZ), np.zeros(2)
     assert worth_parting(
-        looked(onsets, probability), ["fire", None], rate_hz=RATE_HZ, tier=TIER, core=core
+        scored(onsets, probability), ["fire", None], rate_hz=RATE_HZ, tier=TIER, core=core
     ).tolist() == [
         True,
         False,

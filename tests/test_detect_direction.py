@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from blastline.detect.direction import direction, placed
+from blastline.detect.direction import direction, with_azimuths
 from blastline.model import Channels, Shot, Span
 from blastline.ruleset import load_rules
 from blastline.soundtrack.loudspeakers import azimuths
@@ -111,14 +111,14 @@ def test_a_shot_that_is_heard_beside_the_centre_is_placed_without_its_voice() ->
     shot = Shot(ONSET, 0.95, -6.0, 20.0, span, (), span, heard_in="sides")
     channels = Channels(places("5.1"), 2, lambda asked: samples[asked.start : asked.stop])
     rules = load_rules("standard").tier.channels
-    [pulled] = placed([shot], channels, rate_hz=RATE_HZ, rules=rules)
-    [found] = placed([shot], channels, rate_hz=RATE_HZ, rules=rules, beside=[ONSET + 100])
+    [pulled] = with_azimuths([shot], channels, rate_hz=RATE_HZ, rules=rules)
+    [found] = with_azimuths([shot], channels, rate_hz=RATE_HZ, rules=rules, side_onsets=[ONSET + 100])
     assert pulled.azimuth_deg is not None
     assert found.azimuth_deg is not None
     assert abs(found.azimuth_deg + 75.0) <= 6.0 < abs(pulled.azimuth_deg + 75.0)
-    assert placed([shot], None, rate_hz=RATE_HZ, rules=rules) == [shot]
+    assert with_azimuths([shot], None, rate_hz=RATE_HZ, rules=rules) == [shot]
     gone = Channels(places("5.1"), 2, lambda asked: None)
-    assert placed([shot], gone, rate_hz=RATE_HZ, rules=rules) == [shot]
+    assert with_azimuths([shot], gone, rate_hz=RATE_HZ, rules=rules) == [shot]
 
 
 def test_a_shot_in_the_centre_alone_is_in_front_whoever_doubts_it() -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from blastline.detect import Detection, find_shots, load_verifier
 from blastline.detect.chunks import CORE_PIECES, Chunk, chunks
 from blastline.detect.features import feature_names
-from blastline.detect.find import Described, _first_of_each, described, let_all_pass
+from blastline.detect.find import CandidateFeatures, _first_of_each, describe_candidates, let_all_pass
 from blastline.detect.forest import ForestFile, forest_from, probabilities
 from blastline.detect.spectrogram import Spectrograms, spectrograms
 from blastline.detect.tracks import Grid, pieces
@@ -159,20 +159,20 @@ def test_silence_and_a_full_scale_square_hold_no_shot() -> None:
 
 def test_features_are_finite_and_named(film: tuple[NDArray[np.float32], Truth]) -> None:
     for chunk in chunks(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
-        found = described(chunk, Grid(RATE_HZ), RULES.tier, gate=let_all_pass, screen=let_all_pass)
+        found = describe_candidates(chunk, Grid(RATE_HZ), RULES.tier, gate=let_all_pass, screen=let_all_pass)
         assert found.rows.shape == (found.onsets.size, len(feature_names()))
         assert np.isfinite(found.rows).all()
     assert len(set(feature_names())) == len(feature_names())
 
 
-def _sieved(chunk: Chunk, verifier: Verifier) -> Described:
+def _sieved(chunk: Chunk, verifier: Verifier) -> CandidateFeatures:
     gate, screen = (lambda rows, _, sieve=sieve: sieve.lets_pass(rows) for sieve in (verifier.gate, verifier.screen))
-    return described(chunk, Grid(RATE_HZ), RULES.tier, gate=gate, screen=screen)
+    return describe_candidates(chunk, Grid(RATE_HZ), RULES.tier, gate=gate, screen=screen)
 
 
 def test_what_the_sieves_hold_back_changes_nothing_else(film: tuple[NDArray[np.float32], Truth]) -> None:
     for chunk in chunks(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
-        every = described(chunk, Grid(RATE_HZ), RULES.tier, gate=let_all_pass, screen=let_all_pass)
+        every = describe_candidates(chunk, Grid(RATE_HZ), RULES.tier, gate=let_all_pass, screen=let_all_pass)
         some = _sieved(chunk, VERIFIER)
         # of candidates whose onsets come to lie within 3 ms one is kept; another one where the first is held back
         assert np.abs(every.onsets[:, None] - some.onsets).min(axis=0).max() < 0.003 * RATE_HZ

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.special import expit, logit
 
-from blastline.detect.fire import Looked, automatic, even_rows, rows_at, worth_a_look
-from blastline.detect.verify import Verdicts, log_odds_in, together
+from blastline.detect.fire import ScoredCandidates, automatic, even_rows, rows_at, worth_a_look
+from blastline.detect.verify import Verdicts, combined_log_odds, log_odds_in
 from blastline.model import EvenRow
 from blastline.ruleset import load_rules
 from blastline.units import ms_from_samples, samples_from_ms
@@ -25,7 +25,7 @@ def told(
     onsets = np.array([samples_from_ms(n * gap_ms, RATE_HZ) for n in range(len(probability))], np.intp)
     by_screen = np.array(probability if screened is None else screened)
     odds = log_odds_in(Verdicts(np.array(probability), by_screen, np.full(onsets.size, 2)))
-    return even_rows(Looked(onsets, np.zeros(onsets.size), odds), rate_hz=RATE_HZ, tier=TIER)
+    return even_rows(ScoredCandidates(onsets, np.zeros(onsets.size), odds), rate_hz=RATE_HZ, tier=TIER)
 
 
 def rows(onsets_ms: list[float], peaks_dbfs: list[float] | None = None, rate_hz: int = RATE_HZ) -> list[list[int]]:
@@ -95,7 +95,7 @@ def test_no_sound_is_in_two_rows_and_a_delay_or_gain_changes_none() -> None:
 
 def taken_together(by_networks: float, by_screen: float) -> float:
     """Return the probability that two networks of one mind and the screen give."""
-    (odds,) = together(np.array([2.0 * by_networks]), 2, np.array([by_screen]))
+    (odds,) = combined_log_odds(np.array([2.0 * by_networks]), 2, np.array([by_screen]))
     return float(expit(odds))
 
 
@@ -103,7 +103,7 @@ def taken_together(by_networks: float, by_screen: float) -> float:
 def test_the_odds_of_the_networks_are_what_the_screen_leaves(networks: int) -> None:
     rng = np.random.default_rng(2)
     by_networks, by_screen = rng.uniform(-4.0, 4.0, (2, 50))
-    probability = expit(together(networks * by_networks, networks, by_screen))
+    probability = expit(combined_log_odds(networks * by_networks, networks, by_screen))
     odds = log_odds_in(Verdicts(probability, expit(by_screen), np.full(50, networks)))
     np.testing.assert_allclose(odds.by_networks, by_networks, atol=1e-9)
     np.testing.assert_allclose(odds.by_all, logit(probability), atol=1e-9)

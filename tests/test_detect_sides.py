@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from blastline import run
 from blastline.detect import LATENCY_S, Detection, find_shots, load_verifier
-from blastline.detect.sides import joined
+from blastline.detect.sides import merge_mixes
 from blastline.model import Rejection, Shot, Span
 from blastline.ruleset import QualityRules, load_rules, rules_path
 from blastline.soundtrack import open_soundtrack
@@ -281,7 +281,7 @@ def test_one_onset_is_one_shot_and_the_mix_that_is_surer_judges_it() -> None:
         [Rejection(40_000, "no", {"probability": 0.2}), Rejection(30_100, "no", {"probability": 0.2})],
     )
     strict = msgspec.structs.replace(RULES.tier, verify=msgspec.structs.replace(RULES.tier.verify, threshold=0.9))
-    shots, refused = joined(mains, sides, rate_hz=RATE_HZ, tier=strict)
+    shots, refused = merge_mixes(mains, sides, rate_hz=RATE_HZ, tier=strict)
     assert [(s.onset, s.confidence, s.heard_in) for s in shots] == [
         (1_000, 0.97, "sides"),
         (5_000, 0.95, "mains"),
@@ -297,5 +297,5 @@ def test_what_the_mains_are_sure_of_is_not_moved_by_the_sides() -> None:
     gap = round(RULES.tier.bursts.shortest_gap_ms * RATE_HZ / 1000.0)
     mains = [shot(10_000, sure), shot(50_000, sure - 0.1)], list[Rejection]()
     sides = [shot(10_400, 0.99), shot(10_001 + gap, 0.99), shot(50_400, 0.99)], list[Rejection]()
-    shots, _ = joined(mains, sides, rate_hz=RATE_HZ, tier=RULES.tier)
+    shots, _ = merge_mixes(mains, sides, rate_hz=RATE_HZ, tier=RULES.tier)
     assert [each.onset for each in shots] == [10_000, 50_000, 10_001 + gap, 50_400]

@@ -6,23 +6,23 @@ A cheap scan over the whole film (`tracks`, `scan`) names candidates; everything
 """
 
 from .bursts import group_bursts, part_from_echoes
-from .direction import placed
+from .direction import with_azimuths
 from .find import LATENCY_S, Detection, find_shots
 from .given import audio_around, shot_at
-from .sides import as_heard
+from .sides import side_as_main
 from .verify import Verifier, load_verifier, read_model
 
 __all__ = [
     "LATENCY_S",
     "Detection",
     "Verifier",
-    "as_heard",
     "audio_around",
     "find_shots",
     "group_bursts",
     "load_verifier",
     "part_from_echoes",
-    "placed",
     "read_model",
     "shot_at",
+    "side_as_main",
+    "with_azimuths",
 ]

@@ -21,8 +21,8 @@ from ..model import EvenRow, Rejection, Shot, Span
 from ..ruleset import BurstRules, QualityRules
 from ..units import samples_from_ms, samples_from_s
 from .backdrop import LEVELS
-from .fire import Looked
-from .loops import Returning, in_loops
+from .fire import ScoredCandidates
+from .loops import LoopCandidates, in_loops
 from .rows import in_endless_fire, in_even_rows, runs_of
 from .verify import log_odds_of
 
@@ -106,7 +106,7 @@ def _rows(shots: Sequence[Shot], belief: _Belief, *, rate_hz: int, tier: Quality
     steps = in_even_rows(onsets[believed], vouched[believed], rate_hz=rate_hz, rules=tier.rows)
     machines = in_endless_fire(onsets[believed], by_itself[believed], rate_hz=rate_hz, rules=tier.bursts)
     returning = np.flatnonzero(belief.likely)  # a turn may be out of all company; what is less is not always parted
-    likely = _returning([shots[place] for place in returning.tolist()], by_itself[returning])
+    likely = _loop_candidates([shots[place] for place in returning.tolist()], by_itself[returning])
     loops = in_loops(likely, rate_hz=rate_hz, rules=tier.rows)
     why = [""] * len(shots)
     for refused, reason in (
@@ -120,12 +120,12 @@ def _rows(shots: Sequence[Shot], belief: _Belief, *, rate_hz: int, tier: Quality
     return why
 
 
-def _returning(shots: Sequence[Shot], by_itself: NDArray[np.bool_]) -> Returning:
+def _loop_candidates(shots: Sequence[Shot], by_itself: NDArray[np.bool_]) -> LoopCandidates:
     """Return what tells of candidates whether they turn with a loop; of those that nobody looked at, nothing does."""
     known = [shot.evidence for shot in shots]
     backdrops = [-1 if each is None or each.backdrop is None else each.backdrop for each in known]
     sounds = [each.sound if each and each.sound else (np.nan,) * LEVELS for each in known]
-    return Returning(
+    return LoopCandidates(
         _onsets(shots),
         np.array([shot.peak_dbfs for shot in shots]),
         by_itself,
@@ -148,7 +148,7 @@ def _refused(shot: Shot, why: str) -> Rejection:
 
 
 def worth_parting(
-    looked: Looked, rows: Sequence[EvenRow | None], *, rate_hz: int, tier: QualityRules, core: Span
+    scored: ScoredCandidates, rows: Sequence[EvenRow | None], *, rate_hz: int, tier: QualityRules, core: Span
 ) -> NDArray[np.bool_]:
     """Return which candidates `in_company` could believe, given those of a chunk's core and the rows among them.
 
@@ -157,15 +157,15 @@ def worth_parting(
     """
     longest = samples_from_ms(tier.bursts.longest_gap_ms, rate_hz) + _ROUNDING
     fired = np.array([row == "fire" for row in rows], bool)
-    worth: NDArray[np.bool_] = (looked.odds.by_all >= log_odds_of(tier.verify.company_threshold)) | fired
-    likeliest = np.maximum(looked.odds.by_all, looked.odds.by_networks)
+    worth: NDArray[np.bool_] = (scored.odds.by_all >= log_odds_of(tier.verify.company_threshold)) | fired
+    likeliest = np.maximum(scored.odds.by_all, scored.odds.by_networks)
     members = np.flatnonzero((likeliest >= log_odds_of(tier.verify.round_threshold)) | worth)
     reach = (tier.rows.fewest - 1) * samples_from_ms(tier.rows.longest_gap_ms, rate_hz)
-    cut = (looked.onsets < core.start + reach) | (looked.onsets >= core.stop - reach)
-    worth |= cut & (looked.odds.by_networks >= log_odds_of(tier.verify.round_threshold))
-    for run in runs_of(looked.onsets[members], longest):
+    cut = (scored.onsets < core.start + reach) | (scored.onsets >= core.stop - reach)
+    worth |= cut & (scored.odds.by_networks >= log_odds_of(tier.verify.round_threshold))
+    for run in runs_of(scored.onsets[members], longest):
         burst = members[run]
-        at = looked.onsets[burst]
+        at = scored.onsets[burst]
         if (at < core.start + longest).any() or (at >= core.stop - longest).any() or worth[burst].any():
             worth[burst] = True
     return worth

@@ -40,12 +40,17 @@ _NOWHERE = 0.05
 """A vector so short points anywhere: equal sounds from all around."""
 
 
-def placed(
-    shots: Sequence[Shot], channels: Channels | None, *, rate_hz: int, rules: ChannelRules, beside: Sequence[int] = ()
+def with_azimuths(
+    shots: Sequence[Shot],
+    channels: Channels | None,
+    *,
+    rate_hz: int,
+    rules: ChannelRules,
+    side_onsets: Sequence[int] = (),
 ) -> list[Shot]:
     """Return the shots with their azimuths, as far as their channels can be read and tell one.
 
-    `beside` are the onsets that were heard in the sides: what rises there at the same time may be a voice.
+    `side_onsets` were heard in the sides: what rises there at the same time may be a voice.
     """
     if channels is None:
         return list(shots)
@@ -55,7 +60,7 @@ def placed(
         onset = max(0, shot.onset - guard)
         start = max(0, onset - span)
         samples = channels.read(Span(start, min(onset + guard + span, max(onset + 1, shot.span.stop))))
-        elsewhere = any(abs(each - shot.onset) <= samples_from_ms(SAME_MS, rate_hz) for each in beside)
+        elsewhere = any(abs(each - shot.onset) <= samples_from_ms(SAME_MS, rate_hz) for each in side_onsets)
         toward = None
         if samples is not None:
             toward = direction(

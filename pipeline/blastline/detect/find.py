@@ -17,15 +17,15 @@ from .bandshape import band_levels, bandshape
 from .bursts import group_bursts, keep_apart, part_from_echoes, without_echoes
 from .chunks import Chunk, aligned_chunks, chunks, track_peaks_dbfs
 from .company import in_company, unlike_a_shot, worth_parting
-from .direction import placed
+from .direction import with_azimuths
 from .features import features
-from .fire import Looked, even_rows, worth_a_look
+from .fire import ScoredCandidates, even_rows, worth_a_look
 from .neighbours import neighbourhood
 from .onset import farthest_ms, refine_onsets
 from .rate import LISTENING_HZ, film_sample, in_film, resampled
 from .scan import candidate_steps, loudest_around
 from .segment import peak_dbfs, segment
-from .sides import are_audible, as_heard, beside, joined
+from .sides import are_audible, merge_mixes, side_as_main, side_rules
 from .sparse import bands_near
 from .spectrogram import spectrograms
 from .tracks import Grid, pieces
@@ -46,17 +46,17 @@ class Detection:
 
 
 @dataclass(frozen=True, eq=False)
-class Searched:
-    """What a chunk holds, in one mix or in both: shots, rejections, and of each mix all that was looked at."""
+class ChunkResult:
+    """What was found in a chunk: shots and rejections of one mix or both, and all that the networks scored in each."""
 
     shots: list[Shot]
     refused: list[Rejection]
-    looked: dict[HeardIn, Looked]
+    scored: dict[HeardIn, ScoredCandidates]
 
 
 @dataclass(frozen=True, eq=False)
-class Described:
-    """Candidates of a chunk: onsets as indices into it, ascending, and their features."""
+class CandidateFeatures:
+    """Candidates of a chunk: onsets as indices into it, ascending, shape (n,), and their features, (n, features)."""
 
     onsets: NDArray[np.intp]
     rows: NDArray[np.float64]
@@ -79,26 +79,28 @@ def find_shots(
     `rate_hz` is the film's, whose samples all places count. Blocks with sides are listened to twice. `channels`, where
     given, tell from where the shots come.
     """
-    found = list(searched(blocks, rate_hz=rate_hz, tier=tier, verifier=verifier, channels=channels))
-    shots = chain.from_iterable(in_rows(found, rate_hz=rate_hz, tier=tier))
-    return judged(shots, chain.from_iterable(each.refused for each in found), rate_hz=rate_hz, tier=tier)
+    found = list(search_chunks(blocks, rate_hz=rate_hz, tier=tier, verifier=verifier, channels=channels))
+    shots = chain.from_iterable(apply_row_verdicts(found, rate_hz=rate_hz, tier=tier))
+    return select_shots(shots, chain.from_iterable(each.refused for each in found), rate_hz=rate_hz, tier=tier)
 
 
-def in_rows(found: Sequence[Searched], *, rate_hz: int, tier: QualityRules) -> Iterator[list[Shot]]:
+def apply_row_verdicts(found: Sequence[ChunkResult], *, rate_hz: int, tier: QualityRules) -> Iterator[list[Shot]]:
     """Yield the shots of each chunk, with what the rows of the whole film tell of them: a row may cross chunks."""
     told: dict[HeardIn, dict[int, EvenRow | None]] = {}
-    rules_of: dict[HeardIn, QualityRules] = {"mains": tier, "sides": beside(tier)}
+    rules_of: dict[HeardIn, QualityRules] = {"mains": tier, "sides": side_rules(tier)}
     for mix, rules in rules_of.items():
-        parts = [each.looked[mix] for each in found if mix in each.looked]
+        parts = [each.scored[mix] for each in found if mix in each.scored]
         if parts:
-            every = Looked.all_of(parts)
+            every = ScoredCandidates.all_of(parts)
             told[mix] = dict(zip(every.onsets.tolist(), even_rows(every, rate_hz=rate_hz, tier=rules), strict=True))
     for each in found:
-        yield [_in_row(shot, told) for shot in each.shots]
+        yield [_with_row_verdict(shot, told) for shot in each.shots]
 
 
-def judged(shots: Iterable[Shot], rejections: Iterable[Rejection], *, rate_hz: int, tier: QualityRules) -> Detection:
-    """Return what is believed of a film's candidates, echoes and doublets taken out and bursts numbered."""
+def select_shots(
+    shots: Iterable[Shot], rejections: Iterable[Rejection], *, rate_hz: int, tier: QualityRules
+) -> Detection:
+    """Return which of a film's candidates are shots, echoes and doublets taken out and bursts numbered."""
     believed, alone = in_company(shots, rate_hz=rate_hz, tier=tier)
     kept, dropped = keep_apart(believed, rate_hz=rate_hz, rules=tier.bursts)
     fired, echoes = without_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
@@ -109,9 +111,9 @@ def judged(shots: Iterable[Shot], rejections: Iterable[Rejection], *, rate_hz: i
     )
 
 
-def searched(
+def search_chunks(
     blocks: Iterable[Clip], *, rate_hz: int, tier: QualityRules, verifier: Verifier, channels: Channels | None = None
-) -> Iterator[Searched]:
+) -> Iterator[ChunkResult]:
     """Yield what is found in each of a film's chunks, with what their sides add where the blocks have any.
 
     Nothing is believed yet, since that depends on all of the film.
@@ -122,35 +124,35 @@ def searched(
         return
     film, grid = chain([first], rest), Grid(LISTENING_HZ)
     cut = partial(pieces, rate_hz=LISTENING_HZ, with_bands=tier.scan.band_jump_db is not None)
-    search = partial(_search, grid=grid, tier=tier, verifier=verifier, rate_hz=rate_hz)
-    place = partial(placed, channels=channels, rate_hz=rate_hz, rules=tier.channels)
+    search = partial(_search_chunk, grid=grid, tier=tier, verifier=verifier, rate_hz=rate_hz)
+    place = partial(with_azimuths, channels=channels, rate_hz=rate_hz, rules=tier.channels)
     if first.sides is None:
         for mains in map(search, chunks(cut(film))):
-            yield Searched(place(mains.shots), mains.refused, mains.looked)
+            yield ChunkResult(place(mains.shots), mains.refused, mains.scored)
         return
     once, again = tee(film)
-    search_beside = partial(search, tier=beside(tier))
-    for chunk, sides in aligned_chunks(cut(once), cut(map(as_heard, again))):
-        mains, there = search(chunk), search_beside(sides, over=chunk)
+    search_sides = partial(search, tier=side_rules(tier))
+    for chunk, sides in aligned_chunks(cut(once), cut(map(side_as_main, again))):
+        mains, there = search(chunk), search_sides(sides, over=chunk)
         heard = ((each.shots, each.refused) for each in (mains, there))
-        shots, refused = joined(*heard, rate_hz=rate_hz, tier=tier)
-        looked: dict[HeardIn, Looked] = {"mains": mains.looked["mains"], "sides": there.looked["mains"]}
-        yield Searched(place(shots, beside=[shot.onset for shot in there.shots]), refused, looked)
+        shots, refused = merge_mixes(*heard, rate_hz=rate_hz, tier=tier)
+        scored: dict[HeardIn, ScoredCandidates] = {"mains": mains.scored["mains"], "sides": there.scored["mains"]}
+        yield ChunkResult(place(shots, side_onsets=[shot.onset for shot in there.shots]), refused, scored)
 
 
-def guesses(chunk: Chunk, grid: Grid, tier: QualityRules) -> NDArray[np.intp]:
+def candidate_places(chunk: Chunk, grid: Grid, tier: QualityRules) -> NDArray[np.intp]:
     """Return roughly where a chunk's candidates are, as indices into it, ascending."""
     steps = candidate_steps(chunk.peak, chunk.slope, chunk.bands, grid=grid, rules=tier.scan)
     places = steps * grid.step
     return places[places < chunk.stop - chunk.start]
 
 
-def described(chunk: Chunk, grid: Grid, tier: QualityRules, *, gate: Test, screen: Test) -> Described:
+def describe_candidates(chunk: Chunk, grid: Grid, tier: QualityRules, *, gate: Test, screen: Test) -> CandidateFeatures:
     """Return the core's candidates that pass the gate, by their rough shapes, and the screen, by all features.
 
     The onset of those that are left is found to the sample.
     """
-    places = guesses(chunk, grid, tier)
+    places = candidate_places(chunk, grid, tier)
     bands = chunk.bands if chunk.bands.size else bands_near(chunk.samples, places, grid)
     rough = band_levels(bands, places, grid)
     margin = samples_from_ms(farthest_ms(tier.onset), grid.rate_hz)
@@ -166,7 +168,7 @@ def described(chunk: Chunk, grid: Grid, tier: QualityRules, *, gate: Test, scree
     kept = _first_of_each(onsets, samples_from_ms(_SAME_ONSET_MS, grid.rate_hz))
     at = onsets[kept] + chunk.start
     kept = kept[(at >= chunk.core.start) & (at < min(chunk.core.stop, chunk.stop))]
-    return Described(onsets[kept], rows[kept])
+    return CandidateFeatures(onsets[kept], rows[kept])
 
 
 def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
@@ -180,7 +182,7 @@ def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
 
 def _worth_looking_at(
     chunk: Chunk, grid: Grid, tier: QualityRules, verifier: Verifier, over: Chunk | None
-) -> Described:
+) -> CandidateFeatures:
     """Return the candidates that gate and screen do not find hopeless, and that no mix `over` theirs covers."""
 
     def gate(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
@@ -192,17 +194,17 @@ def _worth_looking_at(
         least = verifier.screen.threshold
         return worth_a_look(places, peaks_dbfs, likely, least=least, rate_hz=grid.rate_hz, tier=tier)
 
-    return described(chunk, grid, tier, gate=gate, screen=screen)
+    return describe_candidates(chunk, grid, tier, gate=gate, screen=screen)
 
 
-def _search(
+def _search_chunk(
     chunk: Chunk,
     grid: Grid,
     tier: QualityRules,
     verifier: Verifier,
     rate_hz: int,
     over: Chunk | None = None,
-) -> Searched:
+) -> ChunkResult:
     """Return what is found in a chunk of one mix, with its places in the samples of a film of that rate.
 
     What the mix `over` it covers is not looked at.
@@ -213,9 +215,9 @@ def _search(
     verdicts, before, own = verifier.verdicts(found.rows, shown), backdrops(shown), sounds(shown)
     at = found.onsets + chunk.start
     peaks_dbfs = np.array([peak_dbfs(chunk.samples, onset, grid.rate_hz) for onset in found.onsets.tolist()])
-    looked = Looked(at, peaks_dbfs, log_odds_in(verdicts))
-    rows = even_rows(looked, rate_hz=grid.rate_hz, tier=tier)
-    worth = worth_parting(looked, rows, rate_hz=grid.rate_hz, tier=tier, core=chunk.core)
+    scored = ScoredCandidates(at, peaks_dbfs, log_odds_in(verdicts))
+    rows = even_rows(scored, rate_hz=grid.rate_hz, tier=tier)
+    worth = worth_parting(scored, rows, rate_hz=grid.rate_hz, tier=tier, core=chunk.core)
     shots = [
         segment(
             chunk.samples,
@@ -237,10 +239,10 @@ def _search(
         for index in np.flatnonzero(~worth & (verdicts.probability >= tier.verify.report_from))
     ]
     in_film_at = np.array([film_sample(sample, rate_hz) for sample in at.tolist()], np.intp)
-    return Searched(*in_film(shots, refused, rate_hz), {"mains": replace(looked, onsets=in_film_at)})
+    return ChunkResult(*in_film(shots, refused, rate_hz), {"mains": replace(scored, onsets=in_film_at)})
 
 
-def _in_row(shot: Shot, told: dict[HeardIn, dict[int, EvenRow | None]]) -> Shot:
+def _with_row_verdict(shot: Shot, told: dict[HeardIn, dict[int, EvenRow | None]]) -> Shot:
     """Return a shot with what its row tells of it: that of the mix it was found in, which need not be the surer one."""
     rows = told["sides"] if shot.heard_in == "sides" and shot.onset in told["sides"] else told["mains"]
     if shot.evidence is None or rows.get(shot.onset) is None:

@@ -23,16 +23,16 @@ from .verify import LogOdds, log_odds_of
 
 
 @dataclass(frozen=True, eq=False)
-class Looked:
-    """What the networks looked at in a chunk or a film, in order: onsets, how loud each gets, and what is thought."""
+class ScoredCandidates:
+    """The candidates of a chunk or a film that the networks judged, in order: onsets, peaks, log-odds; shape (n,)."""
 
     onsets: NDArray[np.intp]
     peaks_dbfs: NDArray[np.float64]
     odds: LogOdds
 
     @classmethod
-    def all_of(cls, parts: Sequence["Looked"]) -> "Looked":
-        """Return what was looked at in all of a film's chunks; at least one."""
+    def all_of(cls, parts: Sequence["ScoredCandidates"]) -> "ScoredCandidates":
+        """Return the candidates of all of a film's chunks; at least one."""
         return cls(
             np.concatenate([part.onsets for part in parts]),
             np.concatenate([part.peaks_dbfs for part in parts]),
@@ -107,19 +107,19 @@ def _row_on(
         due, late = at[row[-1]] + gap, pace.unevenness * gap
 
 
-def even_rows(looked: Looked, *, rate_hz: int, tier: QualityRules) -> list[EvenRow | None]:
+def even_rows(scored: ScoredCandidates, *, rate_hz: int, tier: QualityRules) -> list[EvenRow | None]:
     """Return of each candidate, ascending, whether it is a round of even fire or one of a long row that is none."""
-    told: list[EvenRow | None] = [None] * looked.onsets.size
-    rounds = looked.odds.by_networks >= log_odds_of(tier.verify.round_threshold)
-    for row in rows_at(looked.onsets, looked.peaks_dbfs, automatic(tier.bursts), rate_hz=rate_hz):
-        if _sounds_like_fire(looked.odds, row, tier.verify):
+    told: list[EvenRow | None] = [None] * scored.onsets.size
+    rounds = scored.odds.by_networks >= log_odds_of(tier.verify.round_threshold)
+    for row in rows_at(scored.onsets, scored.peaks_dbfs, automatic(tier.bursts), rate_hz=rate_hz):
+        if _sounds_like_fire(scored.odds, row, tier.verify):
             for place in row[rounds[row]].tolist():
                 told[place] = "fire"
         elif row.size >= tier.bursts.fewest_as_one:
             for place in row.tolist():
                 told[place] = "no fire"
-    for row in rows_at(looked.onsets, looked.peaks_dbfs, shot_by_shot(tier), rate_hz=rate_hz):
-        if looked.odds.by_networks[row].mean() >= log_odds_of(tier.verify.threshold):
+    for row in rows_at(scored.onsets, scored.peaks_dbfs, shot_by_shot(tier), rate_hz=rate_hz):
+        if scored.odds.by_networks[row].mean() >= log_odds_of(tier.verify.threshold):
             for place in row[rounds[row]].tolist():
                 told[place] = told[place] or "fire"
     return told

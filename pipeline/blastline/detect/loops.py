@@ -19,7 +19,7 @@ _NEAR_TURNS, _FEWEST_TURNS = 4, 2
 
 
 @dataclass(frozen=True, eq=False)
-class Returning:
+class LoopCandidates:
     """Candidates, by onset: how loud, whether sure by themselves, what is heard before each, and its own sound.
 
     Backdrops below 0 are unknown. `sounds` has shape (n, levels); those that are NaN are like no other.
@@ -32,7 +32,7 @@ class Returning:
     sounds: NDArray[np.float64]
 
 
-def in_loops(heard: Returning, *, rate_hz: int, rules: RowRules) -> NDArray[np.bool_]:
+def in_loops(heard: LoopCandidates, *, rate_hz: int, rules: RowRules) -> NDArray[np.bool_]:
     """Return which candidates turn with a loop of ambience.
 
     That there is a loop is told by what comes again after the same time, beyond an even row's gaps and up to
@@ -68,7 +68,7 @@ def _chains(onsets: NDArray[np.intp], *, rate_hz: int, rules: RowRules) -> NDArr
     return chains
 
 
-def _turning(heard: Returning, turn: float, *, rate_hz: int, rules: RowRules) -> NDArray[np.bool_]:
+def _turning(heard: LoopCandidates, turn: float, *, rate_hz: int, rules: RowRules) -> NDArray[np.bool_]:
     """Return which candidates come again with a loop of that length in samples, twice and more within four turns."""
     turns = turn * np.array([*range(-_NEAR_TURNS, 0), *range(1, _NEAR_TURNS + 1)])
     due = heard.onsets[:, None] + np.round(turns).astype(np.intp)

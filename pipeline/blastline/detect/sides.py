@@ -16,8 +16,8 @@ from ..units import samples_from_ms
 from .chunks import Chunk, track_peaks_dbfs
 from .tracks import Grid
 
-Sorted = tuple[list[Shot], list[Rejection]]
-"""What was found in one mix, and what was refused."""
+Found = tuple[list[Shot], list[Rejection]]
+"""The shots of one mix, and what was refused."""
 
 SAME_MS = 5.0
 """Two mixes of one sound begin that near to each other; no gun fires twice in it."""
@@ -33,12 +33,12 @@ def are_audible(sides: Chunk, mains: Chunk, places: NDArray[np.intp], grid: Grid
     return np.asarray(heard_db >= -_COVERED_DB, np.bool_)
 
 
-def as_heard(clip: Clip) -> Clip:
+def side_as_main(clip: Clip) -> Clip:
     """Return a clip whose sides are what is heard; the clip itself where it has none."""
     return clip if clip.sides is None else Clip(clip.sides[:, None], clip.rate_hz, clip.start)
 
 
-def beside(tier: QualityRules) -> QualityRules:
+def side_rules(tier: QualityRules) -> QualityRules:
     """Return the rules by which the sides are searched: what is only heard there has to be surer."""
     own, asked = tier.channels, tier.verify
     verify = msgspec.structs.replace(
@@ -54,7 +54,7 @@ def beside(tier: QualityRules) -> QualityRules:
     return msgspec.structs.replace(tier, verify=verify)
 
 
-def joined(mains: Sorted, sides: Sorted, *, rate_hz: int, tier: QualityRules) -> Sorted:
+def merge_mixes(mains: Found, sides: Found, *, rate_hz: int, tier: QualityRules) -> Found:
     """Return the shots and rejections of both mixes, each sound once.
 
     A shot that both heard keeps its parts in the mains. Where they are not sure of it, it is judged by the mix that is

@@ -113,13 +113,13 @@ class Verifier:
         open_to_doubt = np.arange(rows.shape[0])
         for asked, network in enumerate(self.networks, start=1):
             said[open_to_doubt] += log_odds(network, rows[open_to_doubt], seen.taken(open_to_doubt))
-            odds[open_to_doubt] = together(said[open_to_doubt], asked, by_screen[open_to_doubt])
+            odds[open_to_doubt] = combined_log_odds(said[open_to_doubt], asked, by_screen[open_to_doubt])
             networks[open_to_doubt] = asked
             open_to_doubt = open_to_doubt[np.abs(odds[open_to_doubt]) < BEYOND_DOUBT]
         return Verdicts(_probability(odds), _probability(by_screen), networks)
 
 
-def together(said: NDArray[np.float64], networks: int, by_screen: NDArray[np.float64]) -> NDArray[np.float64]:
+def combined_log_odds(said: NDArray[np.float64], networks: int, by_screen: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the log-odds of n candidates by all, of the sum of what some networks said and what the screen says."""
     return (said + SCREEN_VOICE * by_screen) / (networks + SCREEN_VOICE)
 

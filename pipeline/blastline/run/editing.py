@@ -10,7 +10,7 @@ from pathlib import Path
 
 import msgspec
 
-from ..detect import Detection, as_heard, audio_around, group_bursts, part_from_echoes, placed, shot_at
+from ..detect import Detection, audio_around, group_bursts, part_from_echoes, shot_at, side_as_main, with_azimuths
 from ..errors import TimelineError
 from ..export import read_timeline
 from ..export.edits import EditedFile, Wanted, Wish, match, read_edits
@@ -163,9 +163,9 @@ def _shots(wishes: Sequence[Wish], track: Soundtrack, source: Source, rules: Rul
         confidence = _SURE if wish.confidence is None else wish.confidence
         clip = track.cut(span, sides=True)
         mix = _mix_of(wish, clip)
-        shot = shot_at(wish.onset, as_heard(clip) if mix == "sides" else clip, confidence=confidence, tier=tier)
+        shot = shot_at(wish.onset, side_as_main(clip) if mix == "sides" else clip, confidence=confidence, tier=tier)
         heard.append(msgspec.structs.replace(shot, heard_in=mix))
-    toward = placed(heard, track.around, rate_hz=rate_hz, rules=tier.channels)
+    toward = with_azimuths(heard, track.around, rate_hz=rate_hz, rules=tier.channels)
     parted = part_from_echoes(toward, rate_hz=rate_hz, rules=tier.bursts)
     kept = [
         _as_it_was(shot, wish.was) if wish.unmoved and wish.was is not None else shot

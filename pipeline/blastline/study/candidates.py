@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..detect.chunks import chunks
-from ..detect.find import described, let_all_pass
+from ..detect.find import describe_candidates, let_all_pass
 from ..detect.scan import loudest_around
 from ..detect.tracks import Grid, pieces
 from ..model import Clip
@@ -45,7 +45,7 @@ def candidates(film: Mix, tier: QualityRules, lesson: int) -> Candidates:
     clip = Clip(film.samples[:, None], RATE_HZ)
     found = []
     for chunk in chunks(pieces([clip], RATE_HZ)):
-        each = described(chunk, grid, tier, gate=let_all_pass, screen=let_all_pass)
+        each = describe_candidates(chunk, grid, tier, gate=let_all_pass, screen=let_all_pass)
         loudest = loudest_around(chunk.peak, each.onsets // grid.step, grid=grid)
         found.append((chunk.start + each.onsets, loudest, each.rows.astype(np.float32)))
     at, loudest, rows = (np.concatenate(parts) for parts in zip(*found, strict=True))
