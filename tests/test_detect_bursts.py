@@ -4,7 +4,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from blastline.detect.bursts import keep_apart, part_from_echoes
+from blastline.detect.bursts import drop_claimed_reflections, keep_apart
 from blastline.model import Reflection, Rejection, Shot, Span
 from blastline.ruleset import load_rules
 
@@ -68,7 +68,7 @@ def test_an_echo_that_two_shots_claim_is_the_later_ones_alone(beside_ms: float, 
     """It sounds too late after the later shot to be a round of its own, so that alone does not part them."""
     later = shot(50, echoes_at_ms=(100,))
     assert RULES.shortest_gap_ms < 50.0
-    first, second = part_from_echoes(
+    first, second = drop_claimed_reflections(
         [shot(0, echoes_at_ms=(20, 100.0 + beside_ms)), later], rate_hz=RATE_HZ, rules=RULES
     )
     assert [echo.delay_ms for echo in first.reflections] == [20, *left]

@@ -88,7 +88,7 @@ def lasting() -> NDArray[np.float64]:
     return sound
 
 
-def parted(at: int, rules: SegmentRules) -> Shot:
+def segmented(at: int, rules: SegmentRules) -> Shot:
     """Return the parts of the long bang where it begins at a sample of a film."""
     sound = lasting()
     chunk = next(each for each in film_with(sound, at - RATE_HZ // 4) if each.core.start <= at < each.core.stop)
@@ -107,6 +107,6 @@ def test_the_longest_shot_that_rules_may_ask_for_is_as_long_wherever_it_begins()
     longest = {"longest_ms": LONGEST_DECAY_MS, "latest_reflection_ms": LONGEST_DECAY_MS}
     rules = msgspec.convert(msgspec.to_builtins(TIER.segment) | longest, SegmentRules)
     for at in (BORDER - 1, BORDER - 20 * GRID.piece):
-        shot = parted(at, rules)
+        shot = segmented(at, rules)
         assert len(shot.span) * 1000.0 / RATE_HZ == LONGEST_DECAY_MS
         assert shot.reflections[-1].delay_ms == pytest.approx(LONGEST_DECAY_MS - 20.0, abs=0.1)

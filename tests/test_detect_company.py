@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from blastline.detect.backdrop import LEVELS
-from blastline.detect.company import in_company, worth_parting
+from blastline.detect.company import in_company, worth_segmenting
 from blastline.detect.fire import ScoredCandidates
 from blastline.detect.verify import Verdicts, log_odds_in
 from blastline.model import EvenRow, Shot, ShotEvidence, Span
@@ -69,15 +69,15 @@ def test_a_run_that_only_the_sides_hear_has_to_be_as_sure_as_their_company() -> 
 
 
 @pytest.mark.parametrize("inside", [1, 2, 3])
-def test_a_slow_row_that_the_end_of_a_core_cuts_is_parted_on_both_sides(inside: int) -> None:
+def test_a_slow_row_that_the_end_of_a_core_cuts_is_segmented_on_both_sides(inside: int) -> None:
     onsets = np.array([20_000 + 600 * n for n in range(4)]) * (RATE_HZ // 1000)
     every = scored(onsets, np.full(4, (VERIFY.round_threshold + VERIFY.company_threshold) / 2))
     end = int(onsets[inside - 1]) + 300 * RATE_HZ // 1000
     for core in (Span(0, end), Span(end, 100 * RATE_HZ)):
         mine = (onsets >= core.start) & (onsets < core.stop)
         here = scored(onsets[mine], np.full(mine.sum(), (VERIFY.round_threshold + VERIFY.company_threshold) / 2))
-        assert worth_parting(here, [None] * int(mine.sum()), rate_hz=RATE_HZ, tier=TIER, core=core).all()
-    far = worth_parting(every, [None] * 4, rate_hz=RATE_HZ, tier=TIER, core=Span(0, 100 * RATE_HZ))
+        assert worth_segmenting(here, [None] * int(mine.sum()), rate_hz=RATE_HZ, tier=TIER, core=core).all()
+    far = worth_segmenting(every, [None] * 4, rate_hz=RATE_HZ, tier=TIER, core=Span(0, 100 * RATE_HZ))
     assert not far.any(), "the others are rounds of no burst"
 
 
@@ -148,7 +148,7 @@ def test_nothing_is_believed_of_nothing() -> None:
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_what_is_not_worth_parting_is_never_believed(seed: int) -> None:
+def test_what_is_not_worth_segmenting_is_never_believed(seed: int) -> None:
     """Parting a film in cores, and leaving out there what is no round of a burst, changes nothing."""
     rng = np.random.default_rng(seed)
     rows_ms = [start + np.arange(6) * FAST_MS for start in rng.uniform(0, 60_000, 20)]
@@ -164,7 +164,7 @@ def test_what_is_not_worth_parting_is_never_believed(seed: int) -> None:
     for start in range(0, 60 * RATE_HZ + 1, 20 * RATE_HZ):
         inside = np.flatnonzero((onsets >= start) & (onsets < start + 20 * RATE_HZ))
         core, rows = Span(start, start + 20 * RATE_HZ), row[inside].tolist()
-        worth[inside] = worth_parting(
+        worth[inside] = worth_segmenting(
             scored(onsets[inside], probability[inside]), rows, rate_hz=RATE_HZ, tier=TIER, core=core
         )
     assert np.sum(~worth & (probability >= VERIFY.round_threshold)) > 0
@@ -176,7 +176,7 @@ def test_a_round_at_the_edge_of_a_core_may_belong_to_a_burst_beyond_it() -> None
     edges_ms = (0.0, BURSTS.longest_gap_ms, 10_000.0, 20_000.0 - BURSTS.longest_gap_ms, 19_999.0)
     onsets = np.array([round(at_ms * RATE_HZ / 1000) for at_ms in edges_ms], np.intp)
     probability = np.full(onsets.size, VERIFY.round_threshold)
-    worth = worth_parting(scored(onsets, probability), [None] * onsets.size, rate_hz=RATE_HZ, tier=TIER, core=core)
+    worth = worth_segmenting(scored(onsets, probability), [None] * onsets.size, rate_hz=RATE_HZ, tier=TIER, core=core)
     assert worth.tolist() == [True, True, False, True, True]
 
 
@@ -219,10 +219,10 @@ def test_several_guns_may_fire_for_long() -> None:
     assert len(believed_ms(*[shot(at_ms, VERIFY.burst_threshold) for at_ms in places_ms.tolist()])) == 60
 
 
-def test_fire_is_worth_parting_however_unlikely_each_of_its_rounds() -> None:
+def test_fire_is_worth_segmenting_however_unlikely_each_of_its_rounds() -> None:
     onsets = np.array([s.onset for s in pair()], np.intp)
     core, probability = Span(0, 40 * RATE_HZ), np.zeros(2)
-    assert worth_parting(
+    assert worth_segmenting(
         scored(onsets, probability), ["fire", None], rate_hz=RATE_HZ, tier=TIER, core=core
     ).tolist() == [
         True,
@@ -346,8 +346,8 @@ def test_a_slow_row_that_is_fire_is_no_row_of_steps() -> None:
     assert len(believed_ms(*fire)) == len(fire)
 
 
-def test_what_is_not_worth_parting_makes_no_loop() -> None:
-    """Whether a faint candidate was parted depends on where a film's cores lie; what is believed must not."""
+def test_what_is_not_worth_segmenting_makes_no_loop() -> None:
+    """Whether a faint candidate was segmented depends on where a film's cores lie; what is believed must not."""
     faint = [at(20_000 + n * 2000.0, VERIFY.company_threshold - 0.01, BED) for n in (1, 2)]
     turns = [at(20_000 + n * 2000.0, UNSURE, BED) for n in (0, 3)]
     assert believed_ms(*turns, SURE_SHOT, *faint) == believed_ms(*turns, SURE_SHOT) == [20_000, 20_111, 26_000]

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from blastline.detect.bandshape import band_levels
-from blastline.detect.bursts import group_bursts, keep_apart, part_from_echoes, without_echoes
+from blastline.detect.bursts import drop_claimed_reflections, group_bursts, keep_apart, without_echoes
 from blastline.detect.chunks import chunks
 from blastline.detect.onset import refine_onsets
 from blastline.detect.scan import candidate_steps, rises
@@ -286,7 +286,7 @@ def test_bursts_are_runs_of_shots_in_the_rhythm_of_automatic_fire() -> None:
 def test_the_next_shot_of_a_burst_is_no_reflection() -> None:
     first, second = shots_at(1000, 1085)
     echoes = tuple(Reflection(48 * ms, 48 * ms + 10, ms - 1000.0, -6.0) for ms in (1030, 1084, 1200))
-    parted = part_from_echoes(
+    parted = drop_claimed_reflections(
         [msgspec.structs.replace(first, reflections=echoes), second], rate_hz=RATE_HZ, rules=TIER.bursts
     )
     assert [echo.delay_ms for echo in parted[0].reflections] == [30.0, 200.0]
@@ -344,7 +344,7 @@ def test_what_two_shots_claim_is_the_later_ones_echo() -> None:
         )
         for shot, delays in zip(shots, ([21.0, 111.2, 201.0, 300.0], [21.0, 110.5], [21.0]), strict=True)
     ]
-    parted = part_from_echoes(heard, rate_hz=RATE_HZ, rules=TIER.bursts)
+    parted = drop_claimed_reflections(heard, rate_hz=RATE_HZ, rules=TIER.bursts)
     assert [[echo.delay_ms for echo in shot.reflections] for shot in parted] == [[21.0, 300.0], [21.0], [21.0]]
 
 

@@ -221,7 +221,7 @@ def test_films_that_begin_with_a_shot_or_end_inside_one(film: tuple[Samples, Tru
 
 
 @pytest.mark.parametrize("rate_hz", [44_100, LISTENING_HZ, 96_000])
-def test_a_shot_given_where_it_was_found_is_parted_as_it_was(film: tuple[Samples, Truth], rate_hz: int) -> None:
+def test_a_shot_given_where_it_was_found_is_segmented_as_it_was(film: tuple[Samples, Truth], rate_hz: int) -> None:
     samples = at_rate(film[0], rate_hz)
     ms = rate_hz / 1000.0
     for shot in clear(find(samples, rate_hz)):

@@ -51,7 +51,7 @@ def film(
     return np.asarray(0.5 * samples, np.float64)
 
 
-def parted(samples: NDArray[np.float64], *, rate_hz: int = RATE_HZ, onset: int | None = None) -> Shot:
+def segmented(samples: NDArray[np.float64], *, rate_hz: int = RATE_HZ, onset: int | None = None) -> Shot:
     return segment(
         samples.astype(np.float32),
         round(ONSET_S * rate_hz) if onset is None else onset,
@@ -71,7 +71,7 @@ def delays_ms(shot: Shot) -> list[float]:
 @pytest.mark.parametrize("level_db", [-3.0, -12.0])
 @pytest.mark.parametrize("tail_db", [None, -12.0])
 def test_an_echo_is_found_where_it_is_and_as_strong(delay_ms: float, level_db: float, tail_db: float | None) -> None:
-    shot = parted(film({delay_ms: level_db}, tail_db=tail_db))
+    shot = segmented(film({delay_ms: level_db}, tail_db=tail_db))
     near = [echo for echo in shot.reflections if abs(echo.delay_ms - delay_ms) < 0.3]
     assert len(near) == 1
     # an echo within the 12 ms that are taken for the blast hides a part of itself
@@ -80,30 +80,30 @@ def test_an_echo_is_found_where_it_is_and_as_strong(delay_ms: float, level_db: f
 
 
 def test_a_dull_echo_is_found_hardly_later() -> None:
-    shot = parted(film({60.0: -6.0}, corner_hz=1_500.0))
+    shot = segmented(film({60.0: -6.0}, corner_hz=1_500.0))
     assert delays_ms(shot) == pytest.approx([60.0], abs=0.5)
 
 
 def test_echoes_near_each_other_are_two() -> None:
-    shot = parted(film({30.0: -6.0, 36.0: -8.0, 90.0: -10.0}, tail_db=-15.0))
+    shot = segmented(film({30.0: -6.0, 36.0: -8.0, 90.0: -10.0}, tail_db=-15.0))
     assert delays_ms(shot) == pytest.approx([30.0, 36.0, 90.0], abs=0.2)
 
 
 @pytest.mark.parametrize("seed", range(12))
 def test_a_blast_in_the_open_has_no_echo(seed: int) -> None:
     noise_db = (-60.0, -45.0, -32.0)[seed % 3]
-    assert parted(film({}, noise_db=noise_db, seed=seed)).reflections == ()
+    assert segmented(film({}, noise_db=noise_db, seed=seed)).reflections == ()
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_a_tail_of_overlapping_echoes_holds_no_discrete_one(seed: int) -> None:
-    assert len(parted(film({}, tail_db=-6.0, seed=seed)).reflections) <= 1
+    assert len(segmented(film({}, tail_db=-6.0, seed=seed)).reflections) <= 1
 
 
 @pytest.mark.parametrize("gain", [0.1, 10.0, -1.0])
 def test_a_gain_changes_nothing(gain: float) -> None:
     samples = film({20.0: -6.0, 75.0: -9.0}, tail_db=-12.0)
-    one, other = parted(samples), parted(gain * samples)
+    one, other = segmented(samples), segmented(gain * samples)
     assert delays_ms(other) == delays_ms(one)
     assert other.blast == one.blast
     levels = [[echo.level_db for echo in shot.reflections] for shot in (one, other)]
@@ -113,15 +113,15 @@ def test_a_gain_changes_nothing(gain: float) -> None:
 @pytest.mark.parametrize("later", [1, 777, 30_001])
 def test_a_delayed_film_delays_all(later: int) -> None:
     samples = film({20.0: -6.0, 75.0: -9.0}, tail_db=-12.0)
-    one = parted(samples)
-    other = parted(np.concatenate([np.zeros(later), samples]), onset=one.onset + later)
+    one = segmented(samples)
+    other = segmented(np.concatenate([np.zeros(later), samples]), onset=one.onset + later)
     assert delays_ms(other) == delays_ms(one)
     assert other.blast.stop == one.blast.stop + later
 
 
 @pytest.mark.parametrize("rate_hz", [44_100, 96_000])
 def test_the_sample_rate_moves_no_echo(rate_hz: int) -> None:
-    shot = parted(film({12.0: -6.0, 75.0: -9.0}, rate_hz=rate_hz), rate_hz=rate_hz)
+    shot = segmented(film({12.0: -6.0, 75.0: -9.0}, rate_hz=rate_hz), rate_hz=rate_hz)
     assert delays_ms(shot) == pytest.approx([12.0, 75.0], abs=0.15)
 
 
@@ -131,13 +131,13 @@ def test_what_was_there_before_the_shot_is_no_echo_of_it() -> None:
     knock = 0.1 * blast(RATE_HZ)
     for at in range(0, samples.size - knock.size, round(0.0137 * RATE_HZ)):
         samples[at : at + knock.size] += knock
-    assert parted(samples).reflections == ()
+    assert segmented(samples).reflections == ()
 
 
 def test_the_blast_is_over_where_it_has_fallen_where_it_drowns_and_where_an_echo_begins() -> None:
-    free = parted(film({}, noise_db=-70.0))
-    drowned = parted(film({}, noise_db=-14.0))
-    cut = parted(film({4.5: -3.0}, noise_db=-70.0))
+    free = segmented(film({}, noise_db=-70.0))
+    drowned = segmented(film({}, noise_db=-14.0))
+    cut = segmented(film({4.5: -3.0}, noise_db=-70.0))
     time_ms = np.arange(1_000) * 1000.0 / RATE_HZ
     fallen_ms = time_ms[np.flatnonzero(np.abs(blast(RATE_HZ))[:1_000] >= gain_from_db(-RULES.blast_decay_db))[-1]]
     assert len(free.blast) * 1000.0 / RATE_HZ == pytest.approx(fallen_ms, abs=1.0)
@@ -146,14 +146,14 @@ def test_the_blast_is_over_where_it_has_fallen_where_it_drowns_and_where_an_echo
 
 
 def test_what_is_louder_than_the_blast_is_no_echo_of_it() -> None:
-    assert parted(film({100.0: 9.0})).reflections == ()
+    assert segmented(film({100.0: 9.0})).reflections == ()
 
 
 def test_a_shot_that_ends_with_the_film_has_the_echoes_that_are_left() -> None:
     samples = film({20.0: -6.0, 300.0: -6.0})
     onset = round(ONSET_S * RATE_HZ)
     for left_ms, heard in ((1.0, 0), (60.0, 1), (450.0, 2)):
-        shot = parted(samples[: onset + round(left_ms * 48)])
+        shot = segmented(samples[: onset + round(left_ms * 48)])
         assert len(shot.reflections) == heard
 
 
@@ -168,7 +168,7 @@ def test_a_late_echo_has_to_be_clearer_than_an_early_one() -> None:
     """The same echo in the same noise: early it is taken, late only where it is 2 dB stronger."""
 
     def taken(level_db: float, late_ms: float) -> bool:
-        shot = parted(held_up(film({25.0: level_db}, noise_db=-30.0, seed=1), late_ms))
+        shot = segmented(held_up(film({25.0: level_db}, noise_db=-30.0, seed=1), late_ms))
         return any(abs(delay_ms - 25.0 - late_ms) < 0.3 for delay_ms in delays_ms(shot))
 
     assert taken(-23.3, late_ms=0.0)

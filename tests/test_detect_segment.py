@@ -20,7 +20,7 @@ def decaying(fall_db_per_s: float, *, seconds: float = 2.0, seed: int = 0) -> ND
     return np.asarray(0.1 * noise * 10.0 ** (-fall_db_per_s * time_s / 20.0), np.float64)
 
 
-def parted(*sounds: tuple[float, NDArray[np.float64]]) -> Shot:
+def segmented(*sounds: tuple[float, NDArray[np.float64]]) -> Shot:
     """Return the first of some sounds, given with their begin in ms after it, over faint noise."""
     film = 1e-5 * np.random.default_rng(9).standard_normal(3 * RATE_HZ)
     for at_ms, sound in sounds:
@@ -54,14 +54,14 @@ def test_a_running_peak_is_the_largest_of_each_sample_and_those_after_it(width: 
 @pytest.mark.parametrize("gain", [0.01, 1.0, -1.0])
 def test_the_decay_ends_and_says_so_where_another_sound_begins(next_ms: float, gain: float) -> None:
     one, other = gain * decaying(25.0), gain * decaying(25.0, seed=1)
-    alone_ms, reason = ended(parted((0.0, one)))
+    alone_ms, reason = ended(segmented((0.0, one)))
     assert alone_ms > next_ms + 100.0
     assert reason != "next sound"
-    length_ms, reason = ended(parted((0.0, one), (next_ms, other)))
+    length_ms, reason = ended(segmented((0.0, one), (next_ms, other)))
     assert reason == "next sound"
     assert length_ms == pytest.approx(next_ms, abs=25.0)  # in whole grains of that length
 
 
 def test_what_begins_while_the_shot_is_still_loud_does_not_end_it() -> None:
-    length_ms, _ = ended(parted((0.0, decaying(25.0)), (250.0, decaying(25.0, seed=1))))
+    length_ms, _ = ended(segmented((0.0, decaying(25.0)), (250.0, decaying(25.0, seed=1))))
     assert length_ms > 1000.0

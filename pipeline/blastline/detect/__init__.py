@@ -5,7 +5,7 @@
 A cheap scan over the whole film (`tracks`, `scan`) names candidates; everything after works on the candidates only.
 """
 
-from .bursts import group_bursts, part_from_echoes
+from .bursts import drop_claimed_reflections, group_bursts
 from .direction import with_azimuths
 from .find import LATENCY_S, Detection, find_shots
 from .given import audio_around, shot_at
@@ -17,10 +17,10 @@ __all__ = [
     "Detection",
     "Verifier",
     "audio_around",
+    "drop_claimed_reflections",
     "find_shots",
     "group_bursts",
     "load_verifier",
-    "part_from_echoes",
     "read_model",
     "shot_at",
     "side_as_main",

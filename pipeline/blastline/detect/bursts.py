@@ -59,16 +59,16 @@ def without_echoes(
     return tuple(kept), tuple(echoes)
 
 
-def part_from_echoes(shots: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> tuple[Shot, ...]:
-    """Return the shots without those reflections that are shots of their own, or reflections of later ones.
+def drop_claimed_reflections(shots: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> tuple[Shot, ...]:
+    """Return the shots without reflections that are later shots, or that a later shot also claims: that one keeps them.
 
-    The next shot sounds like the first, and so do its echoes: what two shots claim belongs to the later, and so does
-    all that sounds sooner after it than any gun fires again.
+    The next shot sounds like the first, and so do its echoes. All that sounds sooner after a shot than any gun fires
+    again is that shot's as well.
     """
     gap, same = samples_from_ms(rules.shortest_gap_ms, rate_hz), samples_from_ms(_SAME_ECHO_MS, rate_hz)
     onsets = np.array([shot.onset for shot in shots])
     claimed = np.zeros(0, np.intp)
-    parted: list[Shot] = []
+    left: list[Shot] = []
     for shot in reversed(shots):
         later = onsets[onsets > shot.onset]
         echoes = tuple(
@@ -78,8 +78,8 @@ def part_from_echoes(shots: Sequence[Shot], *, rate_hz: int, rules: BurstRules) 
             and not np.any(np.abs(claimed - echo.start) <= same)
         )
         claimed = np.concatenate([claimed, np.array([echo.start for echo in echoes], np.intp)])
-        parted.append(msgspec.structs.replace(shot, reflections=echoes))
-    return tuple(reversed(parted))
+        left.append(msgspec.structs.replace(shot, reflections=echoes))
+    return tuple(reversed(left))
 
 
 def group_bursts(shots: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> tuple[Shot, ...]:

@@ -105,7 +105,7 @@ def _rows(shots: Sequence[Shot], belief: _Belief, *, rate_hz: int, tier: Quality
     vouched = by_itself | belief.fire
     steps = in_even_rows(onsets[believed], vouched[believed], rate_hz=rate_hz, rules=tier.rows)
     machines = in_endless_fire(onsets[believed], by_itself[believed], rate_hz=rate_hz, rules=tier.bursts)
-    returning = np.flatnonzero(belief.likely)  # a turn may be out of all company; what is less is not always parted
+    returning = np.flatnonzero(belief.likely)  # a turn may be out of all company; what is less is not always segmented
     likely = _loop_candidates([shots[place] for place in returning.tolist()], by_itself[returning])
     loops = in_loops(likely, rate_hz=rate_hz, rules=tier.rows)
     why = [""] * len(shots)
@@ -147,13 +147,13 @@ def _refused(shot: Shot, why: str) -> Rejection:
     return Rejection(shot.onset, why, {"probability": shot.confidence})
 
 
-def worth_parting(
+def worth_segmenting(
     scored: ScoredCandidates, rows: Sequence[EvenRow | None], *, rate_hz: int, tier: QualityRules, core: Span
 ) -> NDArray[np.bool_]:
     """Return which candidates `in_company` could believe, given those of a chunk's core and the rows among them.
 
-    The others need no parts: they are rounds of no burst. What a burst or a row beyond the core may reach is worth it,
-    a slow row of shots too, which the networks alone may believe.
+    The others need not be segmented: they are rounds of no burst. What a burst or a row beyond the core may reach is
+    worth it, a slow row of shots too, which the networks alone may believe.
     """
     longest = samples_from_ms(tier.bursts.longest_gap_ms, rate_hz) + _ROUNDING
     fired = np.array([row == "fire" for row in rows], bool)

@@ -14,9 +14,9 @@ from ..ruleset import QualityRules
 from ..units import samples_from_ms
 from .backdrop import backdrops, sounds
 from .bandshape import band_levels, bandshape
-from .bursts import group_bursts, keep_apart, part_from_echoes, without_echoes
+from .bursts import drop_claimed_reflections, group_bursts, keep_apart, without_echoes
 from .chunks import Chunk, aligned_chunks, chunks, track_peaks_dbfs
-from .company import in_company, unlike_a_shot, worth_parting
+from .company import in_company, unlike_a_shot, worth_segmenting
 from .direction import with_azimuths
 from .features import features
 from .fire import ScoredCandidates, even_rows, worth_a_look
@@ -104,9 +104,9 @@ def select_shots(
     believed, alone = in_company(shots, rate_hz=rate_hz, tier=tier)
     kept, dropped = keep_apart(believed, rate_hz=rate_hz, rules=tier.bursts)
     fired, echoes = without_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
-    parted = part_from_echoes(fired, rate_hz=rate_hz, rules=tier.bursts)
+    segmented = drop_claimed_reflections(fired, rate_hz=rate_hz, rules=tier.bursts)
     return Detection(
-        shots=group_bursts(parted, rate_hz=rate_hz, rules=tier.bursts),
+        shots=group_bursts(segmented, rate_hz=rate_hz, rules=tier.bursts),
         rejections=tuple(sorted(chain(rejections, alone, dropped, echoes), key=lambda r: r.at_sample)),
     )
 
@@ -217,7 +217,7 @@ def _search_chunk(
     peaks_dbfs = np.array([peak_dbfs(chunk.samples, onset, grid.rate_hz) for onset in found.onsets.tolist()])
     scored = ScoredCandidates(at, peaks_dbfs, log_odds_in(verdicts))
     rows = even_rows(scored, rate_hz=grid.rate_hz, tier=tier)
-    worth = worth_parting(scored, rows, rate_hz=grid.rate_hz, tier=tier, core=chunk.core)
+    worth = worth_segmenting(scored, rows, rate_hz=grid.rate_hz, tier=tier, core=chunk.core)
     shots = [
         segment(
             chunk.samples,

@@ -50,15 +50,15 @@ class Forest:
 
 def forest_from(file: ForestFile) -> Forest:
     """Return the trees padded to one size. ValueError where one has more leaves than `MOST_LEAVES`."""
-    parted = [_parted(tree) for tree in file.trees]
-    most_splits = max((len(splits) for splits, _ in parted), default=0)
-    most_leaves = max((len(values) for _, values in parted), default=1)
+    trees = [_splits_and_values(tree) for tree in file.trees]
+    most_splits = max((len(splits) for splits, _ in trees), default=0)
+    most_leaves = max((len(values) for _, values in trees), default=1)
     if most_leaves > MOST_LEAVES:
         raise ValueError(f"a tree has {most_leaves} leaves; expected at most {MOST_LEAVES}")
-    shape = (most_splits, len(parted))
+    shape = (most_splits, len(trees))
     feature, left = np.zeros(shape, np.intp), np.zeros(shape, np.uint64 if most_leaves > 32 else np.uint32)
-    threshold, value = np.full(shape, np.inf), np.zeros((len(parted), most_leaves))
-    for column, (splits, values) in enumerate(parted):
+    threshold, value = np.full(shape, np.inf), np.zeros((len(trees), most_leaves))
+    for column, (splits, values) in enumerate(trees):
         for row, (asked, at_most, leaves) in enumerate(splits):
             feature[row, column], threshold[row, column] = asked, at_most
             left[row, column] = sum(1 << leaf for leaf in leaves)
@@ -88,7 +88,7 @@ def score(rows: NDArray[np.float64], forest: Forest) -> NDArray[np.float64]:
     return scores
 
 
-def _parted(tree: Tree) -> tuple[list[tuple[int, float, range]], list[float]]:
+def _splits_and_values(tree: Tree) -> tuple[list[tuple[int, float, range]], list[float]]:
     """Return the splits of a tree, each with the leaves to its left, and its leaves' values from left to right."""
     splits: list[tuple[int, float, range]] = []
     values: list[float] = []

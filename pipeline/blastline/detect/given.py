@@ -1,4 +1,4 @@
-"""A shot that somebody else has found: its parts."""
+"""Segment a shot whose onset is given, for example by an editor."""
 
 import numpy as np
 
@@ -10,15 +10,15 @@ from .segment import BACKGROUND_MS, reach, segment
 
 
 def audio_around(onset: int, *, frames: int, rate_hz: int, tier: QualityRules) -> Span:
-    """Return the stretch of a film of so many frames that `shot_at` listens to."""
+    """Return the span of a film of `frames` samples that `shot_at` needs."""
     before = samples_from_ms(BACKGROUND_MS, rate_hz)
     return Span(max(0, onset - before), min(frames, onset + reach(rate_hz=rate_hz, rules=tier.segment)))
 
 
 def shot_at(onset: int, audio: Clip, *, confidence: float, tier: QualityRules) -> Shot:
-    """Return the shot that begins at a sample of the film, as detection would have parted it.
+    """Return the shot that begins at sample `onset` of the film, segmented as detection would have done it.
 
-    `audio` is what `audio_around` names. That there is a shot at all is taken on trust.
+    `audio` is what `audio_around` names. That there is a shot at all is not checked.
     """
     rate_hz, begins = audio.rate_hz, onset - audio.start
     heard = np.concatenate([np.asarray(clip.heard, np.float32) for clip in resampled([audio], rate_hz)])

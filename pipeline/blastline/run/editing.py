@@ -10,7 +10,15 @@ from pathlib import Path
 
 import msgspec
 
-from ..detect import Detection, audio_around, group_bursts, part_from_echoes, shot_at, side_as_main, with_azimuths
+from ..detect import (
+    Detection,
+    audio_around,
+    drop_claimed_reflections,
+    group_bursts,
+    shot_at,
+    side_as_main,
+    with_azimuths,
+)
 from ..errors import TimelineError
 from ..export import read_timeline
 from ..export.edits import EditedFile, Wanted, Wish, match, read_edits
@@ -166,7 +174,7 @@ def _shots(wishes: Sequence[Wish], track: Soundtrack, source: Source, rules: Rul
         shot = shot_at(wish.onset, side_as_main(clip) if mix == "sides" else clip, confidence=confidence, tier=tier)
         heard.append(msgspec.structs.replace(shot, heard_in=mix))
     toward = with_azimuths(heard, track.around, rate_hz=rate_hz, rules=tier.channels)
-    parted = part_from_echoes(toward, rate_hz=rate_hz, rules=tier.bursts)
+    parted = drop_claimed_reflections(toward, rate_hz=rate_hz, rules=tier.bursts)
     kept = [
         _as_it_was(shot, wish.was) if wish.unmoved and wish.was is not None else shot
         for wish, shot in zip(wishes, parted, strict=True)

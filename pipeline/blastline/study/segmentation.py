@@ -17,7 +17,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ..detect import Verifier, find_shots, load_verifier, part_from_echoes, shot_at
+from ..detect import Verifier, drop_claimed_reflections, find_shots, load_verifier, shot_at
 from ..model import Clip, Quality, Reflection, Shot
 from ..ruleset import QualityRules, load_rules, rules_path
 from ..soundtrack import open_soundtrack
@@ -144,7 +144,7 @@ def shots_at_truth(film: Film, tier: QualityRules) -> tuple[Shot, ...]:
     rate_hz = film.truth.rate_hz
     clip = Clip(film.samples[:, None], rate_hz)
     shots = [shot_at(true.onset_sample, clip, confidence=1.0, tier=tier) for true in film.truth.shots]
-    return part_from_echoes(shots, rate_hz=rate_hz, rules=tier.bursts)
+    return drop_claimed_reflections(shots, rate_hz=rate_hz, rules=tier.bursts)
 
 
 def _found(film: Film, tier: QualityRules, verifier: Verifier) -> tuple[Shot, ...]:
