@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from align_films import Samples
-from blastline.correlate import find, vertices
+from blastline.correlate import match_template, parabolic_offsets
 
 
 def rumble(seed: int, samples: int) -> Samples:
@@ -23,21 +23,21 @@ def later(signal: Samples, by: float) -> Samples:
 @pytest.mark.parametrize("by", [0.0, 1.0, -3.0, 0.25, 17.6, -49.5])
 def test_a_delay_is_found_to_a_fraction_of_a_sample(by: float) -> None:
     signal = rumble(1, 4000)
-    match = find(signal[1000:3000], later(signal, by)[900:3100])
+    match = match_template(signal[1000:3000], later(signal, by)[900:3100])
     assert match.lag == pytest.approx(by, abs=0.03)
     assert match.correlation == pytest.approx(1.0, abs=0.01)
 
 
 def test_the_correlation_is_the_textbook_one() -> None:
     pattern, other = rumble(2, 500), rumble(3, 500)
-    assert find(pattern, other).correlation == pytest.approx(
+    assert match_template(pattern, other).correlation == pytest.approx(
         float(np.dot(pattern, other) / np.linalg.norm(pattern) / np.linalg.norm(other))
     )
 
 
 def test_level_does_not_matter_and_inversion_shows() -> None:
     signal = rumble(4, 4000)
-    match = find(signal[1000:3000], -1e-6 * later(signal, 5)[950:3050])
+    match = match_template(signal[1000:3000], -1e-6 * later(signal, 5)[950:3050])
     assert match.lag == pytest.approx(5.0, abs=1e-3)
     assert match.correlation == pytest.approx(-1.0)
 
@@ -45,13 +45,13 @@ def test_level_does_not_matter_and_inversion_shows() -> None:
 def test_samples_that_do_not_count_cannot_mislead() -> None:
     signal = rumble(5, 4000)
     moving = later(signal, 8)
-    counts = np.ones(4000, bool)
-    counts[1500:2300] = False
-    spoilt = np.where(counts, moving, 100.0 * rumble(6, 4000))
-    match = find(signal[1000:3000], spoilt[950:3050], counts[950:3050])
+    mask = np.ones(4000, bool)
+    mask[1500:2300] = False
+    spoilt = np.where(mask, moving, 100.0 * rumble(6, 4000))
+    match = match_template(signal[1000:3000], spoilt[950:3050], mask[950:3050])
     assert match.lag == pytest.approx(8.0, abs=0.03)
     assert match.correlation == pytest.approx(1.0, abs=1e-3)
-    assert abs(find(signal[1000:3000], spoilt[950:3050]).correlation) < 0.5
+    assert abs(match_template(signal[1000:3000], spoilt[950:3050]).correlation) < 0.5
 
 
 def test_too_little_to_compare_is_no_match() -> None:
@@ -59,9 +59,9 @@ def test_too_little_to_compare_is_no_match() -> None:
     few = np.zeros(440, bool)
     few[200:205] = True
     padded = np.pad(signal, 20)
-    assert find(signal, padded, few).correlation == 0.0
+    assert match_template(signal, padded, few).correlation == 0.0
     for pattern, moving in ((signal, np.zeros(440)), (np.zeros(400), padded)):
-        match = find(pattern, moving)
+        match = match_template(pattern, moving)
         assert np.isnan(match.lag)
         assert match.correlation == 0.0
 
@@ -70,10 +70,10 @@ def test_too_little_to_compare_is_no_match() -> None:
 def test_the_vertex_of_a_parabola_is_found_exactly(beside: float) -> None:
     at = np.arange(9.0)
     values = np.stack([5.0 - (at - peak - beside) ** 2 for peak in (3, 6)]).max(axis=0)
-    np.testing.assert_allclose(vertices(values, np.array([3, 6])), [beside, beside], atol=1e-12)
+    np.testing.assert_allclose(parabolic_offsets(values, np.array([3, 6])), [beside, beside], atol=1e-12)
 
 
 def test_a_peak_without_a_neighbour_or_a_bend_is_its_own_vertex() -> None:
-    assert vertices(np.array([3.0, 2.0, 0.0]), np.array([0, 2])).tolist() == [0.0, 0.0]
-    assert vertices(np.array([1.0, 1.0, 1.0]), np.array([1])).tolist() == [0.0]
-    assert vertices(np.array([0.0, 1.0, 2.0]), np.array([], np.intp)).tolist() == []
+    assert parabolic_offsets(np.array([3.0, 2.0, 0.0]), np.array([0, 2])).tolist() == [0.0, 0.0]
+    assert parabolic_offsets(np.array([1.0, 1.0, 1.0]), np.array([1])).tolist() == [0.0]
+    assert parabolic_offsets(np.array([0.0, 1.0, 2.0]), np.array([], np.intp)).tolist() == []

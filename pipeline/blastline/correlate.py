@@ -1,4 +1,4 @@
-"""Where one signal lies in another, by normalised correlation over the samples that count."""
+"""Where one signal lies in another, by normalised cross-correlation over the samples that count."""
 
 import math
 from collections.abc import Iterator
@@ -23,10 +23,13 @@ _LEAST_SHARE = 0.05
 """A match needs this share of the pattern's energy: from less, chance alone correlates."""
 
 
-def find(pattern: NDArray[np.float64], moving: NDArray[np.float64], counts: NDArray[np.bool_] | None = None) -> Match:
-    """Return where `pattern` lies in `moving`, over the samples of `moving` that count; None counts them all.
+def match_template(
+    pattern: NDArray[np.float64], moving: NDArray[np.float64], mask: NDArray[np.bool_] | None = None
+) -> Match:
+    """Return where `pattern` lies in `moving`, over the samples of `moving` in the mask; None takes them all.
 
-    `moving` is longer than the pattern by the same number of samples, the search range, at either end. For each lag
+    Masked normalised cross-correlation with parabolic interpolation. `moving` is longer than the pattern by the same
+    number of samples, the search range, at either end. For each lag, where w is 1 in the mask and 0 elsewhere,
 
         c(lag) = sum w(k + lag) p(k) m(k + lag) / sqrt( sum w(k + lag) p(k)^2 * sum w(k + lag) m(k + lag)^2 )
 
@@ -38,8 +41,8 @@ def find(pattern: NDArray[np.float64], moving: NDArray[np.float64], counts: NDAr
         return NO_MATCH
     squares = pattern**2
     own = float(squares.sum())  # a dot product would wake every core for so little
-    weighted = moving if counts is None else np.where(counts, moving, 0.0)
-    shared = own if counts is None else _slide(squares, counts.astype(np.float64))
+    weighted = moving if mask is None else np.where(mask, moving, 0.0)
+    shared = own if mask is None else _slide(squares, mask.astype(np.float64))
     energy = np.cumsum(np.concatenate([[0.0], weighted**2]))
     felt = energy[len(pattern) :] - energy[: len(energy) - len(pattern)]
     product = _slide(pattern, weighted)
@@ -49,7 +52,7 @@ def find(pattern: NDArray[np.float64], moving: NDArray[np.float64], counts: NDAr
     best = int(np.argmax(np.abs(correlation)))
     if correlation[best] == 0.0 or not enough[max(0, best - 1) : best + 2].all():
         return NO_MATCH  # beside a lag at which too little counts, the largest need not be the peak
-    beside = float(vertices(np.abs(correlation), np.array([best]))[0])
+    beside = float(parabolic_offsets(np.abs(correlation), np.array([best]))[0])
     return Match(best - search + beside, float(np.clip(correlation[best], -1.0, 1.0)))
 
 
@@ -62,24 +65,26 @@ def _slide(pattern: NDArray[np.float64], moving: NDArray[np.float64]) -> NDArray
     return np.asarray(fft.irfft(spectrum, size)[: len(moving) - len(pattern) + 1], dtype=np.float64)
 
 
-def vertices(values: NDArray[np.float64], peaks: NDArray[np.intp]) -> NDArray[np.float64]:
+def parabolic_offsets(values: NDArray[np.float64], peaks: NDArray[np.intp]) -> NDArray[np.float64]:
     """Return how far beside each of n peaks, shape (n,), the parabola through it and its neighbours has its vertex.
 
     In samples, half of one at most; 0 where there is no neighbour on one side, or the parabola does not bend down.
     """
-    before, at, after = _beside(values, peaks)
+    before, at, after = _neighbours(values, peaks)
     bend = before - 2.0 * at + after
     away = np.divide(0.5 * (before - after), bend, out=np.zeros_like(at), where=bend < 0.0)
     return np.clip(away, -0.5, 0.5)
 
 
-def heights(values: NDArray[np.float64], peaks: NDArray[np.intp], beside: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return how high each of n parabolas is at its vertex, `beside` its peak as `vertices` says."""
-    before, at, after = _beside(values, peaks)
+def parabolic_peaks(
+    values: NDArray[np.float64], peaks: NDArray[np.intp], beside: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the value of each of n parabolas at its vertex, `beside` its peak as `parabolic_offsets` says."""
+    before, at, after = _neighbours(values, peaks)
     return np.asarray(at + 0.25 * (after - before) * beside, np.float64)
 
 
-def _beside(values: NDArray[np.float64], peaks: NDArray[np.intp]) -> Iterator[NDArray[np.float64]]:
+def _neighbours(values: NDArray[np.float64], peaks: NDArray[np.intp]) -> Iterator[NDArray[np.float64]]:
     """Yield the values before, at and after some peaks; thrice that at a peak which has no neighbour on one side."""
     inside = (peaks > 0) & (peaks < values.shape[0] - 1)
     return (values[np.where(inside, peaks + by, peaks)] for by in (-1, 0, 1))

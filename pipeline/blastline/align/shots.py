@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..correlate import Match, find
+from ..correlate import Match, match_template
 from ..model import Event, Span
 from ..units import db_from_gain
 from .attack import late_start, preecho
@@ -83,7 +83,7 @@ def measure(shared: Comparison, event: Event, part: Part, *, place: Place) -> Sh
     core = heard.core
     pattern = slice(core.start, min(core.stop, core.start + shared.samples(shared.rules.longest_ms)))
     felt = feel(shared, event, heard.span, place=place)
-    match = find(heard.intended[pattern], felt.following[pattern.start - search : pattern.stop + search])
+    match = match_template(heard.intended[pattern], felt.following[pattern.start - search : pattern.stop + search])
     if math.isnan(match.lag):
         return None
     match, exact, felt, shown = _refined(shared, event, part, heard, felt, pattern=pattern, match=match, place=place)
@@ -107,7 +107,7 @@ def locate(shared: Comparison, event: Event, part: Part, *, place: Place, search
     short = replace(part, span=Span(start, min(part.span.stop, start + longest)))
     heard = hear(shared, event, short, margin=0)
     felt = feel(shared, event, Span(start - search, short.span.stop + search), place=place)
-    return find(heard.intended, felt.following)
+    return match_template(heard.intended, felt.following)
 
 
 def _refined(
@@ -159,7 +159,7 @@ def _bend(shared: Comparison, shown: Shown, felt: Felt, pattern: slice) -> float
     if pattern.stop - pattern.start < shared.samples(_LEAST_MS):
         return None
     around = slice(pattern.start - reach, pattern.stop + reach)
-    at_limit = find(shown.intended[pattern], shown.felt[around], felt.free[around])
+    at_limit = match_template(shown.intended[pattern], shown.felt[around], felt.free[around])
     return at_limit.lag if at_limit.correlation >= _EXACT and abs(at_limit.lag) < reach else None
 
 
@@ -167,7 +167,7 @@ def _delay(heard: Heard, pattern: slice, search: int) -> float:
     """Return how many samples later the intended sound is than the undelayed one."""
     if heard.intended is heard.undelayed:
         return 0.0
-    return find(heard.undelayed[pattern], heard.intended[pattern.start - search : pattern.stop + search]).lag
+    return match_template(heard.undelayed[pattern], heard.intended[pattern.start - search : pattern.stop + search]).lag
 
 
 def _rms(samples: Samples) -> float:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..correlate import find
+from ..correlate import match_template
 from ..model import Span
 from .film import Film
 
@@ -75,7 +75,7 @@ def look(
     around, theirs_s = piece(new, new_s - before_s - search_s, before_s + after_s + 2.0 * search_s)
     search = (len(around) - len(pattern)) // 2
     around = around[: len(pattern) + 2 * search]
-    match = find(pattern, around)
+    match = match_template(pattern, around)
     # sample `search` of the surroundings stands where the pattern's first sample was looked for, but for fractions
     shift_s = theirs_s - search_s + search / WORK_HZ - ours_s
     return Found(match.lag / WORK_HZ + shift_s, abs(match.correlation))

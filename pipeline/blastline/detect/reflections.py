@@ -15,7 +15,7 @@ Echoes thin out with their lag, about as 1 / lag, while chance does not, and noi
 import numpy as np
 from numpy.typing import NDArray
 
-from ..correlate import heights, vertices
+from ..correlate import parabolic_offsets, parabolic_peaks
 from ..ruleset import SegmentRules
 from ..units import samples_from_ms
 
@@ -25,7 +25,8 @@ _AROUND_MS, _GRAIN_MS = 8.0, 1.0
 _USUAL_LAG_MS = 30.0
 _APART_MS = 3.0
 _FADE_MS = 6.0
-_USUAL, _UNUSUAL = 0.95, 1.2
+_BACKGROUND_QUANTILE = 0.95  # of the peaks of each millisecond: knocks in a row reach it, an earlier shot is too rare
+_OVER_BACKGROUND = 1.2  # what answers no louder than the sound before the shot is no echo
 _OVERSAMPLING = 2  # a spike between two values is at most 0.9 dB higher than they are
 _FAINTEST = 1e-30
 
@@ -61,9 +62,9 @@ def discrete_reflections(
         clearest[near] = np.maximum(clearest[near], z)
     apart = max(1, int(samples_from_ms(_APART_MS, rate_hz) / step))
     peaks, _ = find_peaks(clearest, height=rules.reflection_prominence, distance=apart)
-    beside = vertices(gain, peaks)
+    beside = parabolic_offsets(gain, peaks)
     lags = np.round((first + peaks + beside) * step - before.shape[0]).astype(np.intp)
-    return lags, _gains(heights(gain, peaks, beside), lags, template.shape[0], rate_hz)
+    return lags, _gains(parabolic_peaks(gain, peaks, beside), lags, template.shape[0], rate_hz)
 
 
 def _gains(answers: NDArray[np.float64], lags: NDArray[np.intp], template: int, rate_hz: int) -> NDArray[np.float64]:
@@ -87,7 +88,7 @@ class _Heard:
     def __init__(self, answer: NDArray[np.float64], silent: NDArray[np.float64], grain: int) -> None:
         """Take the answers after the blast and those before the shot; `grain` values are a millisecond."""
         self.answer = answer
-        self._loud = max(_UNUSUAL * _usual(silent, grain), _FAINTEST)
+        self._loud = max(_OVER_BACKGROUND * _background(silent, grain), _FAINTEST)
         self._around = _around(answer, grain) + _FAINTEST
 
     def spikes(self, prominence: float) -> NDArray[np.bool_]:
@@ -153,13 +154,13 @@ def _around(answer: NDArray[np.float64], grain: int) -> NDArray[np.float64]:
     return np.asarray(np.repeat(medians, grain)[: answer.shape[0]], np.float64)
 
 
-def _usual(answer: NDArray[np.float64], grain: int) -> float:
-    """Return what the peaks of one millisecond in twenty reach: knocks in a row do, an earlier shot is too rare."""
+def _background(answer: NDArray[np.float64], grain: int) -> float:
+    """Return the `_BACKGROUND_QUANTILE` of the peaks of each millisecond, `grain` values."""
     starts = np.arange(answer.shape[0] % grain, answer.shape[0], grain)
     if not starts.size:
         return 0.0
     peaks = np.sort(np.maximum.reduceat(answer, starts))
-    place = _USUAL * (peaks.size - 1)
+    place = _BACKGROUND_QUANTILE * (peaks.size - 1)
     below = int(place)
     above = min(below + 1, peaks.size - 1)
     return float(peaks[below] + (place - below) * (peaks[above] - peaks[below]))

@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ..correlate import find
+from ..correlate import match_template
 from ..model import Clip, DriveModel, Phase, Shot, Span
 from ..render import DriveFilters, PlannedWindow, drive_filters, hear_window, needed_audio, render_window
 from ..render.filters import compensated, felt, in_band, settled_compensated
@@ -183,7 +183,7 @@ def _felt_shot(window: Window, name: Drive, vibration: Samples, part: slice, rat
         peak=float(np.max(np.abs(window.drives[name][part]))),
         ratio=level / against,
         correlation=float(np.sum(found * wanted)) / (level * against) if level > 0.0 else 0.0,
-        lag_ms=find(window.heard[part], padded).lag * 1000.0 / rate_hz,
+        lag_ms=match_template(window.heard[part], padded).lag * 1000.0 / rate_hz,
     )
 
 
