@@ -26,8 +26,8 @@ from blastline.detect import Verifier, find_shots, fire, load_verifier
 from blastline.detect.chunks import chunks
 from blastline.detect.contrast import contrasts
 from blastline.detect.find import Test, candidate_places, describe_candidates, let_all_pass, select_shots
-from blastline.detect.forest import score
-from blastline.detect.network import log_odds
+from blastline.detect.forest import forest_log_odds
+from blastline.detect.network import network_log_odds
 from blastline.detect.segment import segment
 from blastline.detect.spectrogram import spectrograms
 from blastline.detect.tracks import Grid, pieces
@@ -99,9 +99,9 @@ def look_at(track: Soundtrack, truth: Truth, rules: Rules, verifier: Verifier, *
         found = describe_candidates(chunk, grid, tier, gate=gate, screen=screen)
         began = process_time()
         seen = contrasts(spectrograms(chunk.samples, found.onsets, track.rate_hz))
-        networks.append(np.stack([log_odds(network, found.rows, seen) for network in verifier.networks]))
+        networks.append(np.stack([network_log_odds(network, found.rows, seen) for network in verifier.networks]))
         look_s += process_time() - began
-        odds.append(score(found.rows, verifier.screen.forest))
+        odds.append(forest_log_odds(found.rows, verifier.screen.forest))
         part = partial(segment, chunk.samples, film_start=chunk.start, film_stop=chunk.stop, confidence=0.0)
         shots += [part(int(onset), rate_hz=track.rate_hz, rules=tier.segment) for onset in found.onsets]
     return SeenFilm(np.concatenate(odds), np.concatenate(networks, axis=1), tuple(shots), truth, look_s)

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from blastline.detect.backdrop import BITS, LEVELS, backdrops, bits_apart, sounds
+from blastline.detect.backdrop import BITS, LEVELS, backdrops, hamming_distance, sounds
 from blastline.detect.spectrogram import spectrograms
 
 RATE_HZ = 48_000
@@ -28,7 +28,7 @@ def noise(seed: int, level: float = 0.03) -> NDArray[np.float64]:
 def apart(first: int | None, second: int | None) -> int:
     assert first is not None
     assert second is not None
-    return int(bits_apart(np.array([first]), np.array([second]))[0])
+    return int(hamming_distance(np.array([first]), np.array([second]))[0])
 
 
 def test_one_bed_has_one_backdrop_at_any_level_under_any_sound() -> None:

@@ -4,7 +4,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from blastline.detect.bursts import drop_claimed_reflections, keep_apart
+from blastline.detect.bursts import drop_claimed_reflections, suppress_non_maxima
 from blastline.model import Reflection, Rejection, Shot, Span
 from blastline.ruleset import load_rules
 
@@ -26,7 +26,7 @@ def shot(at_ms: float, *, confidence: float = 0.9, echoes_at_ms: tuple[float, ..
 
 
 def apart(*shots: Shot) -> tuple[list[int], list[Rejection]]:
-    kept, dropped = keep_apart(shots, rate_hz=RATE_HZ, rules=RULES)
+    kept, dropped = suppress_non_maxima(shots, rate_hz=RATE_HZ, rules=RULES)
     return [each.onset for each in kept], list(dropped)
 
 

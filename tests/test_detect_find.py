@@ -17,7 +17,7 @@ from blastline.detect.forest import ForestFile, forest_from, probabilities
 from blastline.detect.spectrogram import Spectrograms, spectrograms
 from blastline.detect.tracks import Grid, pieces
 from blastline.detect.verify import (
-    BEYOND_DOUBT,
+    CONFIDENT_LOG_ODDS,
     SCHEMA,
     ModelFile,
     Sieve,
@@ -205,7 +205,7 @@ def test_a_second_opinion_is_asked_where_there_is_doubt_and_changes_no_clear_ver
         shown = spectrograms(chunk.samples, found.onsets, RATE_HZ)
         together, one, two = (each.verdicts(found.rows, shown) for each in (both, first, second))
         asked_both = together.networks == 2
-        assert np.array_equal(asked_both, np.abs(log_odds_of(one.probability)) < BEYOND_DOUBT)
+        assert np.array_equal(asked_both, np.abs(log_odds_of(one.probability)) < CONFIDENT_LOG_ODDS)
         assert np.array_equal(together.probability[~asked_both], one.probability[~asked_both])
         by_both, by_one, by_two = (log_odds_in(each).by_networks for each in (together, one, two))
         told = asked_both & (np.abs(by_two) < 5.0)  # of what is surer, little is left once it is rounded

@@ -17,8 +17,8 @@ from blastline.detect.network import (
     Network,
     NetworkFile,
     is_compatible,
-    log_odds,
     network_from,
+    network_log_odds,
 )
 from blastline.detect.spectrogram import ATTACK, HIGHEST_DB, LOWEST_DB, NEAR, WIDE, Spectrograms, spectrograms
 
@@ -194,7 +194,9 @@ def some_contrasts(rng: np.random.Generator, count: int) -> Contrasts:
 def test_a_network_is_its_correlations_and_products() -> None:
     rng = np.random.default_rng(8)
     network, rows, shown = random_network(rng, 5), rng.standard_normal((4, 5)), some_contrasts(rng, 4)
-    np.testing.assert_allclose(log_odds(network, rows, shown), by_scipy(network, rows, shown), rtol=2e-4, atol=2e-4)
+    np.testing.assert_allclose(
+        network_log_odds(network, rows, shown), by_scipy(network, rows, shown), rtol=2e-4, atol=2e-4
+    )
 
 
 def test_a_network_for_other_spectrograms_or_features_does_not_fit() -> None:
@@ -216,12 +218,13 @@ def test_a_network_for_other_spectrograms_or_features_does_not_fit() -> None:
 def test_candidates_are_judged_one_by_one() -> None:
     rng = np.random.default_rng(9)
     network, rows, shown = random_network(rng, 5), rng.standard_normal((6, 5)), some_contrasts(rng, 6)
-    together = log_odds(network, rows, shown)
+    together = network_log_odds(network, rows, shown)
     alone = [
-        log_odds(network, rows[n : n + 1], Contrasts(shown.near[n : n + 1], shown.wide[n : n + 1]))[0] for n in range(6)
+        network_log_odds(network, rows[n : n + 1], Contrasts(shown.near[n : n + 1], shown.wide[n : n + 1]))[0]
+        for n in range(6)
     ]
     np.testing.assert_allclose(together, alone, rtol=1e-4, atol=1e-4)
-    assert log_odds(network, rows[:0], Contrasts(shown.near[:0], shown.wide[:0])).shape == (0,)
+    assert network_log_odds(network, rows[:0], Contrasts(shown.near[:0], shown.wide[:0])).shape == (0,)
 
 
 @pytest.mark.parametrize("size", ["small", "large"])
@@ -241,7 +244,7 @@ def test_the_runtime_judges_as_pytorch_does(size: str) -> None:
     network.parts().eval()
     with torch.no_grad():
         theirs = network.log_odds(seen[0], seen[1], known).numpy()
-    ours = log_odds(network_from(exported(network, np.zeros(5), np.ones(5))), rows, shown)
+    ours = network_log_odds(network_from(exported(network, np.zeros(5), np.ones(5))), rows, shown)
     np.testing.assert_allclose(ours, theirs, rtol=1e-3, atol=1e-3)
 
 

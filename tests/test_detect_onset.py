@@ -8,10 +8,10 @@ import pytest
 from numpy.typing import NDArray
 
 from blastline.detect.bandshape import band_levels
-from blastline.detect.bursts import drop_claimed_reflections, group_bursts, keep_apart, without_echoes
+from blastline.detect.bursts import drop_claimed_reflections, group_bursts, suppress_non_maxima, without_echoes
 from blastline.detect.chunks import chunks
 from blastline.detect.onset import refine_onsets
-from blastline.detect.scan import candidate_steps, rises
+from blastline.detect.scan import candidate_steps, rise_ratios
 from blastline.detect.segment import segment
 from blastline.detect.sparse import bands_near
 from blastline.detect.tracks import BANDS, Grid, pieces
@@ -87,7 +87,7 @@ def test_no_track_hears_a_constant(offset: float) -> None:
 
 def test_rises_compare_with_the_past_alone() -> None:
     track = np.array([1, 1, 1, 8, 8, 2, 2, 2, 2, 2, 2, 16], np.float32)
-    ratio = rises(track, 4, 1e-3)
+    ratio = rise_ratios(track, 4, 1e-3)
     assert ratio[3] == 8.0  # over the ones before
     assert ratio[4] == 8.0  # the step right before is left out: a rise may straddle two
     assert ratio[6] == 2.0 / 8.0
@@ -349,7 +349,7 @@ def test_what_two_shots_claim_is_the_later_ones_echo() -> None:
 
 
 def test_of_two_shots_nearer_than_any_gun_the_surer_stays() -> None:
-    kept, dropped = keep_apart(
+    kept, dropped = suppress_non_maxima(
         [*shots_at(0, confidence=0.6), *shots_at(20, confidence=0.9), *shots_at(60)], rate_hz=RATE_HZ, rules=TIER.bursts
     )
     assert [s.onset for s in kept] == [20 * 48, 60 * 48]

@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from blastline.detect.contrast import contrasts
-from blastline.detect.network import NetworkFile, log_odds, network_from
+from blastline.detect.network import NetworkFile, network_from, network_log_odds
 from blastline.detect.spectrogram import NEAR, WIDE, Spectrograms
 from blastline.study.networks import SIZES, between, size_of
 from blastline.study.training import FINE_TUNING, SETTINGS, Examples, fine_tune, fit_network
@@ -38,7 +38,7 @@ def test_a_network_tells_what_it_was_taught_from_what_it_was_not_shown(averaged:
 
 def said(network: NetworkFile, of: Examples) -> NDArray[np.float64]:
     spectrograms = Spectrograms(of.near.astype(np.float32), of.wide.astype(np.float32))
-    return log_odds(network_from(network), of.rows.astype(np.float64), contrasts(spectrograms))
+    return network_log_odds(network_from(network), of.rows.astype(np.float64), contrasts(spectrograms))
 
 
 @pytest.mark.parametrize(("averaged", "size"), [(False, "small"), (True, "small"), (False, "large")])

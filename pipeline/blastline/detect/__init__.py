@@ -1,4 +1,4 @@
-"""Find the gunshots of a film while it streams by.
+"""The detection pipeline: find the gunshots of a film while it streams by.
 
     blocks -> tracks -> candidates -> onsets -> features -> verify -> segment -> bursts -> shots and rejections
 

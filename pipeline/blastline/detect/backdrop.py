@@ -1,9 +1,9 @@
 """What is heard just before a candidate and of itself, in short: in a loop both come again, elsewhere they do not.
 
-What is before it is a number of 50 bits. A bit says whether the step from one band to the next one above grows from one
-frame to the next (Haitsma and Kalker 2002, who recognise recordings so). Noise is another one each time: two backdrops
-of different moments differ by half of their bits, 25 and seldom fewer than 13; of one moment in two turns of a loop
-they differ by few, whatever their levels.
+The backdrop is a 50-bit audio fingerprint (Haitsma and Kalker 2002) of the 120 ms that end 10 ms before the onset. A
+bit says whether the step from one band to the next one above grows from one frame to the next. Noise is another one
+each time: two backdrops of different moments differ by half of their bits, 25 and seldom fewer than 13; of one moment
+in two turns of a loop they differ by few, whatever their levels.
 
 Its own sound are 25 levels of its first 15 ms. Two turns of a loop, with noise 10 dB below, are 1.4 dB apart in the
 median and in nine of ten cases less than 2.4; different guns are 4 dB and more, but for one pair in ten.
@@ -24,7 +24,7 @@ _LONGEST_PERIOD, _PERIODIC = 5, 0.2
 
 
 def backdrops(shown: Spectrograms) -> list[int | None]:
-    """Return the backdrop of each candidate; None where it tells nothing.
+    """Return the fingerprint of what is before each candidate; None where it tells nothing.
 
     That is where half of it and more is silence or does not change, and where it repeats itself: a hum is the same at
     any time, with no loop.
@@ -49,6 +49,6 @@ def sounds(shown: Spectrograms) -> list[tuple[int, ...]]:
     return [tuple(each) for each in levels.astype(int).tolist()]
 
 
-def bits_apart(first: NDArray[np.int64], second: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return by how many bits backdrops differ."""
+def hamming_distance(first: NDArray[np.int64], second: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the number of bits by which fingerprints differ."""
     return np.asarray(np.bitwise_count(first ^ second), np.int64)

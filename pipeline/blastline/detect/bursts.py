@@ -13,12 +13,12 @@ from ..units import samples_from_ms
 _SAME_ECHO_MS = 1.0  # two shots that hear an echo this close hear the same one
 
 
-def keep_apart(
+def suppress_non_maxima(
     shots: Iterable[Shot], *, rate_hz: int, rules: BurstRules
 ) -> tuple[tuple[Shot, ...], tuple[Rejection, ...]]:
     """Return the shots no two of which lie nearer than `shortest_gap_ms`, and the rest, both in order of time.
 
-    What is given up lies too near to one that is kept and at least as sure.
+    Temporal non-maximum suppression: what is given up lies too near to one that is kept and at least as sure.
     """
     gap = samples_from_ms(rules.shortest_gap_ms, rate_hz)
     kept: list[Shot] = []

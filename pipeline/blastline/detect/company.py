@@ -1,4 +1,6 @@
-"""Which candidates are believed: the sure ones, and in their company those that alone would not be sure enough.
+"""Accept candidates: those over the high threshold, and those over a lower one near an accepted shot or in its burst.
+
+Hysteresis thresholding in time (two thresholds, as in Canny 1986), then rules on rows and loops.
 
 surely a shot ──► near it, less surely                     films fire in scenes
 run of likely ones, as fast as a gun fires ──► sure        guns do what nothing else does for so short a time

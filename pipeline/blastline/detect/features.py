@@ -12,6 +12,6 @@ def feature_names() -> tuple[str, ...]:
     return (*bandshape_names(), *neighbourhood_names())
 
 
-def features(sketches: NDArray[np.float64], standing: NDArray[np.float64]) -> NDArray[np.float64]:
+def features(bandshapes: NDArray[np.float64], neighbourhoods: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the features of candidates, shape (n, features), of their rows of `bandshape` and `neighbourhood`."""
-    return np.concatenate([sketches, standing], axis=1)
+    return np.concatenate([bandshapes, neighbourhoods], axis=1)

@@ -1,4 +1,4 @@
-"""The detector's story: chunks of the film go by, and what is a shot in each one's core is kept."""
+"""The detection pipeline, chunk by chunk: candidates, features, verification, segmentation."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -14,7 +14,7 @@ from ..ruleset import QualityRules
 from ..units import samples_from_ms
 from .backdrop import backdrops, sounds
 from .bandshape import band_levels, bandshape
-from .bursts import drop_claimed_reflections, group_bursts, keep_apart, without_echoes
+from .bursts import drop_claimed_reflections, group_bursts, suppress_non_maxima, without_echoes
 from .chunks import Chunk, aligned_chunks, chunks, track_peaks_dbfs
 from .company import in_company, unlike_a_shot, worth_segmenting
 from .direction import with_azimuths
@@ -102,7 +102,7 @@ def select_shots(
 ) -> Detection:
     """Return which of a film's candidates are shots, echoes and doublets taken out and bursts numbered."""
     believed, alone = in_company(shots, rate_hz=rate_hz, tier=tier)
-    kept, dropped = keep_apart(believed, rate_hz=rate_hz, rules=tier.bursts)
+    kept, dropped = suppress_non_maxima(believed, rate_hz=rate_hz, rules=tier.bursts)
     fired, echoes = without_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
     segmented = drop_claimed_reflections(fired, rate_hz=rate_hz, rules=tier.bursts)
     return Detection(
@@ -158,10 +158,10 @@ def describe_candidates(chunk: Chunk, grid: Grid, tier: QualityRules, *, gate: T
     margin = samples_from_ms(farthest_ms(tier.onset), grid.rate_hz)
     at = places + chunk.start
     near = np.flatnonzero((at >= chunk.core.start - margin) & (at < chunk.core.stop + margin))
-    sketches = bandshape(rough[near])
-    passed = gate(sketches, places[near])
-    near, sketches = near[passed], sketches[passed]
-    rows = features(sketches, neighbourhood(places, rough, near, grid.rate_hz))
+    bandshapes = bandshape(rough[near])
+    passed = gate(bandshapes, places[near])
+    near, bandshapes = near[passed], bandshapes[passed]
+    rows = features(bandshapes, neighbourhood(places, rough, near, grid.rate_hz))
     passed = screen(rows, places[near])
     near, rows = near[passed], rows[passed]
     onsets = refine_onsets(chunk.samples, places[near], rate_hz=grid.rate_hz, rules=tier.onset)
@@ -227,7 +227,7 @@ def _search_chunk(
             confidence=float(verdicts.probability[index]),
             rate_hz=grid.rate_hz,
             rules=tier.segment,
-            screen=float(verdicts.screened[index]),
+            screen=float(verdicts.screen_probability[index]),
             networks=int(verdicts.networks[index]),
             backdrop=before[index],
             sound=own[index],

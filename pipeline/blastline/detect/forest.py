@@ -30,7 +30,7 @@ class Tree(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class ForestFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Boosted trees and what their features are called, in order; the score is the baseline and a leaf of each tree."""
+    """Boosted trees and what their features are called, in order; log-odds are the baseline and a leaf of each tree."""
 
     features: tuple[str, ...]
     baseline: float
@@ -67,13 +67,13 @@ def forest_from(file: ForestFile) -> Forest:
 
 
 def probabilities(rows: NDArray[np.float64], forest: Forest) -> NDArray[np.float64]:
-    """Return the logistic function of each row's score, shape (n,)."""
-    return np.asarray(1.0 / (1.0 + np.exp(-score(rows, forest))), np.float64)
+    """Return the probability of a shot of each row, shape (n,)."""
+    return np.asarray(1.0 / (1.0 + np.exp(-forest_log_odds(rows, forest))), np.float64)
 
 
-def score(rows: NDArray[np.float64], forest: Forest) -> NDArray[np.float64]:
-    """Return the summed leaves of each row, the log-odds of a shot, shape (n,)."""
-    scores = np.empty(rows.shape[0])
+def forest_log_odds(rows: NDArray[np.float64], forest: Forest) -> NDArray[np.float64]:
+    """Return the log-odds of a shot of each row, shape (n,): the baseline and a leaf of each tree."""
+    log_odds = np.empty(rows.shape[0])
     trees, leaves = forest.value.shape
     for first in range(0, rows.shape[0], _AT_ONCE):
         columns = np.ascontiguousarray(rows[first : first + _AT_ONCE].T)
@@ -84,8 +84,8 @@ def score(rows: NDArray[np.float64], forest: Forest) -> NDArray[np.float64]:
         # the bits before the lowest that is not set
         leaf = np.bitwise_count(ruled_out & ~(ruled_out + forest.left.dtype.type(1)))
         place = np.arange(trees)[:, None] * leaves + leaf
-        scores[first : first + _AT_ONCE] = forest.baseline + forest.value.take(place).sum(axis=0)
-    return scores
+        log_odds[first : first + _AT_ONCE] = forest.baseline + forest.value.take(place).sum(axis=0)
+    return log_odds
 
 
 def _splits_and_values(tree: Tree) -> tuple[list[tuple[int, float, range]], list[float]]:

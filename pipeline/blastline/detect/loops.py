@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..ruleset import RowRules
 from ..units import samples_from_ms, samples_from_s
-from .backdrop import bits_apart
+from .backdrop import hamming_distance
 
 _SAME_LAG_MS = 1.0
 _NEAR_TURNS, _FEWEST_TURNS = 4, 2
@@ -45,7 +45,7 @@ def in_loops(heard: LoopCandidates, *, rate_hz: int, rules: RowRules) -> NDArray
         return found
     chains = _chains(onsets, rate_hz=rate_hz, rules=rules)
     known = (heard.backdrops[chains] >= 0).all(axis=0)
-    alike = bits_apart(heard.backdrops[chains[1:]], heard.backdrops[chains[:-1]]) <= rules.backdrop_bits
+    alike = hamming_distance(heard.backdrops[chains[1:]], heard.backdrops[chains[:-1]]) <= rules.backdrop_bits
     loops = chains[:, known & alike.all(axis=0)]
     turns = (onsets[loops[-1]] - onsets[loops[0]]) / (rules.fewest_turns - 1)
     for turn in np.unique(np.round(turns)).tolist():

@@ -66,7 +66,7 @@ def _standing(at_ms: NDArray[np.float64], levels: NDArray[np.float64], wanted: N
         *((side & (level >= bound)).sum(axis=1) for side in (before, after) for bound in LEVEL_STEPS_DB),
         (alike & before).sum(axis=1),
         (alike & after).sum(axis=1),
-        _rhythm(at_ms, run),
+        _gap_variation(at_ms, run),
         *_run(at_ms, run, wanted),
     ]
     return np.stack(columns, axis=1).astype(np.float64)
@@ -91,8 +91,8 @@ def _picked(values: NDArray[np.float64], column: NDArray[np.intp], otherwise: fl
     return np.where(column >= 0, values[np.arange(values.shape[0]), column], otherwise)
 
 
-def _rhythm(at_ms: NDArray[np.float64], alike: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Return how unevenly alike candidates follow each other: the spread of their gaps over the mean, 2 for few."""
+def _gap_variation(at_ms: NDArray[np.float64], alike: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Return the coefficient of variation of the gaps between alike candidates, 2 at most and for fewer than three."""
     latest = np.maximum.accumulate(np.where(alike, at_ms, -np.inf), axis=1)
     earlier = np.concatenate([np.full((alike.shape[0], 1), -np.inf), latest[:, :-1]], axis=1)
     counted = alike & np.isfinite(earlier)

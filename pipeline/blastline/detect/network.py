@@ -91,7 +91,7 @@ def is_compatible(file: NetworkFile, features: int) -> bool:
     return inputs == 1
 
 
-def log_odds(network: Network, rows: NDArray[np.float64], shown: Contrasts) -> NDArray[np.float64]:
+def network_log_odds(network: Network, rows: NDArray[np.float64], shown: Contrasts) -> NDArray[np.float64]:
     """Return the logarithm of the odds that each candidate is a shot, shape (n,)."""
     if not rows.shape[0]:
         return np.zeros(0)

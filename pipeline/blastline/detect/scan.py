@@ -10,24 +10,24 @@ from .tracks import STEPS_PER_HOP, Grid
 _AROUND_MS = 2000.0
 
 
-def rises(track: NDArray[np.float32], history: int, floor: float | NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return each step's value over the largest one in the `history` steps before it, the last one left out.
+def rise_ratios(track: NDArray[np.float32], history: int, floor: float | NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return the ratio of each step's value to the largest one in the `history` steps before it, the last one left out.
 
     `track` is (steps,) or (steps, bands), each band on its own; what lies under the floor, one for all or one for each
     step, is silence. A rise that straddles two steps would hide itself if the step right before it counted.
     """
     padded = np.concatenate([np.zeros((history + 1, *track.shape[1:]), np.float32), track])
-    past = largest_of(padded, history)[: track.shape[0]]
+    past = sliding_maximum(padded, history)[: track.shape[0]]
     return np.asarray(track / np.maximum(past, floor), np.float32)
 
 
-def largest_of(values: NDArray[np.float32], length: int) -> NDArray[np.float32]:
+def sliding_maximum(values: NDArray[np.float32], length: int) -> NDArray[np.float32]:
     """Return the largest of every `length` successive rows, from each row on that has so many.
 
     By doubling: the largest of eight is the larger of two largest of four. A few passes over whole arrays are several
     times as fast as a filter that looks at each sample, and the scan spends most of its time here.
 
-    >>> largest_of(np.array([3, 1, 2, 5, 4], np.float32), 3).tolist()
+    >>> sliding_maximum(np.array([3, 1, 2, 5, 4], np.float32), 3).tolist()
     [3.0, 5.0, 5.0]
     """
     have, best = 1, values
@@ -42,10 +42,10 @@ def band_rises(bands: NDArray[np.float32], history: int, floor: float | NDArray[
     """Return each frame's rise as an amplitude ratio: the mean, in dB, of the two bands that rise most.
 
     A shot under a loud dialogue still towers in the bands that the voice leaves free; two bands, since a single one
-    rises with any tone. A frame overlaps its neighbours, so the history ends two frames before it, as in `rises`.
+    rises with any tone. A frame overlaps its neighbours, so the history ends two frames before it, as in `rise_ratios`.
     """
     first = second = np.zeros(bands.shape[0], np.float32)
-    for energy in rises(bands, history, np.square(floor)[..., None]).T:
+    for energy in rise_ratios(bands, history, np.square(floor)[..., None]).T:
         second = np.maximum(second, np.minimum(first, energy))
         first = np.maximum(first, energy)
     return np.asarray(np.sqrt(np.sqrt(first * second)), np.float32)
@@ -57,7 +57,7 @@ def silence(peak: NDArray[np.float32], *, grid: Grid, rules: ScanRules) -> NDArr
     So what is silence in a film is silence in a quieter copy.
     """
     reach = grid.steps(_AROUND_MS)
-    loudest = largest_of(np.pad(peak, reach), 2 * reach + 1)
+    loudest = sliding_maximum(np.pad(peak, reach), 2 * reach + 1)
     floor = np.maximum(loudest * gain_from_db(-rules.range_db), gain_from_db(rules.floor_dbfs))
     return np.asarray(floor, np.float32)
 
@@ -84,10 +84,10 @@ def candidate_steps(
     """
     history = grid.steps(rules.history_ms)
     floor = silence(peak, grid=grid, rules=rules)
-    score = rises(peak, history, floor) / gain_from_db(rules.jump_db)
+    score = rise_ratios(peak, history, floor) / gain_from_db(rules.jump_db)
     if rules.difference_jump_db is not None:
         # a slope of the floor's height is as near to silence as a peak of it
-        np.maximum(score, rises(slope, history, floor) / gain_from_db(rules.difference_jump_db), out=score)
+        np.maximum(score, rise_ratios(slope, history, floor) / gain_from_db(rules.difference_jump_db), out=score)
     if rules.band_jump_db is not None:
         frames = band_rises(
             bands, history // STEPS_PER_HOP, floor[: bands.shape[0] * STEPS_PER_HOP : STEPS_PER_HOP]
@@ -95,5 +95,5 @@ def candidate_steps(
         # a frame ends with its hop: what it heard lies in the hop's first step as likely as in its second
         np.maximum(score, np.repeat(frames, STEPS_PER_HOP), out=score)
     apart = grid.steps(rules.separation_ms)
-    best = largest_of(np.pad(score, apart), 2 * apart + 1)
+    best = sliding_maximum(np.pad(score, apart), 2 * apart + 1)
     return np.flatnonzero((score >= 1.0) & (score >= best) & (peak > floor))

@@ -22,6 +22,7 @@ PEAK_MS = 20.0
 _SMOOTH_MS = 25.0  # a period of the lowest boom that a film puts under a shot
 _RISE_AGAIN = 2.0  # the decay is over where the level, once 12 dB down, doubles: something else has begun
 _DECAYED = 0.25
+_OVER_BACKGROUND = 1.4  # 3 dB: at less, the sound itself is softer than the background
 # A Friedlander blast stays below a tenth of its peak for two thirds of its positive phase where it crosses zero: a peak
 # held a little longer does not take the crossing for the end.
 _HOLD_PER_PHASE = 0.8
@@ -172,7 +173,7 @@ def _decay(wave: NDArray[np.float64], background: float, *, rate_hz: int, rules:
     grains = wave[: wave.shape[0] // grain * grain].reshape(-1, grain)
     level = np.sqrt(np.mean(grains**2, axis=1))
     start = float(level[:2].max(initial=0.0))
-    fallen, drowned = level < start * gain_from_db(-rules.decay_db), level < 1.4 * background
+    fallen, drowned = level < start * gain_from_db(-rules.decay_db), level < _OVER_BACKGROUND * background
     lowest = np.minimum.accumulate(level)
     over = fallen | drowned | ((lowest < _DECAYED * start) & (level > _RISE_AGAIN * lowest))
     over &= np.arange(level.shape[0]) * grain >= shortest

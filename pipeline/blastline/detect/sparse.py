@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .gather import gather
-from .tracks import BANDS, SUMS, Grid, kernels
+from .tracks import BAND_POOLING, BANDS, Grid, kernels
 
 _BEFORE_MS, _AFTER_MS = 14.0, 34.0
 _EVERY = 8
@@ -47,5 +47,5 @@ def _energies(samples: NDArray[np.float32], frames: NDArray[np.intp], grid: Grid
         parts = windows[:, grid.hop : 2 * grid.hop] @ early
         parts += windows[:, 2 * grid.hop :] @ late
         parts[:, 0] = windows @ change
-        energies[some] = np.square(parts, out=parts) @ SUMS
+        energies[some] = np.square(parts, out=parts) @ BAND_POOLING
     return energies

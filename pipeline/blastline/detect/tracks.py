@@ -37,11 +37,18 @@ BAND_FREQUENCIES_HZ = (
 )
 BANDS = 1 + len(BAND_FREQUENCIES_HZ)
 
-SUMS = np.zeros((1 + 4 * len(BAND_FREQUENCIES_HZ), BANDS), np.float32)
-"""Adds the squared cosine and sine parts of a band's two frequencies."""
-SUMS[0, 0] = 1.0
-for _band in range(1, BANDS):
-    SUMS[4 * _band - 3 : 4 * _band + 1, _band] = 1.0
+
+def _band_pooling() -> NDArray[np.float32]:
+    pooling = np.zeros((1 + 4 * len(BAND_FREQUENCIES_HZ), BANDS), np.float32)
+    pooling[0, 0] = 1.0
+    for band in range(1, BANDS):
+        pooling[4 * band - 3 : 4 * band + 1, band] = 1.0
+    pooling.setflags(write=False)
+    return pooling
+
+
+BAND_POOLING = _band_pooling()
+"""Adds the squared cosine and sine parts of a band's two frequencies, shape (parts, BANDS)."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +113,7 @@ def pieces(blocks: Iterable[Clip], rate_hz: int, *, with_bands: bool = True) -> 
     for samples, frames in _rechunk(blocks, grid.piece):
         before = before or _at_rest(samples[0], grid)
         if before.is_silent and not samples.any():
-            yield _silent(samples, frames, grid, with_bands=with_bands)
+            yield _silent(samples, frames, with_bands=with_bands)
             continue
         peak, slope = _peaks(samples, before.sample, grid)
         if with_bands:
@@ -116,7 +123,7 @@ def pieces(blocks: Iterable[Clip], rate_hz: int, *, with_bands: bool = True) -> 
         yield Piece(samples, peak, slope, bands, frames)
 
 
-def _silent(samples: NDArray[np.float32], frames: int, grid: Grid, *, with_bands: bool) -> Piece:
+def _silent(samples: NDArray[np.float32], frames: int, *, with_bands: bool) -> Piece:
     """Return a piece of zeros, of which there is nothing to measure: two equal channels have such sides."""
     hops = HOPS_PER_PIECE if with_bands else 0
     still = np.zeros(HOPS_PER_PIECE * STEPS_PER_HOP, np.float32)
@@ -159,7 +166,7 @@ def _bands(samples: NDArray[np.float32], before: _Before, grid: Grid) -> tuple[N
     And what the next piece needs of this one.
     """
     hops = samples.reshape(-1, grid.hop)
-    early, parts = (np.empty((hops.shape[0], SUMS.shape[0]), np.float32) for _ in range(2))
+    early, parts = (np.empty((hops.shape[0], BAND_POOLING.shape[0]), np.float32) for _ in range(2))
     for some in _parts(hops.shape[0]):
         for kernel, products in zip(kernels(grid), (early, parts), strict=True):
             np.matmul(hops[some], kernel, out=products[some])
@@ -169,7 +176,7 @@ def _bands(samples: NDArray[np.float32], before: _Before, grid: Grid) -> tuple[N
     # the low band is a slow level, its change from frame to frame is what sounds
     parts[1:, 0] = np.diff(parts[:, 0])
     parts[0, 0] -= before.low
-    return np.square(parts, out=parts) @ SUMS, following
+    return np.square(parts, out=parts) @ BAND_POOLING, following
 
 
 @cache

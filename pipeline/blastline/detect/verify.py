@@ -15,16 +15,16 @@ from ..errors import RuleError
 from .bandshape import bandshape_names
 from .contrast import contrasts
 from .features import feature_names
-from .forest import Forest, ForestFile, forest_from, probabilities, score
-from .network import Network, NetworkFile, is_compatible, log_odds, network_from
+from .forest import Forest, ForestFile, forest_from, forest_log_odds, probabilities
+from .network import Network, NetworkFile, is_compatible, network_from, network_log_odds
 from .spectrogram import Spectrograms
 
 SCHEMA = 4
-BEYOND_DOUBT = 3.0
+CONFIDENT_LOG_ODDS = 3.0
 """Log-odds of 95 to 5: hardly a second opinion turns them over."""
 
-SCREEN_VOICE = 0.5
-"""The screen has as much of a say as half a network: docs/training.md, Trees, networks, or both."""
+SCREEN_WEIGHT = 0.5
+"""The weight of the screen, where each network has 1: docs/training.md, Trees, networks, or both."""
 
 _DIGITS = 4
 _SMALLEST = 0.5 * 10.0**-_DIGITS  # of probabilities, before they are rounded to 0
@@ -75,10 +75,10 @@ class Sieve:
 
 @dataclass(frozen=True, eq=False)
 class Verdicts:
-    """Of n candidates: the probability that each is a shot, that by the screen alone, and how many networks looked."""
+    """Of n candidates: the probability that each is a shot, that by the screen alone, and how many networks judged."""
 
     probability: NDArray[np.float64]
-    screened: NDArray[np.float64]
+    screen_probability: NDArray[np.float64]
     networks: NDArray[np.intp]
 
 
@@ -108,26 +108,30 @@ class Verifier:
         Trees and networks err in different places. A further network is asked only where those before it leave room
         for doubt. To four digits: beyond them the sums depend on how many candidates are judged together.
         """
-        by_screen, seen = score(rows, self.screen.forest), contrasts(shown)
-        said, odds, networks = np.zeros(rows.shape[0]), np.zeros(rows.shape[0]), np.zeros(rows.shape[0], np.intp)
+        by_screen, seen = forest_log_odds(rows, self.screen.forest), contrasts(shown)
+        network_sum, odds, networks = np.zeros(rows.shape[0]), np.zeros(rows.shape[0]), np.zeros(rows.shape[0], np.intp)
         open_to_doubt = np.arange(rows.shape[0])
         for asked, network in enumerate(self.networks, start=1):
-            said[open_to_doubt] += log_odds(network, rows[open_to_doubt], seen.taken(open_to_doubt))
-            odds[open_to_doubt] = combined_log_odds(said[open_to_doubt], asked, by_screen[open_to_doubt])
+            network_sum[open_to_doubt] += network_log_odds(network, rows[open_to_doubt], seen.taken(open_to_doubt))
+            odds[open_to_doubt] = combined_log_odds(network_sum[open_to_doubt], asked, by_screen[open_to_doubt])
             networks[open_to_doubt] = asked
-            open_to_doubt = open_to_doubt[np.abs(odds[open_to_doubt]) < BEYOND_DOUBT]
+            open_to_doubt = open_to_doubt[np.abs(odds[open_to_doubt]) < CONFIDENT_LOG_ODDS]
         return Verdicts(_probability(odds), _probability(by_screen), networks)
 
 
-def combined_log_odds(said: NDArray[np.float64], networks: int, by_screen: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the log-odds of n candidates by all, of the sum of what some networks said and what the screen says."""
-    return (said + SCREEN_VOICE * by_screen) / (networks + SCREEN_VOICE)
+def combined_log_odds(
+    network_sum: NDArray[np.float64], networks: int, by_screen: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the weighted mean log-odds, shape (n,), of `networks` networks, whose sum is `network_sum`, and the screen
+    at weight `SCREEN_WEIGHT`.
+    """
+    return (network_sum + SCREEN_WEIGHT * by_screen) / (networks + SCREEN_WEIGHT)
 
 
 def log_odds_in(verdicts: Verdicts) -> LogOdds:
     """Return the odds that verdicts on n candidates tell of."""
-    by_all, by_screen = log_odds_of(verdicts.probability), log_odds_of(verdicts.screened)
-    return LogOdds(by_all, by_all + (by_all - by_screen) * (SCREEN_VOICE / verdicts.networks))
+    by_all, by_screen = log_odds_of(verdicts.probability), log_odds_of(verdicts.screen_probability)
+    return LogOdds(by_all, by_all + (by_all - by_screen) * (SCREEN_WEIGHT / verdicts.networks))
 
 
 def log_odds_of(probability: NDArray[np.float64] | float) -> NDArray[np.float64]:

@@ -25,8 +25,8 @@ GATE_LOSS, SCREEN_LOSS = 0.01, 0.025
 def sieved(every: Candidates, gate: SieveFile, screen: SieveFile) -> Candidates:
     """Return the candidates that pass gate and screen."""
     rows = every.rows.astype(np.float64)
-    sketches = rows[:, : len(bandshape_names())]
-    passed = Sieve(forest_from(gate.forest), gate.threshold).lets_pass(sketches)
+    bandshapes = rows[:, : len(bandshape_names())]
+    passed = Sieve(forest_from(gate.forest), gate.threshold).lets_pass(bandshapes)
     passed[passed] = Sieve(forest_from(screen.forest), screen.threshold).lets_pass(rows[passed])
     return every.taken(passed)
 
@@ -37,8 +37,8 @@ def fit_sieves(training: Candidates, seed: int) -> tuple[SieveFile, SieveFile]:
     gate = fit_sieve(
         training.rows[:, : len(names)], training.shots, names=names, loss=GATE_LOSS, settings=GATE_SETTINGS, seed=seed
     )
-    sketches = training.rows[:, : len(names)].astype(np.float64)
-    past = training.taken(Sieve(forest_from(gate.forest), gate.threshold).lets_pass(sketches))
+    bandshapes = training.rows[:, : len(names)].astype(np.float64)
+    past = training.taken(Sieve(forest_from(gate.forest), gate.threshold).lets_pass(bandshapes))
     screen = fit_sieve(
         past.rows, past.shots, names=feature_names(), loss=SCREEN_LOSS, settings=SCREEN_SETTINGS, seed=seed
     )
