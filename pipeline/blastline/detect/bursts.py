@@ -9,6 +9,7 @@ import numpy as np
 from ..model import Rejection, Shot
 from ..ruleset import BurstRules
 from ..units import samples_from_ms
+from .rows import runs_of
 
 _SAME_ECHO_MS = 1.0  # two shots that hear an echo this close hear the same one
 
@@ -88,15 +89,10 @@ def group_bursts(shots: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> t
     Bursts are numbered from 1 in the film, shots from 1 in their burst; a single shot has neither.
     """
     gap = samples_from_ms(rules.longest_gap_ms, rate_hz)
-    runs: list[list[Shot]] = []
-    for shot in shots:
-        if runs and shot.onset - runs[-1][-1].onset <= gap:
-            runs[-1].append(shot)
-        else:
-            runs.append([shot])
     numbered: list[Shot] = []
     burst = 0
-    for run in runs:
+    for places in runs_of(np.array([shot.onset for shot in shots], np.intp), gap):
+        run = [shots[place] for place in places]
         if len(run) < rules.fewest_shots:
             numbered += run
             continue

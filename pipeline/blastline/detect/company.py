@@ -188,7 +188,10 @@ def _in_a_run(
     rate_hz: int,
     rules: BurstRules,
 ) -> NDArray[np.bool_]:
-    """Return which candidates belong to a run that is sure as a whole; of those too near each other one counts."""
+    """Return which candidates belong to a run that is sure as a whole; of those too near each other one counts.
+
+    Gaps are those between the ones that count, so the runs are not those of `runs_of`.
+    """
     shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
     runs: list[list[int]] = []
     for place in np.flatnonzero(probability >= least).tolist():

@@ -41,8 +41,11 @@ def in_endless_fire(
     return found
 
 
-def runs_of(onsets: NDArray[np.intp], longest_gap: int) -> list[NDArray[np.intp]]:
-    """Return the runs of onsets, ascending, that follow each other within a gap; one alone is a run, too."""
+def runs_of(onsets: NDArray[np.intp] | NDArray[np.float64], longest_gap: float) -> list[NDArray[np.intp]]:
+    """Return the runs of onsets, ascending, that follow each other within a gap, as indices; one alone is a run, too.
+
+    Of no onsets it is one empty run.
+    """
     return np.split(np.arange(onsets.size), np.flatnonzero(np.diff(onsets) > longest_gap) + 1)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..detect.rows import runs_of
 from ..errors import RuleError
 from ..synth import Truth, film_scene, synthesise, write_scene
 from .corpus import Recording
@@ -82,9 +83,7 @@ def near_each_other(true_ms: Times) -> Bursts:
     >>> near_each_other(np.array([0.0, 100.0, 200.0, 900.0, 1000.0]))
     ((0, 1, 2),)
     """
-    breaks = np.flatnonzero(np.diff(true_ms) > LONGEST_GAP_MS) + 1
-    runs = np.split(np.arange(true_ms.size), breaks)
-    return tuple(tuple(run.tolist()) for run in runs if run.size >= FEWEST_SHOTS)
+    return tuple(tuple(run.tolist()) for run in runs_of(true_ms, LONGEST_GAP_MS) if run.size >= FEWEST_SHOTS)
 
 
 def _synthesised(into: Path, file: Path) -> Case:
