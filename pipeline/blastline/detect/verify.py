@@ -129,7 +129,10 @@ def combined_log_odds(
 
 
 def log_odds_in(verdicts: Verdicts) -> LogOdds:
-    """Return the odds that verdicts on n candidates tell of."""
+    """Return the log-odds of n verdicts, shape (n,).
+
+    From the rounded probabilities, so that they do not depend on how many candidates are judged together either.
+    """
     by_all, by_screen = log_odds_of(verdicts.probability), log_odds_of(verdicts.screen_probability)
     return LogOdds(by_all, by_all + (by_all - by_screen) * (SCREEN_WEIGHT / verdicts.networks))
 
