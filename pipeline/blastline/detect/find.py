@@ -218,15 +218,10 @@ def _search_chunk(
     scored = ScoredCandidates(at, peaks_dbfs, log_odds_in(verdicts))
     rows = even_rows(scored, rate_hz=grid.rate_hz, tier=tier)
     worth = worth_segmenting(scored, rows, rate_hz=grid.rate_hz, tier=tier, core=chunk.core)
+    segment_at = partial(segment, chunk.samples, film_start=chunk.start, film_stop=chunk.stop, rules=tier.segment)
     shots = [
-        segment(
-            chunk.samples,
-            int(found.onsets[index]),
-            film_start=chunk.start,
-            film_stop=chunk.stop,
-            confidence=float(verdicts.probability[index]),
-            rate_hz=grid.rate_hz,
-            rules=tier.segment,
+        _with_evidence(
+            segment_at(int(found.onsets[index]), confidence=float(verdicts.probability[index]), rate_hz=grid.rate_hz),
             screen=float(verdicts.screen_probability[index]),
             networks=int(verdicts.networks[index]),
             backdrop=before[index],
@@ -245,6 +240,12 @@ def _search_chunk(
 def _with_row_verdict(shot: Shot, told: dict[HeardIn, dict[int, EvenRow | None]]) -> Shot:
     """Return a shot with what its row tells of it: that of the mix it was found in, which need not be the surer one."""
     rows = told["sides"] if shot.heard_in == "sides" and shot.onset in told["sides"] else told["mains"]
-    if shot.evidence is None or rows.get(shot.onset) is None:
+    row = rows.get(shot.onset)
+    return shot if row is None else _with_evidence(shot, even_row=row)
+
+
+def _with_evidence(shot: Shot, **known: object) -> Shot:
+    """Return a shot with some fields of its evidence replaced, where it has any."""
+    if shot.evidence is None:
         return shot
-    return msgspec.structs.replace(shot, evidence=msgspec.structs.replace(shot.evidence, even_row=rows[shot.onset]))
+    return msgspec.structs.replace(shot, evidence=msgspec.structs.replace(shot.evidence, **known))

@@ -42,15 +42,11 @@ def segment(
     confidence: float,
     rate_hz: int,
     rules: SegmentRules,
-    screen: float | None = None,
-    networks: int = 0,
-    backdrop: int | None = None,
-    sound: tuple[int, ...] = (),
 ) -> Shot:
     """Return the shot whose blast starts at index `onset` of `samples`, a stretch that starts at `film_start`.
 
-    `film_stop` is where the film, or what is known of it, ends; `screen`, `networks`, `backdrop` and `sound` as in
-    `model.ShotEvidence`.
+    `film_stop` is where the film, or what is known of it, ends. The shot's evidence is what is measured here; whoever
+    judged it adds the rest.
     """
     stop = min(onset + reach(rate_hz=rate_hz, rules=rules), film_stop - film_start)
     wave, still = _heard(samples, onset, stop, rate_hz)
@@ -76,7 +72,7 @@ def segment(
             Reflection(at + lag, at + lag + blast, ms_from_samples(lag, rate_hz), level_db) for lag, level_db in echoes
         ),
         span=Span(at, at + length),
-        evidence=ShotEvidence(screen, networks, room_db, ended, backdrop, sound=sound, copies=len(echoes)),
+        evidence=ShotEvidence(None, 0, room_db, ended, copies=len(echoes)),
     )
 
 
