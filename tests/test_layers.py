@@ -17,9 +17,9 @@ GROUND = {
     "correlate",
     "dsp",
     "errors",
+    "interruption",
     "model",
     "ruleset",
-    "signals",
     "staging",
     "timebase",
     "timecode",
@@ -32,8 +32,8 @@ MAY_IMPORT = (
     | {
         "study": GROUND | STAGES | {"study"},
         "run": GROUND | STAGES | {"run"},
-        "cli": {"cli", "run", "study", "ruleset", "model", "errors", "signals", "staging", "timebase", "timecode"}
-        | {"__version__"},
+        "cli": {"cli", "run", "study", "ruleset", "model", "errors", "interruption", "staging", "timebase"}
+        | {"timecode", "__version__"},
         "__main__": {"cli"},
         "__init__": set(),
     }

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from .abandoned import EARLIER, HIDDEN, LOCK, clear_abandoned, hold
 from .errors import BlastlineError, OutputError
-from .signals import heed_interruption
+from .interruption import heed_interruption
 
 _LONGEST_WAIT_S = 20.0
 _FULL = {errno.ENOSPC, errno.EFBIG, errno.EDQUOT}

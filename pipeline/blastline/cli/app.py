@@ -16,7 +16,7 @@ import typer
 
 from .. import __version__
 from ..errors import BlastlineError
-from ..signals import let_signals_interrupt
+from ..interruption import let_signals_interrupt
 from . import actuators, conform, film, results, rulefiles, study, synthesis
 from .complaints import complaint
 from .interruption import INTERRUPTED, told_interrupted

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from ..signals import heed_interruption
+from ..interruption import heed_interruption
 
 if TYPE_CHECKING:
     from ..run import Progress
