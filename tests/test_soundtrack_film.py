@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from blastline.errors import OutputError, SoundtrackError
 from blastline.model import Source, Span
-from blastline.soundtrack import open_soundtrack, timecode_at
+from blastline.soundtrack import open_soundtrack
 from blastline.timebase import parse_timebase
+from blastline.timecode import timecode_at
 from media import RATE_HZ, impulses, onsets, write_media
 
 SHOTS = [5_000, 47_000, 119_000]

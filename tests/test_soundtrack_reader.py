@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from blastline.errors import SoundtrackError
 from blastline.model import Clip, Source, Span
-from blastline.soundtrack import Cue, Soundtrack, open_soundtrack, timecode_at, write_drive
+from blastline.soundtrack import Cue, Soundtrack, open_soundtrack, write_drive
 from blastline.soundtrack.chunks import chunk_table
 from blastline.soundtrack.recent import Recent
-from blastline.timecode import clock
+from blastline.timecode import clock, timecode_at
 
 RATE_HZ = 48_000
 FRAMES = 70_000

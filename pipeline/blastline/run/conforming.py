@@ -32,8 +32,9 @@ from ..export import read_timeline
 from ..model import Event, Rejection, Source, Timeline, Window, encode
 from ..render import plan_windows, window_between
 from ..ruleset import ConformRules, Rules, WindowRules, load_conform, load_rules
-from ..soundtrack import Soundtrack, open_soundtrack, timecode_at
+from ..soundtrack import Soundtrack, open_soundtrack
 from ..staging import staged
+from ..timecode import timecode_at
 from ..units import samples_from_ms, samples_from_s
 from . import names
 from .listening import BLOCK

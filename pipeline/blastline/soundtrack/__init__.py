@@ -1,10 +1,9 @@
 """Sound in and out: the only stage that opens media.
 
 `open_soundtrack` decodes one track of an audio file or a film, once, and cuts exact samples from it afterwards;
-`write_drive` writes the finished drive; `timecode_at` names the picture that shows while a sample plays.
+`write_drive` writes the finished drive.
 """
 
-from ..timecode import timecode_at
 from .bwf import Cue
 from .mix import as_front, heard_mix
 from .opening import open_soundtrack
@@ -17,7 +16,6 @@ __all__ = [
     "as_front",
     "heard_mix",
     "open_soundtrack",
-    "timecode_at",
     "write_drive",
     "write_excerpt",
 ]

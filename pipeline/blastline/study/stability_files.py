@@ -10,10 +10,11 @@ import numpy as np
 from ..model import Clip, Source, Span
 from ..render import drive_filters
 from ..ruleset import load_actuator
-from ..soundtrack import Cue, open_soundtrack, timecode_at, write_drive
+from ..soundtrack import Cue, open_soundtrack, write_drive
 from ..soundtrack.bwf import MARKER_LIMIT, cue_chunks
 from ..soundtrack.chunks import chunk_table
 from ..soundtrack.pcm import open_pcm
+from ..timecode import timecode_at
 from ..units import samples_from_s
 from .bars import Bar, exact
 from .stability_signals import MODELS, RATE_HZ, drive_of, shot_film
