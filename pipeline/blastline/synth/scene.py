@@ -17,12 +17,12 @@ and, for a shot, the negatives; other shots do not count.
 """
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import msgspec
 from msgspec import Meta
 
-from ..errors import RuleError
+from ..errors import RuleError, misfit
 from ..ruleset.files import read_toml
 from .beds import BedKind
 from .negatives import NegativeKind
@@ -145,9 +145,7 @@ def load_scene(path: Path) -> Scene:
     try:
         scene = msgspec.convert(plain, Scene)
     except msgspec.ValidationError as error:
-        complaint, _, place = str(error).partition(" - at `$.")
-        key = place.rstrip("`")
-        raise RuleError(f"{path}: {key or 'top level'}{_shown(plain, key)}: {complaint}") from error
+        raise RuleError(f"{path}: {misfit(plain, error)}") from error
     _check_times(scene, path)
     return msgspec.structs.replace(scene, name=path.stem)
 
@@ -173,11 +171,3 @@ def _check_times(scene: Scene, path: Path) -> None:
             low, high = getattr(scene.random, key)
             if low > high:
                 raise RuleError(f"{path}: random.{key} = [{low}, {high}]: expected the lower level first")
-
-
-def _shown(plain: Any, key: str) -> str:
-    """Return ` = value` for a msgspec path such as `shots[0].at_s`; nothing for a table."""
-    value = plain
-    for step in key.replace("[", ".").replace("]", "").split(".") if key else ():
-        value = value[int(step)] if isinstance(value, list) else value[step]
-    return "" if isinstance(value, dict | list) else f" = {value!r}"
