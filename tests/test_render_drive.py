@@ -70,10 +70,10 @@ def rendered(
     ]
 
 
-def figures(drive: Samples, film: Samples, shot: Shot, window_start: int) -> tuple[float, float]:
+def figures(drive: NDArray[np.floating], film: Samples, shot: Shot, window_start: int) -> tuple[float, float]:
     """Return ratio and correlation of what is felt of a drive against the sound in the band, over the shot."""
     inside = slice(shot.onset - window_start, min(shot.span.stop, window_start + len(drive)) - window_start)
-    found = felt(drive, CAUSAL)[inside]
+    found = felt(drive.astype(np.float64), CAUSAL)[inside]
     wanted = in_band(film, CAUSAL)[window_start:][inside]
     level, against = np.linalg.norm(found), np.linalg.norm(wanted)
     return float(level / against), float(np.sum(found * wanted) / level / against)

@@ -94,10 +94,10 @@ def coarse_delay(excitation: Recording, response: Recording, *, rules: IdentifyR
     size = 4 * longest
     correlation = np.zeros(size)
     for start in starts.tolist():
-        sent = rfft(excitation.cut(start, longest), size)
-        came = rfft(response.cut(start - longest, 3 * longest), size)
-        sent[0] = came[0] = 0.0
-        correlation += irfft(np.conj(sent) * came, size)
+        spectrum_in = rfft(excitation.cut(start, longest), size)
+        spectrum_out = rfft(response.cut(start - longest, 3 * longest), size)
+        spectrum_in[0] = spectrum_out[0] = 0.0
+        correlation += irfft(np.conj(spectrum_in) * spectrum_out, size)
     heights = np.abs(correlation[: 2 * longest + 1])
     lags = np.arange(-longest, longest + 1)
     alike = np.flatnonzero(heights >= _ALIKE * np.max(heights))
@@ -118,28 +118,27 @@ def welch(excitation: Recording, response: Recording, *, lag: int, segment: int)
     count = _count(start, stop, segment)
     for index in range(count):
         place = start + index * (segment // 2)
-        sent, came = excitation.cut(place, segment), response.cut(place + lag, segment)
-        sent_spectrum = rfft(window * (sent - np.mean(sent)))
-        came_spectrum = rfft(window * (came - np.mean(came)))
-        power_in += np.abs(sent_spectrum) ** 2
-        squared_in += np.abs(sent_spectrum) ** 4
-        power_out += np.abs(came_spectrum) ** 2
-        cross += np.conj(sent_spectrum) * came_spectrum
+        samples_in, samples_out = excitation.cut(place, segment), response.cut(place + lag, segment)
+        spectrum_in = rfft(window * (samples_in - np.mean(samples_in)))
+        spectrum_out = rfft(window * (samples_out - np.mean(samples_out)))
+        power_in += np.abs(spectrum_in) ** 2
+        squared_in += np.abs(spectrum_in) ** 4
+        power_out += np.abs(spectrum_out) ** 2
+        cross += np.conj(spectrum_in) * spectrum_out
     steady = power_in**2 / np.maximum(count * squared_in, 1e-300)
     return Spectra(frequencies_hz, power_in / count, power_out / count, cross / count, steady, count)
 
 
-def usable_band(measured: MeasuredResponse, rules: IdentifyRules) -> tuple[float, float] | None:
+def usable_band(
+    frequencies_hz: Values, coherence: Values, averages: float, rules: IdentifyRules
+) -> tuple[float, float] | None:
     """Return the widest range (in octaves) of well-known gains; None where there is none.
 
-    Known well is what the coherence says of the third of an octave around a frequency: its mean without the bias of
-    chance, and the standard error of the gain averaged over it.
+    `coherence` is of `averages` independent segments. Known well is what it says of the third of an octave around a
+    frequency: its mean without the bias of chance, and the standard error of the gain averaged over it.
     """
-    assert measured.coherence is not None
-    assert measured.averages is not None
-    frequencies_hz = measured.frequencies_hz
-    coherence = unbiased(measured.coherence, measured.averages)
-    error_db = standard_error_db(coherence, measured.averages)
+    coherence = unbiased(coherence, averages)
+    error_db = standard_error_db(coherence, averages)
     low = np.searchsorted(frequencies_hz, frequencies_hz * 2.0 ** (-1.0 / 6.0))
     high = np.searchsorted(frequencies_hz, frequencies_hz * 2.0 ** (1.0 / 6.0), side="right")
 
@@ -167,25 +166,21 @@ def _measure(
     _require_steady(excitation, spectra.steady[rows], spectra.segments)
     power_in, power_out, cross = spectra.excitation[rows], spectra.response[rows], spectra.cross[rows]
     transfer = cross / power_in
-    coherence = np.abs(cross) ** 2 / np.maximum(power_in * power_out, 1e-300)
-    measured = MeasuredResponse(
-        spectra.frequencies_hz[rows],
-        np.abs(transfer),
-        np.angle(transfer),
-        np.minimum(coherence, 1.0),
-        _INDEPENDENT * spectra.segments,
-    )
-    band_hz = usable_band(measured, rules)
+    coherence = np.minimum(np.abs(cross) ** 2 / np.maximum(power_in * power_out, 1e-300), 1.0)
+    frequencies_hz, averages = spectra.frequencies_hz[rows], _INDEPENDENT * spectra.segments
+    band_hz = usable_band(frequencies_hz, coherence, averages, rules)
     if band_hz is None or band_hz[1] < 2.0 * band_hz[0]:
-        best = float(np.max(measured.coherence, initial=0.0)) if measured.coherence is not None else 0.0
+        best = float(np.max(coherence, initial=0.0))
         raise SoundtrackError(
             f"{response.name}: follows {excitation.name} too little: the coherence reaches {best:.2f}, and not over an "
             "octave what a response needs; expected excitation and response of one run"
         )
-    measured = replace(measured, band_hz=band_hz)
+    measured = MeasuredResponse(
+        frequencies_hz, np.abs(transfer), np.angle(transfer), coherence, averages, band_hz=band_hz
+    )
     excess = excess_phase(measured)
     assert excess is not None
-    turned = np.angle(transfer * np.exp(2j * math.pi * measured.frequencies_hz * excess.delay_s))
+    turned = np.angle(transfer * np.exp(2j * math.pi * frequencies_hz * excess.delay_s))
     return replace(measured, phase_rad=turned, delay_s=lag / excitation.rate_hz + excess.delay_s), excess
 
 

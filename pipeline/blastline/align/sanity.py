@@ -61,6 +61,6 @@ def is_rise_owed(event: Event, before: Event | None, rate_hz: int) -> bool:
     return event.origin == "found" and not in_burst and event.onset_sample >= samples_from_ms(_AROUND_MS, rate_hz)
 
 
-def _rise_db(samples: NDArray[np.float64], onset: int) -> float:
+def _rise_db(samples: NDArray[np.floating], onset: int) -> float:
     before, after = (float(np.abs(part).max(initial=0.0)) for part in (samples[:onset], samples[onset:]))
     return float(20.0 * np.log10(max(after, 1e-12) / max(before, 1e-12)))

@@ -7,7 +7,6 @@ L(s)  Butterworth low-pass,  D(s)  Butterworth high-pass
 
 import math
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,9 +35,8 @@ class Analogue:
     def at(self, frequencies_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Return the complex response at the given frequencies."""
         s = 2j * math.pi * frequencies_hz[:, None]
-        return cast(
-            "NDArray[np.complex128]",
-            self.gain * np.prod(s - self.zeros, axis=1) / np.prod(s - self.poles, axis=1),
+        return np.asarray(
+            self.gain * np.prod(s - self.zeros, axis=1) / np.prod(s - self.poles, axis=1), dtype=np.complex128
         )
 
 

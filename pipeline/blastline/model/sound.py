@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, Final, Literal, Protocol
+from typing import Final, Literal, Protocol
 
 import msgspec
 import numpy as np
@@ -66,10 +66,10 @@ class Clip:
     shape (frames,), is what detection hears beside the middle; None where nobody asked or there is no such thing.
     """
 
-    samples: NDArray[Any]
+    samples: NDArray[np.floating]
     rate_hz: int
     start: int = 0
-    sides: NDArray[Any] | None = None
+    sides: NDArray[np.floating] | None = None
 
     @property
     def span(self) -> Span:
@@ -77,16 +77,16 @@ class Clip:
         return Span(self.start, self.start + self.samples.shape[0])
 
     @property
-    def heard(self) -> NDArray[Any]:
+    def heard(self) -> NDArray[np.floating]:
         """Return the column in which detection listens, shape (frames,)."""
         return self.samples[:, 0]
 
     @property
-    def driving(self) -> NDArray[Any]:
+    def driving(self) -> NDArray[np.floating]:
         """Return the column that becomes the drive, shape (frames,); the heard one where there is only one."""
         return self.samples[:, -1]
 
-    def driving_of(self, made_of: MadeOf) -> NDArray[Any]:
+    def driving_of(self, made_of: MadeOf) -> NDArray[np.floating]:
         """Return what becomes a drive that is made of that, shape (frames,); all but the mains need `sides`.
 
         Two channels are the mains, which are half their sum, and the sides, half their difference, added or not.
@@ -120,7 +120,7 @@ class Channels:
 
     azimuths_deg: tuple[float | None, ...]
     centre: int | None
-    read: Callable[[Span], NDArray[Any] | None]
+    read: Callable[[Span], NDArray[np.floating] | None]
 
 
 class Cutter(Protocol):

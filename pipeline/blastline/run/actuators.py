@@ -114,12 +114,12 @@ def identify_actuator(
     measuring = load_measuring(options.rules)
     with ExitStack() as open_files:
         progress("hearing", 0, None)
-        sent = open_files.enter_context(_open_channel(excitation, channels[0], "excitation"))
-        came = open_files.enter_context(_open_channel(response, channels[1], "response"))
-        heard = recorded(str(excitation), sent), recorded(str(response), came)
+        excitation_track = open_files.enter_context(_open_channel(excitation, channels[0], "excitation"))
+        response_track = open_files.enter_context(_open_channel(response, channels[1], "response"))
+        heard = recorded(str(excitation), excitation_track), recorded(str(response), response_track)
         warnings = tuple(
             f"{path}: {each}"
-            for path, track in ((excitation, sent), (response, came))
+            for path, track in ((excitation, excitation_track), (response, response_track))
             for each in track.source().warnings
         )
         progress("identifying", 0, None)

@@ -51,7 +51,9 @@ def shot_at(onset: int, length: int) -> Shot:
     return Shot(onset=onset, confidence=1.0, peak_dbfs=0.0, snr_db=60.0, blast=span, reflections=(), span=span)
 
 
-def drive_of(film: Samples, onset: int, model: DriveModel, filters: DriveFilters, *, length: int = 4_800) -> Samples:
+def drive_of(
+    film: NDArray[np.floating], onset: int, model: DriveModel, filters: DriveFilters, *, length: int = 4_800
+) -> Samples:
     """Return the drive of a film's only shot, over the whole film; 0 outside its window."""
     tier = load_rules("standard").tier
     shot = shot_at(onset, length)
