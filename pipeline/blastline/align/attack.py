@@ -8,7 +8,7 @@ from .. import dsp
 from ..model import Event
 from ..units import SILENCE_DB, db_from_gain
 from .comparison import Comparison, Samples
-from .due import ATTACK_MS, MISSING, Reading, due_before_next, due_before_window
+from .due import ATTACK_MS, MISSING, DueDrive, due_before_next, due_before_window
 from .hearing import Felt, Heard, Part
 
 _BEFORE_MS = 20.0
@@ -24,18 +24,18 @@ _ASKED = 0.1
 """A drive is asked for where this share of the attack's most is due."""
 
 
-def late_start(shared: Comparison, heard: Heard, felt: Felt, readings: tuple[Reading, ...]) -> float | None:
+def late_start(shared: Comparison, heard: Heard, felt: Felt, due_drives: tuple[DueDrive, ...]) -> float | None:
     """Return how many samples after the onset, or after it is first asked for, the drive is under way.
 
-    Where no reading of what is due is borne out it is not known what is asked for: a drive at rest is late all the
+    Where no drive that may be due is borne out it is not known what is asked for: a drive at rest is late all the
     same, of one that moves nothing can be told, and None is returned.
     """
     onset, lead = heard.core.start, shared.samples(shared.lead_ms)
     attack = slice(onset - lead, max(onset + 1, min(onset + shared.samples(ATTACK_MS), heard.core.stop)))
     grain = min(shared.samples(_GRAIN_MS), attack.stop - attack.start)
     found = []
-    for reading in readings:
-        due = reading.due[attack]
+    for due_drive in due_drives:
+        due = due_drive.drive[attack]
         asked, moves = _first(_running_energy(due, grain), _running_energy(due - felt.drive[attack], grain))
         found.append(float(max(0, moves - max(asked, lead))))
     return min(found) if found else _rest_after(felt.drive[attack], grain, lead)
@@ -56,12 +56,12 @@ def _first(due: Samples, missing: Samples) -> tuple[int, int]:
 
 
 def preecho(
-    shared: Comparison, event: Event, part: Part, heard: Heard, felt: Felt, readings: tuple[Reading, ...]
+    shared: Comparison, event: Event, part: Part, heard: Heard, felt: Felt, due_drives: tuple[DueDrive, ...]
 ) -> tuple[float | None, float]:
     """Return what is felt before a shot beyond what is due there, and how much that may be, in dB of the shot's peak.
 
     It may be nothing; but of a drive of unknown making it is not known what is due, and as much may be felt as is
-    heard. None where no reading of what is due is borne out.
+    heard. None where no drive that may be due is borne out.
     """
     onset, lead = heard.core.start, shared.samples(shared.lead_ms)
     peak = _peak(felt.vibration[heard.core])
@@ -73,10 +73,10 @@ def preecho(
     if event.drive is None:
         return db_from_gain(_peak(felt.vibration[before]) / peak), db_from_gain(_peak(heard.intended[before]) / peak)
     if part.opens:
-        dues = [due_before_window(heard, readings[0] if readings else None)]
+        dues = [due_before_window(heard, due_drives[0] if due_drives else None)]
     else:
-        due = partial(due_before_next, shared, heard, felt, since=since, stop=onset - lead)
-        dues = [due(reading) for reading in readings]
+        due_before = partial(due_before_next, shared, heard, felt, since=since, stop=onset - lead)
+        dues = [due_before(due) for due in due_drives]
     beyond = [_peak(dsp.run_filter(shared.felt, (felt.drive - due)[before])) for due in dues]
     return db_from_gain(min(beyond) / peak) if beyond else None, SILENCE_DB
 

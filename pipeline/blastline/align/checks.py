@@ -8,12 +8,12 @@ import msgspec
 from ..model import Background, Check, Cutter, Event, Phase, SoundFile, Span, Timeline
 from ..ruleset import ActuatorProfile, AlignRules
 from ..units import ms_from_samples, samples_from_ms
+from .comparable import is_comparable
 from .comparison import Comparison, compare
 from .hearing import is_direct, is_solved
 from .sanity import fade_margin, heard_rise_db, is_rise_owed, order_faults
 from .shots import ShotFigures, likeness_limit, parts_of
 from .sounds import Sound, stretch_of
-from .telling import is_telling
 from .timing import Timing, time_film
 from .whole_drive import DriveFigures, gaps, scan
 
@@ -51,13 +51,13 @@ def check_files(
     if not timeline.events:
         return (*checks, *_timing_checks(shared, (), None))
     parts = parts_of(timeline.events, lead=shared.samples(shared.lead_ms))
-    telling = [is_telling(shared, event, part) for event, part in zip(timeline.events, parts, strict=True)]
-    placing = [tells and _can_lead(shared, event) for event, tells in zip(timeline.events, telling, strict=True)]
+    comparable = [is_comparable(shared, event, part) for event, part in zip(timeline.events, parts, strict=True)]
+    placing = [each and _can_lead(shared, event) for event, each in zip(timeline.events, comparable, strict=True)]
     timing = time_film(shared, timeline.events, parts, placing)
     checks += _timing_checks(shared, [e for e, places in zip(timeline.events, placing, strict=True) if places], timing)
-    for event, tells, figures, lag in zip(timeline.events, telling, timing.figures, timing.lags, strict=True):
+    for event, compared, figures, lag in zip(timeline.events, comparable, timing.figures, timing.lags, strict=True):
         checks += _window_checks(event, shared.rate_hz)
-        checks += _shot_checks(shared, event, figures, lag) if tells else _noted(shared, event, figures, lag)
+        checks += _shot_checks(shared, event, figures, lag) if compared else _noted(shared, event, figures, lag)
     return tuple(checks)
 
 
@@ -114,7 +114,7 @@ def _order_check(timeline: Timeline) -> Iterator[Check]:
 
 
 def _timing_checks(shared: Comparison, events: Sequence[Event], timing: Timing | None) -> Iterator[Check]:
-    """Yield displacement, drift and speed of the drive as a whole, by shots that can tell; drift and speed need two.
+    """Yield displacement, drift and speed of the drive as a whole, by comparable shots; drift and speed need two.
 
     Where the actuator's limit bends the lags of most shots, no more than that is held against the drive.
     """
@@ -177,7 +177,7 @@ def _can_lead(shared: Comparison, event: Event) -> bool:
 
 
 def _noted(shared: Comparison, event: Event, figures: ShotFigures | None, lag: float | None) -> Iterator[Check]:
-    """Yield the same checks of a shot that tells nothing, without holding it to them.
+    """Yield the same checks of a shot that cannot be compared, without holding it to them.
 
     But for the actuator's limit: that holds for every drive.
     """

@@ -72,8 +72,11 @@ class Comparison:
         """Return a duration in samples."""
         return samples_from_ms(duration_ms, self.rate_hz)
 
-    def shown_to_actuator(self, samples: Samples) -> Samples:
-        """Return samples through H backwards in time: what of them a drive, sample for sample, can do about."""
+    def adjoint(self, samples: Samples) -> Samples:
+        """Return H'x, the adjoint of the felt response: H run backwards in time.
+
+        The gradient of 1/2 |H u - t|^2 is H'(H u - t).
+        """
         return dsp.run_filter(self.felt, samples[::-1])[::-1]
 
 

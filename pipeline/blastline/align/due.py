@@ -30,72 +30,70 @@ _LONG = 16.0
 
 
 @dataclass(frozen=True, eq=False)
-class Shown:
-    """What is intended and what is felt, both through H backwards: as much of them as a drive can do about."""
+class Adjoints:
+    """H't and H'H u, the adjoint of H on what is intended and on what is felt: what of them a drive can do about."""
 
     intended: Samples
     felt: Samples
 
 
 @dataclass(frozen=True, eq=False)
-class Reading:
+class DueDrive:
     """The drive that is due in the open window, from the shot's lead on, if it was rendered with a gain."""
 
     gain: float
-    due: Samples
+    drive: Samples
 
 
-def show(shared: Comparison, heard: Heard, felt: Felt) -> Shown:
+def adjoints_of(shared: Comparison, heard: Heard, felt: Felt) -> Adjoints:
     """Return what a drive can do about: not what the opening of its window leaves ringing, which no drive makes up."""
     wet = _unsolved(heard, 1.0 if heard.solved else _gain_of_wet(shared, heard, felt))
     left = _opening(heard, wet) - wet
     vibration = felt.own - dsp.run_filter(shared.felt, left) if left.any() else felt.own
-    return Shown(shared.shown_to_actuator(heard.intended), shared.shown_to_actuator(vibration))
+    return Adjoints(shared.adjoint(heard.intended), shared.adjoint(vibration))
 
 
-def readings(shared: Comparison, heard: Heard, felt: Felt, shown: Shown) -> tuple[Reading, ...]:
-    """Return what may be due, each reading of it borne out by the drive after the attack; none where nothing is.
+def due_drives(shared: Comparison, heard: Heard, felt: Felt, adjoints: Adjoints) -> tuple[DueDrive, ...]:
+    """Return the drives that may be due, each borne out by the drive after the attack; none where nothing is.
 
     A solved drive may have been rendered with the gain that was asked for or with the one that is measured, H'H u
     against H't where the drive is free of its limit. The latter tells little where little is free.
     """
     if not heard.solved:
         gain = _gain_of_wet(shared, heard, felt)
-        return (Reading(gain, _unsolved(heard, gain)),)
+        return (DueDrive(gain, _unsolved(heard, gain)),)
     rest = _rest(shared, heard)
     free = np.flatnonzero(felt.free[rest]) + rest.start
     limit, found = shared.rules.peak, []
-    for gain in (heard.gain, _gain(shown.intended[free], shown.felt[free])):
-        slope = gain * shown.intended - shown.felt
-        due = np.clip(felt.drive + _LONG * shared.step * slope, -limit, limit)
+    for gain in (heard.gain, _gain(adjoints.intended[free], adjoints.felt[free])):
+        descent = gain * adjoints.intended - adjoints.felt
+        due = np.clip(felt.drive + _LONG * shared.step * descent, -limit, limit)
         if _energy((due - felt.drive)[rest]) <= MISSING**2 * _energy(due[rest]):
-            found.append(Reading(gain, due))
+            found.append(DueDrive(gain, due))
     return tuple(found)
 
 
-def due_before_window(heard: Heard, reading: Reading | None) -> Samples:
+def due_before_window(heard: Heard, due: DueDrive | None) -> Samples:
     """Return the drive that is due up to the first shot of a window; where it is solved, with no gain."""
-    return _opening(heard, np.zeros(len(heard.span)) if heard.solved or reading is None else reading.due)
+    return _opening(heard, np.zeros(len(heard.span)) if heard.solved or due is None else due.drive)
 
 
-def due_before_next(
-    shared: Comparison, heard: Heard, felt: Felt, reading: Reading, *, since: int, stop: int
-) -> Samples:
+def due_before_next(shared: Comparison, heard: Heard, felt: Felt, due: DueDrive, *, since: int, stop: int) -> Samples:
     """Return the drive that is due up to sample `stop` of a span, where that of a further shot of the window begins.
 
     A solver does not know what comes: it expects its drive to ring on as the compensator's would, which it was given
     from where the drive of the shot before begins, `since`.
     """
     if not heard.solved or heard.wet is None:
-        return reading.due
+        return due.drive
     at = np.arange(len(heard.span))
     limit, early = shared.rules.peak, at < stop
-    first_guess = np.where(early & (at >= since), reading.gain * heard.wet, 0.0)
+    first_guess = np.where(early & (at >= since), due.gain * heard.wet, 0.0)
     rings = dsp.run_filter(shared.felt, np.clip(first_guess, -limit, limit))
-    wanted = np.where(early, reading.gain * heard.intended, rings)
+    wanted = np.where(early, due.gain * heard.intended, rings)
     drive = np.where(early, felt.drive, 0.0)
     vibration = felt.own - dsp.run_filter(shared.felt, felt.drive - drive)
-    return np.clip(drive + shared.step * shared.shown_to_actuator(wanted - vibration), -limit, limit)
+    return np.clip(drive + shared.step * shared.adjoint(wanted - vibration), -limit, limit)
 
 
 def _unsolved(heard: Heard, gain: float) -> Samples:

@@ -11,7 +11,7 @@ from ..model import Event, Span
 from ..units import db_from_gain
 from .attack import late_start, preecho
 from .comparison import Comparison, Samples
-from .due import Shown, readings, show
+from .due import Adjoints, adjoints_of, due_drives
 from .hearing import Felt, Heard, Part, feel, hear, is_direct
 from .sounds import Place
 
@@ -86,15 +86,15 @@ def measure(shared: Comparison, event: Event, part: Part, *, place: Place) -> Sh
     match = match_template(heard.intended[pattern], felt.following[pattern.start - search : pattern.stop + search])
     if math.isnan(match.lag):
         return None
-    match, exact, felt, shown = _refined(shared, event, part, heard, felt, pattern=pattern, match=match, place=place)
-    known = readings(shared, heard, felt, shown)
-    early_db, due_early_db = preecho(shared, event, part, heard, felt, known)
+    match, exact, felt, adjoints = _refined(shared, event, part, heard, felt, pattern=pattern, match=match, place=place)
+    due = due_drives(shared, heard, felt, adjoints)
+    early_db, due_early_db = preecho(shared, event, part, heard, felt, due)
     return ShotFigures(
         match,
         exact=exact,
         delay=_delay(heard, pattern, search),
         peak=felt.peak,
-        late_start=late_start(shared, heard, felt, known),
+        late_start=late_start(shared, heard, felt, due),
         level_db=db_from_gain(_rms(felt.own[core])) - db_from_gain(_rms(heard.direct[core])),
         preecho_db=early_db,
         due_preecho_db=due_early_db,
@@ -120,35 +120,35 @@ def _refined(
     pattern: slice,
     match: Match,
     place: Place,
-) -> tuple[Match, bool, Felt, Shown]:
+) -> tuple[Match, bool, Felt, Adjoints]:
     """Return the match, whether it is exact, and the drive read anew from there, `here` where that is the same.
 
     Where the match is too poor to be believed, or where the limit alone may have bent it aside, the drive is read from
     the shot's own place.
     """
 
-    def read(late: int) -> tuple[Felt, Shown]:
+    def read(late: int) -> tuple[Felt, Adjoints]:
         there = Place(place.stretch, place.shift + late * place.stretch)
         felt = feel(shared, event, heard.span, place=there) if late else here
-        return felt, show(shared, heard, felt)
+        return felt, adjoints_of(shared, heard, felt)
 
     believed = abs(match.correlation) >= likeness_limit(shared, event)
     late = round(match.lag) if believed else 0
-    felt, shown = read(late)
+    felt, adjoints = read(late)
     exact = is_direct(event) and bool(felt.free[pattern].all())
     if not is_direct(event):
         asked = part.followed or event.window.fade_out_samples < shared.memory
         stop = min(pattern.stop, heard.core.stop - (shared.memory if asked else 0))
-        bend = _bend(shared, shown, felt, slice(pattern.start, stop))
+        bend = _bend(shared, adjoints, felt, slice(pattern.start, stop))
         if bend is not None:
             match, exact = Match(late + bend, match.correlation), True
     settled = round(match.lag) if believed and (exact or abs(match.lag) > shared.samples(shared.bend_ms)) else 0
     if settled != late:
-        felt, shown = read(settled)
-    return match, exact, felt, shown
+        felt, adjoints = read(settled)
+    return match, exact, felt, adjoints
 
 
-def _bend(shared: Comparison, shown: Shown, felt: Felt, pattern: slice) -> float | None:
+def _bend(shared: Comparison, adjoints: Adjoints, felt: Felt, pattern: slice) -> float | None:
     """Return the lag that the actuator's limit cannot bend; None where the limit leaves too little.
 
     A drive u that makes |H u - t| least within its limit has, wherever it is free of it, no slope left to descend:
@@ -159,7 +159,7 @@ def _bend(shared: Comparison, shown: Shown, felt: Felt, pattern: slice) -> float
     if pattern.stop - pattern.start < shared.samples(_LEAST_MS):
         return None
     around = slice(pattern.start - reach, pattern.stop + reach)
-    at_limit = match_template(shown.intended[pattern], shown.felt[around], felt.free[around])
+    at_limit = match_template(adjoints.intended[pattern], adjoints.felt[around], felt.free[around])
     return at_limit.lag if at_limit.correlation >= _EXACT and abs(at_limit.lag) < reach else None
 
 

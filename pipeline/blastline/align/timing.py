@@ -40,7 +40,7 @@ class Timing:
 
     `place` is the fitted line, None where no shot was found; `exact` says that the actuator's limit has no part in it.
     The figures were taken with the drive read from `read`. `lags` are in samples against what was intended, None
-    where a shot was not found. `found` counts those that were and can tell.
+    where a shot was not found. `found` counts those that were and are comparable.
     """
 
     place: Place | None
@@ -51,18 +51,18 @@ class Timing:
     found: int
 
 
-def time_film(shared: Comparison, events: Sequence[Event], parts: Sequence[Part], telling: Sequence[bool]) -> Timing:
-    """Return where the drive holds every shot; only `telling` ones say where it is as a whole.
+def time_film(shared: Comparison, events: Sequence[Event], parts: Sequence[Part], comparable: Sequence[bool]) -> Timing:
+    """Return where the drive holds every shot; only `comparable` ones say where it is as a whole.
 
     First each shot is searched for around its own place. Where fewer than half are found there, the drive is taken
     to be displaced, and is read again from where it seems to be.
     """
-    timing = _measure_all(shared, events, parts, telling, Place())
-    asked = sum(telling)
+    timing = _measure_all(shared, events, parts, comparable, Place())
+    asked = sum(comparable)
     if 2 * timing.found >= asked:
         return timing
-    for guess in _guesses(shared, events, parts, telling):
-        elsewhere = _measure_all(shared, events, parts, telling, _whole(guess, events))
+    for guess in _guesses(shared, events, parts, comparable):
+        elsewhere = _measure_all(shared, events, parts, comparable, _whole(guess, events))
         if elsewhere.found > max(timing.found, asked // 2):
             return elsewhere
     return timing
@@ -75,22 +75,22 @@ def _whole(guess: Place, events: Sequence[Event]) -> Place:
 
 
 def _measure_all(
-    shared: Comparison, events: Sequence[Event], parts: Sequence[Part], telling: Sequence[bool], read: Place
+    shared: Comparison, events: Sequence[Event], parts: Sequence[Part], comparable: Sequence[bool], read: Place
 ) -> Timing:
     """Return the timing with the drive read from one place; the line goes through exact lags where there are enough."""
     figures = tuple(measure(shared, event, part, place=read) for event, part in zip(events, parts, strict=True))
     lags: list[float | None] = []
     found: list[Lag] = []
     exact: list[Lag] = []
-    for event, figure, tells in zip(events, figures, telling, strict=True):
+    for event, figure, compared in zip(events, figures, comparable, strict=True):
         if figure is None or abs(figure.match.correlation) < likeness_limit(shared, event):
             lags.append(None)
             continue
         lag = read.lag(event.onset_sample) + figure.match.lag * read.stretch
         lags.append(lag)
-        if tells:
+        if compared:
             found.append((event.onset_sample, lag))
-        if tells and figure.exact:
+        if compared and figure.exact:
             exact.append(found[-1])
     line = _exact_line(exact, found, bend=shared.rate_hz * shared.bend_ms / 1000.0)
     if line is not None:
@@ -140,15 +140,15 @@ def _weighted_median(values: Samples, weights: Samples) -> float:
 
 
 def _guesses(
-    shared: Comparison, events: Sequence[Event], parts: Sequence[Part], telling: Sequence[bool]
+    shared: Comparison, events: Sequence[Event], parts: Sequence[Part], comparable: Sequence[bool]
 ) -> list[Place]:
     """Return where a displaced drive may lie: by the pattern of its windows, and by its shots one after the other."""
     guesses = []
     if shared.background == "mute":
         pattern = _by_windows(shared, events)
         guesses += [pattern] if pattern else []
-    told = [index for index, tells in enumerate(telling) if tells]
-    probes = _by_probes(shared, [events[index] for index in told], [parts[index] for index in told])
+    indices = [index for index, compared in enumerate(comparable) if compared]
+    probes = _by_probes(shared, [events[index] for index in indices], [parts[index] for index in indices])
     guesses += [probes] if probes else []
     slowest, fastest = _STRETCHES
     return [guess for guess in guesses if slowest <= guess.stretch <= fastest]

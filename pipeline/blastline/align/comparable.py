@@ -1,4 +1,4 @@
-"""Which shots tell anything: those whose drive can be compared with their sound."""
+"""Which shots can be checked: those whose drive is comparable with their sound."""
 
 from ..model import Event
 from .comparison import Comparison
@@ -13,12 +13,12 @@ _SOFTER_DB = 30.0
 """A shot asked to be so much softer than the one before it lies beneath what is left of that."""
 
 
-def is_telling(shared: Comparison, event: Event, part: Part) -> bool:
+def is_comparable(shared: Comparison, event: Event, part: Part) -> bool:
     """Return whether a shot's drive can be compared with its sound.
 
-    Nothing tells of a shot that is all but over before the next begins, or that was muted beside a louder one; of one
-    that only other channels play; and of one set by hand where nothing begins: in a tone or in silence one place sounds
-    like the next, and so nothing tells whether the drive is in its own.
+    A shot cannot be that is all but over before the next begins, or that was muted beside a louder one; nor one that
+    only other channels play; nor one set by hand where nothing begins: in a tone or in silence one place sounds like
+    the next, and so nothing tells whether the drive is in its own.
     """
     if len(part.span) < shared.samples(_LEAST_MS[shared.phase]) or part.before_db > _SOFTER_DB:
         return False
