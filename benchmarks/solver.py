@@ -18,9 +18,9 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 from blastline.render import DriveFilters, drive_filters, needed_audio
 from blastline.render.banded import hat
-from blastline.render.constrained import BoxProblem, between_corners, corner_rhs, full_problem, minimise
+from blastline.render.constrained import BoxProblem, between_corners, corner_rhs, full_problem, restarted_fista
 from blastline.render.filters import compensated, in_band
-from blastline.render.interior import solve_inside
+from blastline.render.interior import solve_box_qp
 from blastline.ruleset import load_actuator, load_rules
 from blastline.study.truth import true_scenes
 
@@ -83,7 +83,7 @@ def fista(case: Case, iterations: int) -> Samples:
 
 
 def fista_restart(case: Case, iterations: int) -> Samples:
-    return minimise(case.problem, case.problem.at(case.start), iterations=iterations, tolerance=0.0).drive
+    return restarted_fista(case.problem, case.problem.at(case.start), iterations=iterations, tolerance=0.0).drive
 
 
 def anderson(case: Case, iterations: int, memory: int = 6) -> Samples:
@@ -170,9 +170,9 @@ def coarse_fista(case: Case, rate_hz: int, iterations: int, polish: int) -> Samp
     circle[padded - len(lags) + 1 :] += lags[:0:-1]
     coarse = BoxProblem(np.maximum(rfft(circle).real, 0.0), padded, inner)
     start = case.start[stride - 1 :: stride][: len(inner)]
-    corners = minimise(coarse, coarse.at(start), iterations=iterations, tolerance=0.0).drive
+    corners = restarted_fista(coarse, coarse.at(start), iterations=iterations, tolerance=0.0).drive
     drive = min(between_corners(corners, stride, len(case.start)), case.start, key=case.problem.objective)
-    return minimise(case.problem, case.problem.at(drive), iterations=polish, tolerance=0.0).drive
+    return restarted_fista(case.problem, case.problem.at(drive), iterations=polish, tolerance=0.0).drive
 
 
 def interior(case: Case, rate_hz: int, tolerance: float, polish: int) -> Samples:
@@ -180,9 +180,9 @@ def interior(case: Case, rate_hz: int, tolerance: float, polish: int) -> Samples
     stride = case.filters.rate_hz // rate_hz
     inner = corner_rhs(case.problem.rhs, stride)
     start = case.start[stride - 1 :: stride][: len(inner)]
-    found = solve_inside(case.filters.recursion, inner, start, stride=stride, iterations=80, tolerance=tolerance)
+    found = solve_box_qp(case.filters.recursion, inner, start, stride=stride, iterations=80, tolerance=tolerance)
     drive = min(between_corners(found.drive, stride, len(case.start)), case.start, key=case.problem.objective)
-    return minimise(case.problem, case.problem.at(drive), iterations=polish, tolerance=0.0).drive
+    return restarted_fista(case.problem, case.problem.at(drive), iterations=polish, tolerance=0.0).drive
 
 
 def solving(method: Callable[..., NDArray[np.float64]], *settings: float, **named: float) -> Solve:
@@ -232,7 +232,7 @@ def main() -> None:
     seconds = 0.0
     for case in cases(options.scenes, options.shots):
         start = case.problem.at(interior(case, case.filters.rate_hz, 1e-9, 300))
-        lowest = minimise(case.problem, start, iterations=300, tolerance=0.0).objective
+        lowest = restarted_fista(case.problem, start, iterations=300, tolerance=0.0).objective
         seconds += len(case.start) / case.filters.rate_hz
         for name, solve in METHODS.items():
             began = time.process_time()

@@ -14,7 +14,7 @@ from blastline.render.constrained import (
     constrained_drive,
     corner_rhs,
     full_problem,
-    minimise,
+    restarted_fista,
 )
 from blastline.render.filters import compensated, felt, in_band
 from blastline.ruleset import RenderRules
@@ -58,7 +58,7 @@ def solved(
         impulse=filters.impulse,
         recursion=filters.recursion,
         rate_hz=filters.rate_hz,
-        warm=warm,
+        warm_start=warm,
         rules=rules,
     )[0]
 
@@ -114,7 +114,7 @@ def test_minimum_is_that_of_scipy(peak: float) -> None:
     whole = np.concatenate([target, np.zeros(len(matrix) - frames)])
     reference = lsq_linear(matrix, whole, bounds=(-1.0, 1.0), tol=1e-12)
     problem = full_problem(target, IMPULSE, frames=frames)
-    found = minimise(problem, problem.at(np.zeros(frames)), iterations=4000, tolerance=0.0).drive
+    found = restarted_fista(problem, problem.at(np.zeros(frames)), iterations=4000, tolerance=0.0).drive
     residual = 0.5 * float(np.sum((matrix @ found - whole) ** 2))
     assert residual <= 1.001 * reference.cost + 1e-9 * float(np.sum(whole**2))
 
@@ -125,7 +125,7 @@ def test_solver_is_never_worse_than_its_start_and_stays_in_the_box(seed: int, it
     random = np.random.default_rng(seed)
     problem = full_problem(scale * random.standard_normal(200), IMPULSE, frames=200)
     start = random.uniform(-1, 1, 200)
-    found = minimise(problem, problem.at(start), iterations=iterations, tolerance=0.0).drive
+    found = restarted_fista(problem, problem.at(start), iterations=iterations, tolerance=0.0).drive
     assert problem.objective(found) <= problem.objective(start)
     assert np.max(np.abs(found)) <= 1.0
 
@@ -134,7 +134,8 @@ def test_solver_is_never_worse_than_its_start_and_stays_in_the_box(seed: int, it
 def test_more_iterations_are_never_worse(peak: float) -> None:
     problem = full_problem(blast_target(200, peak=peak), IMPULSE, frames=200)
     values = [
-        minimise(problem, problem.at(np.zeros(200)), iterations=count, tolerance=0.0).objective for count in range(80)
+        restarted_fista(problem, problem.at(np.zeros(200)), iterations=count, tolerance=0.0).objective
+        for count in range(80)
     ]
     assert np.all(np.diff(values) <= 1e-12 * abs(values[-1]))
 
@@ -143,8 +144,8 @@ def test_tolerance_stops_early_and_near_the_minimum() -> None:
     target, warm = shot_target(KINDS[0])
     problem = full_problem(target, CAUSAL.impulse, frames=len(target))
     start = np.clip(warm, -1.0, 1.0)
-    best = minimise(problem, problem.at(start), iterations=300, tolerance=0.0).objective
-    loose = minimise(problem, problem.at(start), iterations=300, tolerance=1e-3).objective
+    best = restarted_fista(problem, problem.at(start), iterations=300, tolerance=0.0).objective
+    loose = restarted_fista(problem, problem.at(start), iterations=300, tolerance=1e-3).objective
     assert best <= loose <= 0.98 * best  # both negative
 
 

@@ -13,10 +13,17 @@ from scipy.signal import fftconvolve
 from blastline import dsp
 from blastline.model import Quality
 from blastline.render import DriveFilters, drive_filters
-from blastline.render.banded import Recursion, sound_stride
-from blastline.render.constrained import Effort, between_corners, constrained_drive, corner_rhs, full_problem, minimise
+from blastline.render.banded import Recursion, well_conditioned_stride
+from blastline.render.constrained import (
+    SolveSummary,
+    between_corners,
+    constrained_drive,
+    corner_rhs,
+    full_problem,
+    restarted_fista,
+)
 from blastline.render.filters import compensated, felt, in_band
-from blastline.render.interior import SHORTEST, solve_inside
+from blastline.render.interior import SHORTEST, solve_box_qp
 from blastline.ruleset import ActuatorProfile, load_rules
 from render_signals import CAUSAL, KINDS, PROFILE, film_with_shot
 
@@ -68,7 +75,7 @@ def shot(filters: DriveFilters, *, peak: float = 0.9, frames: int = 0) -> tuple[
 
 def whole_drive(
     target: Samples, warm: Samples, filters: DriveFilters, *, start: int, quality: Quality
-) -> tuple[Samples, Effort]:
+) -> tuple[Samples, SolveSummary]:
     """Return the drive of a single shot that may begin at `start`, and what it took."""
     drive, (effort,) = constrained_drive(
         target,
@@ -76,7 +83,7 @@ def whole_drive(
         impulse=filters.impulse,
         recursion=filters.recursion,
         rate_hz=filters.rate_hz,
-        warm=warm,
+        warm_start=warm,
         rules=load_rules(quality).tier.render,
     )
     return drive, effort
@@ -99,7 +106,7 @@ def test_minimum_is_that_of_scipy(stride: int, peak: float) -> None:
     wanted = np.concatenate([target, np.zeros(len(matrix) - 160)])
     slow = lsq_linear(matrix @ lines, wanted, bounds=(-1.0, 1.0), tol=1e-10, max_iter=60)
     rhs = lines.T @ (matrix.T @ wanted)
-    found = solve_inside(
+    found = solve_box_qp(
         SLOW.recursion, rhs, warm[stride - 1 :: stride][:count], stride=stride, iterations=60, tolerance=1e-9
     )
     cost = 0.5 * float(np.sum((matrix @ (lines @ found.drive) - wanted) ** 2))
@@ -116,7 +123,7 @@ def test_recursion_has_the_response_of_the_sections(name: str, rate_hz: int) -> 
     recursion = filters.recursion
     exact = felt(np.concatenate([[1.0], np.zeros(len(filters.impulse) - 1)]), filters)
     assert np.linalg.norm(recursion.impulse - exact) <= 1e-3 * np.linalg.norm(exact)
-    stride = sound_stride(recursion, 1)
+    stride = well_conditioned_stride(recursion, 1)
     undone = np.convolve(np.poly(recursion.poles**stride).real, recursion.impulse[recursion.free :][::stride])
     assert np.max(np.abs(undone[len(recursion.poles) : len(recursion.impulse) // stride])) <= 1e-9 * np.max(
         np.abs(exact)
@@ -129,9 +136,9 @@ def test_gap_to_the_minimum_is_what_was_asked_for_with_any_actuator(name: str, r
     filters = drive_filters(OTHERS[name], rate_hz, "causal")
     target, warm = shot(filters, frames=rate_hz // 5)
     problem = full_problem(target, filters.recursion.impulse, frames=len(target))
-    stride = sound_stride(filters.recursion, 1)
+    stride = well_conditioned_stride(filters.recursion, 1)
     rhs = corner_rhs(problem.rhs, stride)
-    found = solve_inside(
+    found = solve_box_qp(
         filters.recursion, rhs, warm[stride - 1 :: stride][: len(rhs)], stride=stride, iterations=60, tolerance=1e-4
     )
     assert np.max(np.abs(found.drive)) <= 1.0
@@ -148,9 +155,9 @@ def test_steps_are_few_however_far_over_the_limit_the_target_is(name: str) -> No
     """Without Mehrotra's corrector they are 19 to 21."""
     filters = drive_filters(OTHERS.get(name, PROFILE), 48_000, "causal")
     target, warm = shot(filters, peak=5.0, frames=9600)
-    stride = sound_stride(filters.recursion, 4)
+    stride = well_conditioned_stride(filters.recursion, 4)
     rhs = corner_rhs(full_problem(target, filters.recursion.impulse, frames=len(target)).rhs, stride)
-    found = solve_inside(
+    found = solve_box_qp(
         filters.recursion, rhs, warm[stride - 1 :: stride][: len(rhs)], stride=stride, iterations=60, tolerance=1e-4
     )
     assert found.finished
@@ -158,10 +165,10 @@ def test_steps_are_few_however_far_over_the_limit_the_target_is(name: str) -> No
 
 
 def test_stride_is_kept_where_rounding_allows_it() -> None:
-    assert sound_stride(CAUSAL.recursion, 1) == 1
-    assert sound_stride(CAUSAL.recursion, 6) == 6
+    assert well_conditioned_stride(CAUSAL.recursion, 1) == 1
+    assert well_conditioned_stride(CAUSAL.recursion, 6) == 6
     slow = drive_filters(OTHERS["slow and fast poles"], 192_000, "causal").recursion
-    assert 4 < sound_stride(slow, 1) == sound_stride(slow, 4) < 24
+    assert 4 < well_conditioned_stride(slow, 1) == well_conditioned_stride(slow, 4) < 24
 
 
 @given(st.floats(-30.0, 30.0), st.integers(0, 1000), st.integers(1, 4))
@@ -173,7 +180,7 @@ def test_scale_of_the_actuator_changes_nothing_but_numbers(level: float, seed: i
     factor = 10.0 ** (level / 10.0)
     larger = Recursion(SLOW.recursion.poles, factor * SLOW.recursion.impulse, SLOW.recursion.free)
     one, other = (
-        solve_inside(recursion, right, np.zeros(200), stride=stride, iterations=60, tolerance=1e-6)
+        solve_box_qp(recursion, right, np.zeros(200), stride=stride, iterations=60, tolerance=1e-6)
         for recursion, right in ((SLOW.recursion, rhs), (larger, factor**2 * rhs))
     )
     problem = full_problem(np.zeros(200 * stride), SLOW.recursion.impulse, frames=200 * stride)
@@ -190,7 +197,7 @@ def test_scale_of_the_actuator_changes_nothing_but_numbers(level: float, seed: i
 def test_few_unknowns_and_any_size_of_target(frames: int, scale: float) -> None:
     target, _ = shot(SLOW, frames=frames)
     problem = full_problem(scale * target, SLOW.impulse, frames=frames)
-    found = solve_inside(SLOW.recursion, problem.rhs, np.zeros(frames), stride=1, iterations=60, tolerance=1e-4)
+    found = solve_box_qp(SLOW.recursion, problem.rhs, np.zeros(frames), stride=1, iterations=60, tolerance=1e-4)
     assert np.all(np.isfinite(found.drive))
     assert np.max(np.abs(found.drive)) <= 1.0
     if scale == 1e30:
@@ -204,7 +211,7 @@ def test_larger_limit_is_never_worse_and_costs_no_more_steps_than_it_may() -> No
     for limit in (0.5, 1.0, 2.0, 8.0, 100.0):
         problem = full_problem(target, limit * CAUSAL.recursion.impulse, frames=len(target))
         higher = Recursion(CAUSAL.recursion.poles, limit * CAUSAL.recursion.impulse, CAUSAL.recursion.free)
-        found = solve_inside(higher, problem.rhs, warm / limit, stride=1, iterations=60, tolerance=1e-6)
+        found = solve_box_qp(higher, problem.rhs, warm / limit, stride=1, iterations=60, tolerance=1e-6)
         values.append(problem.objective(found.drive))
     assert values == sorted(values, reverse=True)
     assert values[-1] == pytest.approx(-0.5 * float(np.sum(target**2)), rel=1e-3)
@@ -238,5 +245,5 @@ def test_drive_of_a_seat_that_remembers_much_is_still_the_best_one(name: str, ra
     rung = fftconvolve(guess, filters.impulse)[len(guess) :]  # what it may ring on, as `constrained_drive` allows
     wanted = np.concatenate([target, rung])
     problem = full_problem(wanted, filters.impulse, frames=len(target))
-    best = minimise(problem, problem.at(guess), iterations=4000, tolerance=0.0).objective
+    best = restarted_fista(problem, problem.at(guess), iterations=4000, tolerance=0.0).objective
     assert problem.objective(drive) - best <= 2e-3 * 0.5 * float(np.sum(wanted**2))

@@ -31,37 +31,37 @@ class Recursion:
 
 
 @dataclass(frozen=True, eq=False)
-class Pattern:
+class BandedHessian:
     """Q: the same diagonals in every row, `lags` from the main one on, and what differs in its last rows.
 
-    `greatest` is the greatest of |H|^2.
+    `max_power_gain` is the greatest of |H|^2.
     """
 
     feedback: Samples
     lags: Samples
     ending: Samples
-    greatest: float
+    max_power_gain: float
 
 
 @lru_cache(maxsize=8)
-def sound_stride(recursion: Recursion, stride: int) -> int:
+def well_conditioned_stride(recursion: Recursion, stride: int) -> int:
     """Return the stride, or the next above it at which H does not remember for too many corners.
 
     Poles much slower than the corners make |A| so small that Q + A'DA is lost in rounding.
     """
     poles = recursion.poles
-    turns = np.concatenate([np.linspace(0.0, np.pi, 512), np.abs(np.angle(poles))])
+    angles = np.concatenate([np.linspace(0.0, np.pi, 512), np.abs(np.angle(poles))])
     while stride < _LONGEST_STRIDE:
-        around = np.exp(1j * stride * turns)
-        sizes = np.prod(np.abs(around[:, None] - poles**stride), axis=1)
-        if np.min(sizes) >= max(_LEAST_FEEDBACK, _LEAST_OF_LARGEST * np.max(sizes)):
+        unit_circle = np.exp(1j * stride * angles)
+        feedbacks = np.prod(np.abs(unit_circle[:, None] - poles**stride), axis=1)
+        if np.min(feedbacks) >= max(_LEAST_FEEDBACK, _LEAST_OF_LARGEST * np.max(feedbacks)):
             break
         stride += 1
     return stride
 
 
 @lru_cache(maxsize=8)
-def pattern(recursion: Recursion, stride: int) -> Pattern:
+def banded_hessian(recursion: Recursion, stride: int) -> BandedHessian:
     """Return Q for drives with corners so many samples apart, and A for the poles to that power."""
     feedback = np.atleast_1d(np.poly(recursion.poles**stride)).real
     bent = np.convolve(recursion.impulse, hat(stride))
@@ -74,8 +74,9 @@ def pattern(recursion: Recursion, stride: int) -> Pattern:
     width = max(len(forward), len(feedback))
     forward = np.pad(forward, ((0, width - len(forward)), (0, 0)))
     lags = np.array([np.sum(forward[lag:] * forward[: width - lag]) for lag in range(width)])
-    greatest = float(np.max(np.abs(np.fft.rfft(bent)) ** 2)) / stride
-    return Pattern(feedback, lags, _ending(feedback, forward, tail=len(bent) // stride + width), greatest)
+    max_power_gain = float(np.max(np.abs(np.fft.rfft(bent)) ** 2)) / stride
+    ending = _ending(feedback, forward, tail=len(bent) // stride + width)
+    return BandedHessian(feedback, lags, ending, max_power_gain)
 
 
 def _ending(feedback: Samples, forward: Samples, *, tail: int) -> Samples:
@@ -104,17 +105,17 @@ def _banded_columns(feedback: Samples, size: int) -> Samples:
     return columns
 
 
-def applied(q: Pattern, v: Samples) -> Samples:
+def apply_a(q: BandedHessian, v: Samples) -> Samples:
     """Return A v."""
     return np.convolve(v, q.feedback)[: len(v)]
 
 
-def transposed(q: Pattern, u: Samples) -> Samples:
+def apply_a_transposed(q: BandedHessian, u: Samples) -> Samples:
     """Return A'u."""
     return np.convolve(u[::-1], q.feedback)[: len(u)][::-1]
 
 
-def quadratic(q: Pattern, v: Samples) -> Samples:
+def apply_q(q: BandedHessian, v: Samples) -> Samples:
     """Return Q v."""
     size = len(q.lags) - 1
     product = np.convolve(v, np.concatenate([q.lags[:0:-1], q.lags]))[size : size + len(v)]
@@ -122,7 +123,7 @@ def quadratic(q: Pattern, v: Samples) -> Samples:
     return product
 
 
-def diagonals(q: Pattern, curvature: Samples) -> Samples:
+def newton_diagonals(q: BandedHessian, curvature: Samples) -> Samples:
     """Return the lower diagonals of Q + A'DA, shape (width, unknowns)."""
     size, order, unknowns = len(q.lags) - 1, len(q.feedback) - 1, len(curvature)
     diagonals = np.repeat(q.lags[:, None], unknowns, axis=1)

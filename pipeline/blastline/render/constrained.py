@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..ruleset import RenderRules
-from .banded import Recursion, hat, sound_stride
-from .interior import SHORTEST, solve_inside
+from .banded import Recursion, hat, well_conditioned_stride
+from .interior import SHORTEST, solve_box_qp
 
 Samples = NDArray[np.float64]
 
@@ -32,7 +32,7 @@ _ALREADY = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
+class Iterate:
     """A drive u, N u, and the objective; worked out once, since N u takes two transforms."""
 
     drive: Samples
@@ -59,15 +59,15 @@ class BoxProblem:
         """Return 1/2 u'Nu - b'u."""
         return self.at(u).objective
 
-    def at(self, u: Samples) -> Candidate:
+    def at(self, u: Samples) -> Iterate:
         """Return a drive with its N u and its objective."""
         normal = self.normal(u)
         # not np.dot: its threads burn more time than they save, and their number would change the last bit
-        return Candidate(u, normal, float(np.sum(u * (0.5 * normal - self.rhs))))
+        return Iterate(u, normal, float(np.sum(u * (0.5 * normal - self.rhs))))
 
 
 @dataclass(frozen=True)
-class Effort:
+class SolveSummary:
     """What a shot's drive took: the solver's steps, and the share of the wanted energy that it makes felt."""
 
     steps: int
@@ -81,31 +81,33 @@ def constrained_drive(
     impulse: Samples,
     recursion: Recursion,
     rate_hz: int,
-    warm: Samples,
+    warm_start: Samples,
     rules: RenderRules,
-) -> tuple[Samples, tuple[Effort, ...]]:
+) -> tuple[Samples, tuple[SolveSummary, ...]]:
     """Return the drive u, |u| <= 1, that is felt nearest to the target, shape (frames,), and what each shot took.
 
-    `impulse` is H's response, `recursion` H as the solver works with it, `warm` a first guess, the compensator's drive.
-    `starts`, in order, are where the drive of each shot may begin: it is 0 before the first, and solved from start to
-    start. Each piece follows on from what the drive before it still rings, and may ring on as its first guess would;
-    but no piece knows the next. Solved as one, the actuator would wind up for a shot up to 10 ms before it is heard,
-    and spoil the end of the shot before.
+    `impulse` is H's response, `recursion` H as the solver works with it, `warm_start` a first guess: the compensator's
+    drive. `starts`, in order, are where the drive of each shot may begin: it is 0 before the first, and solved from
+    start to start. Each piece follows on from what the drive before it still rings, and may ring on as its first guess
+    would; but no piece knows the next. Solved as one, the actuator would wind up for a shot up to 10 ms before it is
+    heard, and spoil the end of the shot before.
     """
-    drive, efforts = np.zeros(len(target)), []
-    warm = np.clip(warm, -1.0, 1.0)
+    drive, summaries = np.zeros(len(target)), []
+    warm_start = np.clip(warm_start, -1.0, 1.0)
     for start, stop in pairwise([*starts, len(target)]):
         if start >= stop:
-            efforts.append(Effort(0, 0.0))
+            summaries.append(SolveSummary(0, 0.0))
             continue
-        wanted = np.concatenate([target[start:stop], _ringing(warm[start:stop], impulse)])
+        wanted = np.concatenate([target[start:stop], _ringing(warm_start[start:stop], impulse)])
         rings = _ringing(drive[starts[0] : start], impulse)[: len(wanted)]
         wanted[: len(rings)] -= rings
         problem = full_problem(wanted, impulse, frames=stop - start)
         energy = 0.5 * float(np.sum(wanted * wanted))
-        drive[start:stop], effort = _piece(problem, warm[start:stop], recursion, energy, rate_hz=rate_hz, rules=rules)
-        efforts.append(effort)
-    return drive, tuple(efforts)
+        drive[start:stop], summary = _piece(
+            problem, warm_start[start:stop], recursion, energy, rate_hz=rate_hz, rules=rules
+        )
+        summaries.append(summary)
+    return drive, tuple(summaries)
 
 
 def _ringing(drive: Samples, impulse: Samples) -> Samples:
@@ -119,16 +121,16 @@ def _ringing(drive: Samples, impulse: Samples) -> Samples:
 
 def _piece(
     problem: BoxProblem, start: Samples, recursion: Recursion, energy: float, *, rate_hz: int, rules: RenderRules
-) -> tuple[Samples, Effort]:
+) -> tuple[Samples, SolveSummary]:
     """Return the drive of one piece: the better of what the solver finds and the first guess, polished."""
     asked = max(1, rate_hz // rules.solver_rate_hz)
-    stride = sound_stride(recursion, asked)
+    stride = well_conditioned_stride(recursion, asked)
     corners = corner_rhs(problem.rhs, stride)
     steps, polish, best = 0, _UNAIDED, problem.at(start)
     if energy + best.objective <= _ALREADY * rules.tolerance * energy:
         polish = rules.polish_iterations
     elif len(corners) >= SHORTEST:
-        found = solve_inside(
+        found = solve_box_qp(
             recursion,
             corners,
             start[stride - 1 :: stride][: len(corners)],
@@ -140,8 +142,8 @@ def _piece(
         # where the limit is hardly met, the compensator's drive is better than straight lines
         straight = problem.at(between_corners(found.drive, stride, len(start)))
         best = min(straight, best, key=lambda each: each.objective)
-    solution = minimise(problem, best, iterations=polish, tolerance=rules.tolerance)
-    return solution.drive, Effort(steps, max(0.0, -solution.objective / energy) if energy > 0.0 else 1.0)
+    solution = restarted_fista(problem, best, iterations=polish, tolerance=rules.tolerance)
+    return solution.drive, SolveSummary(steps, max(0.0, -solution.objective / energy) if energy > 0.0 else 1.0)
 
 
 def full_problem(wanted: Samples, impulse: Samples, *, frames: int) -> BoxProblem:
@@ -171,7 +173,7 @@ def between_corners(corners: Samples, stride: int, frames: int) -> Samples:
     return np.asarray(np.clip(drive, -1.0, 1.0), dtype=np.float64)
 
 
-def minimise(problem: BoxProblem, start: Candidate, *, iterations: int, tolerance: float) -> Candidate:
+def restarted_fista(problem: BoxProblem, start: Iterate, *, iterations: int, tolerance: float) -> Iterate:
     """Return the minimum, no worse than `start`, after at most so many iterations of the fast gradient method.
 
     This is FISTA (Beck and Teboulle 2009) with restart (O'Donoghue and Candes 2015), each iteration one FFT there and

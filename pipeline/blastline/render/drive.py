@@ -10,7 +10,7 @@ from .. import dsp
 from ..model import Background, Clip, DriveInfo, DriveModel, SceneEvidence, Shot, Span
 from ..ruleset import RenderRules
 from ..units import SILENCE_DB, db_from_gain, samples_from_ms, share_text
-from .constrained import Effort, constrained_drive
+from .constrained import SolveSummary, constrained_drive
 from .filters import DriveFilters, Samples, felt
 from .heard import HeardWindow
 from .windows import PlannedWindow
@@ -59,28 +59,28 @@ def render_window(
         reason = (
             f"{reason}; the compensator's peak is {share_text(peak)} of the limit, so the window is scaled down by it"
         )
-    efforts: Sequence[Effort | None] = [None] * len(own)
+    summaries: Sequence[SolveSummary | None] = [None] * len(own)
     if model == "constrained":
-        wet, efforts = constrained_drive(
+        wet, summaries = constrained_drive(
             heard.target,
             starts=starts,
             impulse=filters.impulse,
             recursion=filters.recursion,
             rate_hz=filters.rate_hz,
-            warm=wet,
+            warm_start=wet,
             rules=heard.rules,
         )
     dry = _limited(heard.background) if background == "direct" else np.zeros_like(direct)
     drive = _limited(dsp.cross_fade(dry, wet, _weights(planned)))
     infos = _drive_infos(drive, direct, heard, own, starts, model=model, reason=reason)
-    infos = tuple(_with_effort(info, effort) for info, effort in zip(infos, efforts, strict=True))
+    infos = tuple(_with_summary(info, summary) for info, summary in zip(infos, summaries, strict=True))
     return RenderedWindow(planned, Clip(drive[:, None], filters.rate_hz, planned.window.start), infos)
 
 
-def _with_effort(info: DriveInfo, effort: Effort | None) -> DriveInfo:
-    if effort is None:
+def _with_summary(info: DriveInfo, summary: SolveSummary | None) -> DriveInfo:
+    if summary is None:
         return info
-    return msgspec.structs.replace(info, solver_steps=effort.steps, explained=effort.explained)
+    return msgspec.structs.replace(info, solver_steps=summary.steps, explained=summary.explained)
 
 
 def _excess(wet: Samples, gains: Samples) -> float:

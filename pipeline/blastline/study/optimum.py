@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..render import DriveFilters
 from ..render.constrained import between_corners, corner_rhs, full_problem
-from ..render.interior import solve_inside
+from ..render.interior import solve_box_qp
 from ..ruleset import RenderRules
 
 Samples = NDArray[np.float64]
@@ -58,7 +58,7 @@ def against_optimum(
     wanted = np.concatenate([target, np.zeros(memory)])
     slow = lsq_linear(matrix, wanted, bounds=(-1.0, 1.0), tol=1e-12, lsq_solver="exact")
     problem = full_problem(target, filters.impulse, frames=frames)
-    found = solve_inside(
+    found = solve_box_qp(
         filters.recursion,
         corner_rhs(problem.rhs, stride),
         np.clip(warm, -1.0, 1.0)[stride - 1 :: stride][:count],
