@@ -77,7 +77,7 @@ class Comparison:
 
         The gradient of 1/2 |H u - t|^2 is H'(H u - t).
         """
-        return dsp.run_filter(self.felt, samples[::-1])[::-1]
+        return dsp.run_backwards(self.felt, samples)
 
 
 def compare(
@@ -135,15 +135,12 @@ def _compensation(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Calla
 
     @lru_cache(maxsize=1)
     def sections() -> tuple[Samples, Samples | None]:
-        if phase == "causal":
-            return dsp.digital(dsp.compensator(profile), rate_hz, lean=True), None
-        half = dsp.half_band(profile)
-        return dsp.digital(dsp.inverse(profile) * half, rate_hz, lean=True), dsp.digital(half, rate_hz, lean=True)
+        backwards = dsp.band_sections(profile, rate_hz, phase, lean=True) if phase == "zero" else None
+        return dsp.compensator_sections(profile, rate_hz, phase, lean=True), backwards
 
     def compensated(samples: Samples) -> Samples:
         forwards, backwards = sections()
-        drive = dsp.run_filter(forwards, samples)
-        return drive if backwards is None else dsp.run_filter(backwards, drive[::-1])[::-1]
+        return dsp.run_both_ways(forwards, samples, backwards=backwards)
 
     return compensated
 

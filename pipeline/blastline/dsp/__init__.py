@@ -3,20 +3,25 @@
 from .analogue import Analogue, band, butterworth, compensator, felt_response, half_band, inverse
 from .digital import digital, run_filter
 from .fades import cross_fade, fade
+from .phase import band_sections, compensator_sections, run_backwards, run_both_ways
 from .settled import Settling, settled_state, settling
 
 __all__ = [
     "Analogue",
     "Settling",
     "band",
+    "band_sections",
     "butterworth",
     "compensator",
+    "compensator_sections",
     "cross_fade",
     "digital",
     "fade",
     "felt_response",
     "half_band",
     "inverse",
+    "run_backwards",
+    "run_both_ways",
     "run_filter",
     "settled_state",
     "settling",

@@ -60,12 +60,11 @@ def drive_filters(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Drive
     check_stable(profile, profile.name)
     _check_gain(profile, rate_hz)
     felt = dsp.felt_response(profile)
-    shape = dsp.band(profile) if phase == "causal" else dsp.half_band(profile)
     sections = dsp.digital(felt, rate_hz)
     # twice, since poles that lie together fade later than one; the sections' own may be slower than a fast actuator's
     impulse = _until_faded(dsp.run_filter(sections, np.concatenate([[1.0], np.zeros(2 * _ring(sections))])))
-    band = dsp.digital(shape, rate_hz, lean=True)
-    compensator = dsp.digital(dsp.inverse(profile) * shape, rate_hz, lean=True)
+    band = dsp.band_sections(profile, rate_hz, phase, lean=True)
+    compensator = dsp.compensator_sections(profile, rate_hz, phase, lean=True)
     return DriveFilters(
         rate_hz,
         phase,
@@ -122,8 +121,8 @@ def _both_ways(sections: Samples, samples: Samples, filters: DriveFilters) -> Sa
     """Return the samples through sections and, where the phase is zero, backwards through the band."""
     if filters.phase == "causal":
         return dsp.run_filter(sections, samples)
-    forwards = dsp.run_filter(sections, _ringing_on(samples, filters.ring))
-    return dsp.run_filter(filters.band, forwards[::-1])[::-1][: len(samples)]
+    ended = _ringing_on(samples, filters.ring)
+    return dsp.run_both_ways(sections, ended, backwards=filters.band)[: len(samples)]
 
 
 def _inside(sections: Samples, samples: Samples, inside: slice, filters: DriveFilters, roll: int) -> Samples:

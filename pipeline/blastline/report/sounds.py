@@ -77,10 +77,8 @@ def event_sound(
 
 def _in_band(sound: Samples, rate_hz: int, profile: ActuatorProfile, phase: Phase) -> Samples:
     """Return a sound in the band of vibration: filtered forwards, or half of it forwards and half backwards."""
-    if phase == "causal":
-        return dsp.run_filter(dsp.digital(dsp.band(profile), rate_hz), sound)
-    half = dsp.digital(dsp.half_band(profile), rate_hz)
-    return dsp.run_filter(half, dsp.run_filter(half, sound)[::-1])[::-1]
+    sections = dsp.band_sections(profile, rate_hz, phase)
+    return dsp.run_both_ways(sections, sound, backwards=sections if phase == "zero" else None)
 
 
 def envelope(values: Samples, columns: int) -> tuple[Samples, Samples]:
