@@ -16,7 +16,7 @@ from blastline.model import Quality, Timeline
 from blastline.run.budget import BEST_FIRST, RESERVE, Allowance, allowance, chosen, pick, within
 from blastline.run.costs import FilmCost
 from blastline.run.options import RenderOptions
-from blastline.run.sampling import STRETCH_FRAMES, counted_s, sampled, timed_s
+from blastline.run.sampling import EXCERPT_FRAMES, counted_s, sampled, timed_s
 from blastline.soundtrack import open_soundtrack
 from blastline.study.codecs import encode
 from commands import RATE_HZ, blastline, write_film
@@ -253,8 +253,8 @@ def test_a_sample_is_in_memory_a_stretch_at_a_time(tmp_path: Path) -> None:
         _, most = tracemalloc.get_traced_memory()
         tracemalloc.stop()
     assert sample.seconds == pytest.approx(20 * 60, rel=0.05)
-    stretch_bytes = STRETCH_FRAMES * np.dtype(np.float32).itemsize
-    assert most < 4 * stretch_bytes < 0.4 * sample.seconds * rate_hz * np.dtype(np.float32).itemsize
+    excerpt_bytes = EXCERPT_FRAMES * np.dtype(np.float32).itemsize
+    assert most < 4 * excerpt_bytes < 0.4 * sample.seconds * rate_hz * np.dtype(np.float32).itemsize
 
 
 def test_beyond_the_end_of_a_film_there_is_nothing(film: Path) -> None:

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from blastline.conform import Course, Film, Loss, Lost, Placed, find_stretches, measured, place, with_exact_ends
+from blastline.conform import Course, Film, Loss, Lost, Placed, find_segments, measured, place, with_exact_ends
 from blastline.conform.lines import Line
-from blastline.conform.path import Stretch, _losers
+from blastline.conform.path import MatchedSegment, _losers
 from blastline.conform.states import NO_LINE, best_states
 from blastline.ruleset import load_conform
 from conform_films import RATE_HZ, Samples, bang, film, heard, murmur, put, seconds
@@ -15,7 +15,7 @@ OLD = film(60.0, ONSETS_S, seed=20)
 
 
 def courses(old: Film, new: Film) -> list[Course]:
-    return with_exact_ends(measured(find_stretches(old.fingerprint, new.fingerprint), old, new), old, new)
+    return with_exact_ends(measured(find_segments(old.fingerprint, new.fingerprint), old, new), old, new)
 
 
 def conformed(old: Samples, new: Samples, onsets_s: tuple[float, ...] = ONSETS_S) -> list[float | None]:
@@ -29,11 +29,11 @@ def near(times: list[float | None]) -> object:
     return [None if time is None else pytest.approx(time, abs=1e-4) for time in times]
 
 
-def test_the_same_film_is_one_stretch() -> None:
+def test_the_same_film_is_one_segment() -> None:
     [course] = courses(heard(OLD), heard(OLD))
-    assert course.stretch.line.scale == pytest.approx(1.0, abs=1e-7)
-    assert course.stretch.line.offset_s == pytest.approx(0.0, abs=1e-6)
-    assert (course.stretch.start_s, course.stretch.stop_s) == pytest.approx((0.0, 60.0), abs=0.05)
+    assert course.segment.line.scale == pytest.approx(1.0, abs=1e-7)
+    assert course.segment.line.offset_s == pytest.approx(0.0, abs=1e-6)
+    assert (course.segment.start_s, course.segment.stop_s) == pytest.approx((0.0, 60.0), abs=0.05)
     assert conformed(OLD, OLD) == near(list(ONSETS_S))
 
 
@@ -79,7 +79,7 @@ def test_any_speed_is_found(speed: float) -> None:
 
     new = soxr.resample(OLD, RATE_HZ * speed, RATE_HZ)
     [course] = courses(heard(OLD), heard(new))
-    assert 1.0 / course.stretch.line.scale == pytest.approx(speed, abs=2e-6)
+    assert 1.0 / course.segment.line.scale == pytest.approx(speed, abs=2e-6)
     assert not course.keeps_pitch
     assert conformed(OLD, new) == near([onset_s / speed for onset_s in ONSETS_S])
 
@@ -87,8 +87,8 @@ def test_any_speed_is_found(speed: float) -> None:
 def test_an_end_is_where_the_waveforms_part() -> None:
     new = np.concatenate([seconds(OLD, 0, 20.13), seconds(OLD, 35.71, 60)])
     first, second = courses(heard(OLD), heard(new))
-    assert first.stretch.stop_s == pytest.approx(20.13, abs=0.03)
-    assert second.stretch.start_s == pytest.approx(35.71, abs=0.03)
+    assert first.segment.stop_s == pytest.approx(20.13, abs=0.03)
+    assert second.segment.start_s == pytest.approx(35.71, abs=0.03)
 
 
 def test_of_two_equal_scenes_the_one_in_order_stays() -> None:
@@ -111,7 +111,7 @@ def test_a_burst_of_one_sample_loses_just_the_shots_that_were_cut() -> None:
     expected = [o if o < 20.35 else None if o < 20.65 else o - 0.3 for o in onsets_s]
     assert conformed(old, new, onsets_s) == near(expected)
     before, after = courses(heard(old), heard(new))
-    assert (before.stretch.stop_s, after.stretch.start_s) == pytest.approx((20.35, 20.65), abs=0.05)
+    assert (before.segment.stop_s, after.segment.start_s) == pytest.approx((20.35, 20.65), abs=0.05)
 
 
 def test_a_shot_whose_sound_was_replaced_is_listed_with_the_place_where_it_would_be() -> None:
@@ -126,15 +126,15 @@ def test_a_shot_whose_sound_was_replaced_is_listed_with_the_place_where_it_would
     assert lost.likeness < 0.3
 
 
-def test_films_with_nothing_in_common_have_no_stretch() -> None:
+def test_films_with_nothing_in_common_have_no_segment() -> None:
     assert courses(heard(OLD), heard(film(50.0, (10.0, 20.0), seed=27))) == []
 
 
 def test_of_two_claims_to_one_place_the_shorter_and_the_one_out_of_order_give_way() -> None:
     first, last = Line(1.0, 0.0, 0.0, 20.0), Line(1.0, -10.0, 30.0, 60.0)
-    ordered = [Stretch(first, 0.0, 20.0, 0.9), Stretch(last, 30.0, 60.0, 0.9)]
+    ordered = [MatchedSegment(first, 0.0, 20.0, 0.9), MatchedSegment(last, 30.0, 60.0, 0.9)]
     assert _losers(ordered, ()) == []
-    stray = Stretch(Line(1.0, 15.0, 20.0, 30.0), 22.0, 29.0, 1.0)  # where the last one is from 47 to 54
+    stray = MatchedSegment(Line(1.0, 15.0, 20.0, 30.0), 22.0, 29.0, 1.0)  # where the last one is from 47 to 54
     assert _losers([ordered[0], stray, ordered[1]], ()) == [(1, 22.0, 29.0)]
 
 
@@ -151,14 +151,14 @@ def test_a_single_removal_leaves_both_sides_whole_where_a_passage_repeats(from_s
     old = repeating(75.0, seed=70)
     new = np.concatenate([seconds(old, 0.0, from_s), seconds(old, from_s + removed_s, 75.0)])
     one, other = heard(old), heard(new)
-    first, second = find_stretches(one.fingerprint, other.fingerprint)
+    first, second = find_segments(one.fingerprint, other.fingerprint)
     assert first.stop_s > from_s - 0.7
     assert second.start_s < from_s + removed_s + 0.7
     before, after = with_exact_ends(measured([first, second], one, other), one, other)
-    assert (before.stretch.start_s, before.stretch.stop_s) == pytest.approx((0.0, from_s), abs=0.1)
-    assert (after.stretch.start_s, after.stretch.stop_s) == pytest.approx((from_s + removed_s, 75.0), abs=0.1)
-    assert before.stretch.line.at(from_s / 2) == pytest.approx(from_s / 2, abs=1e-4)
-    assert after.stretch.line.at(70.0) == pytest.approx(70.0 - removed_s, abs=1e-4)
+    assert (before.segment.start_s, before.segment.stop_s) == pytest.approx((0.0, from_s), abs=0.1)
+    assert (after.segment.start_s, after.segment.stop_s) == pytest.approx((from_s + removed_s, 75.0), abs=0.1)
+    assert before.segment.line.at(from_s / 2) == pytest.approx(from_s / 2, abs=1e-4)
+    assert after.segment.line.at(70.0) == pytest.approx(70.0 - removed_s, abs=1e-4)
 
 
 @pytest.mark.parametrize(("from_s", "length_s"), [(20.0, 11.0), (37.4, 4.0), (50.0, 3.0), (31.0, 20.0)])
@@ -170,11 +170,11 @@ def test_a_line_that_was_found_a_step_beside_its_speed_comes_back_to_it(
     new = seconds(old, from_s, from_s + length_s)
     middle_s, scale = from_s + length_s / 2, 1.0 / speed
     line = Line(scale, length_s / 2 - scale * middle_s, middle_s, middle_s)
-    [course] = measured([Stretch(line, from_s, from_s + length_s, 0.85)], heard(old), heard(new))
-    assert course.stretch.line.scale == pytest.approx(1.0, abs=1e-5)
+    [course] = measured([MatchedSegment(line, from_s, from_s + length_s, 0.85)], heard(old), heard(new))
+    assert course.segment.line.scale == pytest.approx(1.0, abs=1e-5)
     assert course.agree_s <= 1.0 / RATE_HZ
     assert not course.keeps_pitch
-    assert course.stretch.line.at(middle_s) == pytest.approx(length_s / 2, abs=1e-5)
+    assert course.segment.line.at(middle_s) == pytest.approx(length_s / 2, abs=1e-5)
 
 
 @pytest.mark.parametrize("scenes_s", [(17.0, 26.5, 40.2, 44.5), (3.3, 15.0, 50.0, 58.1), (62.0, 66.4)])
@@ -194,14 +194,14 @@ def test_an_excerpt_is_at_its_own_speed_with_every_shot(scenes_s: tuple[float, .
     ]
     assert conformed(old, new, onsets_s) == near(expected)
     for course in courses(heard(old), heard(new)):
-        assert course.stretch.line.scale == pytest.approx(1.0, abs=1e-5)
+        assert course.segment.line.scale == pytest.approx(1.0, abs=1e-5)
         assert course.agree_s <= 1.0 / RATE_HZ
 
 
 def test_neighbours_that_linger_past_the_cut_between_them_lose_to_nothing_else() -> None:
-    before = Stretch(Line(1.0, 0.0, 0.0, 36.0), 0.0, 36.6, 0.99)
-    after = Stretch(Line(1.0, -36.7, 73.0, 180.0), 72.2, 180.0, 0.99)
-    stray = Stretch(Line(1.0, -26.0, 45.0, 60.0), 45.0, 60.0, 0.7)  # where the two meet
+    before = MatchedSegment(Line(1.0, 0.0, 0.0, 36.0), 0.0, 36.6, 0.99)
+    after = MatchedSegment(Line(1.0, -36.7, 73.0, 180.0), 72.2, 180.0, 0.99)
+    stray = MatchedSegment(Line(1.0, -26.0, 45.0, 60.0), 45.0, 60.0, 0.7)  # where the two meet
     lost = _losers([before, stray, after], ())
     assert any(index == 1 and stop_s - start_s > 14.0 for index, start_s, stop_s in lost)
     assert all(index == 1 or stop_s - start_s < 1.2 for index, start_s, stop_s in lost)
@@ -209,7 +209,7 @@ def test_neighbours_that_linger_past_the_cut_between_them_lose_to_nothing_else()
 
 def kept_pitch(length_s: float) -> Course:
     """Return the course of a film that was made 4 % shorter with its pitch kept."""
-    return Course(Stretch(Line(0.96, 0.0, 0.0, length_s), 0.0, length_s, 0.9), 1.0, 0.01, 9)
+    return Course(MatchedSegment(Line(0.96, 0.0, 0.0, length_s), 0.0, length_s, 0.9), 1.0, 0.01, 9)
 
 
 def test_with_kept_pitch_an_attack_is_found_where_its_piece_was_moved_to() -> None:

@@ -13,7 +13,7 @@ from .comparison import Comparison, compare
 from .hearing import is_direct, is_solved
 from .sanity import fade_margin, heard_rise_db, is_rise_owed, order_faults
 from .shots import ShotFigures, likeness_limit, parts_of
-from .sounds import Sound, stretch_of
+from .sounds import Sound, read_padded
 from .timing import Timing, time_film
 from .whole_drive import DriveFigures, gaps, scan
 
@@ -84,7 +84,7 @@ def _scan(timeline: Timeline, audio: Sound, drive: SoundFile, background: Backgr
     windows = [_scaled(event, ratio, spare) for event in timeline.events]
     still = gaps(windows, round(timeline.source.frames * ratio))
     if background == "direct" and ratio == 1.0:
-        return scan(drive.blocks(), still, expected=lambda span: stretch_of(audio, span))
+        return scan(drive.blocks(), still, expected=lambda span: read_padded(audio, span))
     return scan(drive.blocks(), still if background == "mute" else [], expected=None)
 
 

@@ -47,7 +47,7 @@ def source_of(event: Event) -> MadeOf:
     return "mains" if event.drive is None else event.drive.made_of
 
 
-def stretch_of(sound: Sound, span: Span, made_of: MadeOf = "mains") -> NDArray[np.float64]:
+def read_padded(sound: Sound, span: Span, made_of: MadeOf = "mains") -> NDArray[np.float64]:
     """Return what of a file becomes, or is, a drive that is made of that inside `span`; zeros beyond its ends."""
     samples = np.zeros(len(span))
     inside = span & Span(0, sound.frames)
@@ -69,12 +69,12 @@ def drive_at(
     ratio = drive.rate_hz / rate_hz
     if ratio == 1.0 and place.stretch == 1.0 and place.shift == round(place.shift):
         shift = round(place.shift)
-        samples = stretch_of(drive, Span(span.start + shift, span.stop + shift))
+        samples = read_padded(drive, Span(span.start + shift, span.stop + shift))
         return samples, samples
     from scipy.interpolate import CubicSpline
 
     positions = (np.arange(span.start, span.stop) * place.stretch + place.shift) * ratio
     around = Span(int(np.floor(positions[0])) - 2, int(np.ceil(positions[-1])) + 3)
-    written = stretch_of(drive, around)
+    written = read_padded(drive, around)
     spline = CubicSpline(np.arange(len(around)), written)
     return np.asarray(spline(positions - around.start), dtype=np.float64), written

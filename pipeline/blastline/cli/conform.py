@@ -57,7 +57,7 @@ def conform(
     say_warnings(done.timeline)
     if not quiet:
         _say_lost(done)
-        _say_stretches(done)
+        _say_segments(done)
 
 
 def _say_lost(done: "Conformed") -> None:
@@ -70,14 +70,14 @@ def _say_lost(done: "Conformed") -> None:
         typer.echo(f"not placed: {len(lost) - _MOST_LISTED} more, in conform.csv", err=True)
 
 
-def _say_stretches(done: "Conformed") -> None:
+def _say_segments(done: "Conformed") -> None:
     for number, course in enumerate(done.courses, start=1):
-        stretch = course.stretch
-        start_s, stop_s = stretch.new_span_s
-        ours, theirs = (stretch.start_s, stretch.stop_s), (start_s, stop_s)
+        segment = course.segment
+        start_s, stop_s = segment.new_span_s
+        ours, theirs = (segment.start_s, segment.stop_s), (start_s, stop_s)
         spans = " -> ".join(f"{_clock(low)} to {_clock(high)}" for low, high in (ours, theirs))
         kept = ", pitch kept" if course.keeps_pitch else ""
-        typer.echo(f"stretch {number}: {spans}, speed {1.0 / stretch.line.scale:.6f}{kept}")
+        typer.echo(f"stretch {number}: {spans}, speed {1.0 / segment.line.scale:.6f}{kept}")
     residuals = [abs(each.residual_ms) for each in done.places if hasattr(each, "residual_ms")]
     placed, count = len(residuals), len(done.places)
     most = f"; largest residual {max(residuals):.3f} ms" if residuals else ""

@@ -8,9 +8,9 @@ new film ──► fingerprint ──┘
 from .courses import Course, measured
 from .ends import with_exact_ends
 from .film import Film, hear
-from .path import find_stretches
+from .path import find_segments
 from .place import Loss, Lost, Placed, place
-from .report import write_events, write_stretches
+from .report import write_events, write_segments
 from .retime import Retimed, retimed
 
 __all__ = [
@@ -20,12 +20,12 @@ __all__ = [
     "Lost",
     "Placed",
     "Retimed",
-    "find_stretches",
+    "find_segments",
     "hear",
     "measured",
     "place",
     "retimed",
     "with_exact_ends",
     "write_events",
-    "write_stretches",
+    "write_segments",
 ]

@@ -1,7 +1,7 @@
-"""The exact course of each stretch by the waveforms themselves.
+"""The exact course of each segment by the waveforms themselves.
 
-Anchors, lively moments spread over the stretch, are looked for in the new film; the line that most of them lie on is
-the stretch's course. One that was sped up with its pitch kept has no such line to the sample, only one within the steps
+Anchors, lively moments spread over the segment, are looked for in the new film; the line that most of them lie on is
+the segment's course. One that was sped up with its pitch kept has no such line to the sample, only one within the steps
 of the tool that did it.
 """
 
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from .film import Film
 from .fingerprint import FRAME_HZ, Fingerprint
 from .lines import FITTED_S, SPEED_STEP, SPEEDS
-from .path import Stretch
+from .path import MatchedSegment
 from .waveform import look
 
 _ANCHOR_S = (0.0, 0.5)
@@ -40,13 +40,13 @@ _SHARP_S = 20e-6
 
 @dataclass(frozen=True)
 class Course:
-    """A stretch whose line was measured.
+    """A segment whose line was measured.
 
     `pitch_scale` is by how much longer a sound's own waveform is in the new film: the line's scale where the pitch
     moved with the speed, 1 where it was kept. `agree_s` is how far anchors lie from the line, `anchors` how many do.
     """
 
-    stretch: Stretch
+    segment: MatchedSegment
     pitch_scale: float
     agree_s: float
     anchors: int
@@ -54,55 +54,55 @@ class Course:
     @property
     def keeps_pitch(self) -> bool:
         """Return whether the speed changed without the pitch."""
-        return abs(self.pitch_scale / self.stretch.line.scale - 1.0) > 1e-3
+        return abs(self.pitch_scale / self.segment.line.scale - 1.0) > 1e-3
 
 
-def measured(stretches: Sequence[Stretch], old: Film, new: Film) -> list[Course]:
-    """Return the courses of the stretches in order, joined where one goes on as the last did.
+def measured(segments: Sequence[MatchedSegment], old: Film, new: Film) -> list[Course]:
+    """Return the courses of the segments in order, joined where one goes on as the last did.
 
-    A stretch whose anchors do not agree on any line is left out: what the coarse look took for it is not there.
+    A segment whose anchors do not agree on any line is left out: what the coarse look took for it is not there.
     """
-    courses = [course for stretch in stretches if (course := _measured(stretch, old, new)) is not None]
+    courses = [course for segment in segments if (course := _measured(segment, old, new)) is not None]
     return _joined(courses)
 
 
-def _measured(stretch: Stretch, old: Film, new: Film) -> Course | None:
-    times = _anchor_times(stretch, old.fingerprint)
+def _measured(segment: MatchedSegment, old: Film, new: Film) -> Course | None:
+    times = _anchor_times(segment, old.fingerprint)
     found: list[tuple[tuple[int, float, float], Course]] = []
-    for each in _at_near_speeds(stretch):
+    for each in _at_near_speeds(segment):
         course = _through_anchors(each, times, old, new, pitch_scale=each.line.scale)
         if course is not None:
-            beside = abs(course.stretch.line.scale / each.line.scale - 1.0)
+            beside = abs(course.segment.line.scale / each.line.scale - 1.0)
             # what was resampled by another speed is heard some microseconds beside its place
             found.append(((course.anchors, -max(course.agree_s, _SHARP_S), -beside), course))
             if course.anchors >= 0.5 * len(times) and course.agree_s <= _SHARP_S and beside <= _BESIDE:
                 break
     best = max(found, key=lambda each: each[0])[1] if found else None
-    if (best is None or best.anchors < len(times) // 3) and abs(stretch.line.scale - 1.0) > 1e-3:
-        kept = _through_anchors(stretch, times, old, new, pitch_scale=1.0)
+    if (best is None or best.anchors < len(times) // 3) and abs(segment.line.scale - 1.0) > 1e-3:
+        kept = _through_anchors(segment, times, old, new, pitch_scale=1.0)
         if kept is not None and (best is None or kept.anchors > best.anchors):
             return kept
     return best
 
 
-def _at_near_speeds(stretch: Stretch) -> Iterator[Stretch]:
-    """Yield a stretch, and, if it is too short to know its speed, also at the speeds near it that copies have."""
-    yield stretch
-    line = stretch.line
+def _at_near_speeds(segment: MatchedSegment) -> Iterator[MatchedSegment]:
+    """Yield a segment, and, if it is too short to know its speed, also at the speeds near it that copies have."""
+    yield segment
+    line = segment.line
     if line.last_s - line.first_s >= FITTED_S:
         return
-    middle_s = 0.5 * (stretch.start_s + stretch.stop_s)
+    middle_s = 0.5 * (segment.start_s + segment.stop_s)
     usual = [pull / speed for speed in SPEEDS for pull in _PULLS]
     for scale in (*usual, line.scale / (1.0 + SPEED_STEP), line.scale / (1.0 - SPEED_STEP)):
         if 1e-6 < abs(scale / line.scale - 1.0) < 1.5 * SPEED_STEP:
-            yield replace(stretch, line=replace(line, scale=scale, offset_s=line.at(middle_s) - scale * middle_s))
+            yield replace(segment, line=replace(line, scale=scale, offset_s=line.at(middle_s) - scale * middle_s))
 
 
-def _anchor_times(stretch: Stretch, fingerprint: Fingerprint) -> list[float]:
-    """Return the liveliest moment of each of as many equal parts as a stretch deserves."""
-    length_s = stretch.stop_s - stretch.start_s
+def _anchor_times(segment: MatchedSegment, fingerprint: Fingerprint) -> list[float]:
+    """Return the liveliest moment of each of as many equal parts as a segment deserves."""
+    length_s = segment.stop_s - segment.start_s
     count = int(np.clip(length_s / _EVERY_S, _FEWEST, _MOST))
-    edges = np.linspace(stretch.start_s, stretch.stop_s, count + 1)
+    edges = np.linspace(segment.start_s, segment.stop_s, count + 1)
     times = []
     for start_s, stop_s in itertools.pairwise(edges):
         frames = np.arange(int(start_s * FRAME_HZ), max(int(start_s * FRAME_HZ) + 1, int(stop_s * FRAME_HZ)))
@@ -114,10 +114,10 @@ def _anchor_times(stretch: Stretch, fingerprint: Fingerprint) -> list[float]:
 
 
 def _through_anchors(
-    stretch: Stretch, times: Sequence[float], old: Film, new: Film, *, pitch_scale: float
+    segment: MatchedSegment, times: Sequence[float], old: Film, new: Film, *, pitch_scale: float
 ) -> Course | None:
     """Return the course that most anchors lie on; None where fewer than a quarter, or than two, agree."""
-    line = stretch.line
+    line = segment.line
     kept_pitch = abs(pitch_scale / line.scale - 1.0) > 1e-3
     before_s, after_s = _SHORT_ANCHOR_S if kept_pitch else _ANCHOR_S
     rows = []
@@ -148,7 +148,7 @@ def _through_anchors(
         return None
     fitted = replace(line, scale=scale, offset_s=line.offset_s + level)
     return Course(
-        replace(stretch, line=fitted), scale if not kept_pitch else pitch_scale, float(np.median(rest)), count
+        replace(segment, line=fitted), scale if not kept_pitch else pitch_scale, float(np.median(rest)), count
     )
 
 
@@ -185,17 +185,17 @@ def _joined(courses: Sequence[Course]) -> list[Course]:
     joined: list[Course] = []
     for course in courses:
         last = joined[-1] if joined else None
-        if last is not None and last.keeps_pitch == course.keeps_pitch and _goes_on(last.stretch, course.stretch):
+        if last is not None and last.keeps_pitch == course.keeps_pitch and _goes_on(last.segment, course.segment):
             longer = max(last, course, key=lambda each: each.anchors)
-            alike = 0.5 * (last.stretch.alike + course.stretch.alike)
-            stretch = Stretch(longer.stretch.line, last.stretch.start_s, course.stretch.stop_s, alike)
-            joined[-1] = replace(longer, stretch=stretch, anchors=last.anchors + course.anchors)
+            alike = 0.5 * (last.segment.alike + course.segment.alike)
+            segment = MatchedSegment(longer.segment.line, last.segment.start_s, course.segment.stop_s, alike)
+            joined[-1] = replace(longer, segment=segment, anchors=last.anchors + course.anchors)
         else:
             joined.append(course)
     return joined
 
 
-def _goes_on(one: Stretch, other: Stretch) -> bool:
+def _goes_on(one: MatchedSegment, other: MatchedSegment) -> bool:
     """Return whether one line leads through both: to a millisecond at either end of both."""
     times = (one.start_s, one.stop_s, other.start_s, other.stop_s)
     return all(abs(one.line.at(time_s) - other.line.at(time_s)) <= 1e-3 for time_s in times)

@@ -1,4 +1,4 @@
-"""The moments at which stretches begin and end, where the waveforms part.
+"""The moments at which segments begin and end, where the waveforms part.
 
 line 1   ▇▇▇▇▇▇▇▇▇▇▇▇▅▃▂                 alike, in blocks of 20 ms
 line 2             ▂▃▆▇▇▇▇▇▇▇▇▇▇▇
@@ -20,7 +20,7 @@ _EDGE_S = 2.0
 _BLOCK_S = 0.02
 _ALIKE = 0.5
 _AT_ONCE = 500
-"""Blocks that are compared at once: two stretches may claim the same minutes, where a scene comes twice."""
+"""Blocks that are compared at once: two segments may claim the same minutes, where a scene comes twice."""
 
 
 def with_exact_ends(courses: Sequence[Course], old: Film, new: Film) -> list[Course]:
@@ -30,36 +30,36 @@ def with_exact_ends(courses: Sequence[Course], old: Film, new: Film) -> list[Cou
     more alike. What keeps its pitch has no waveform to compare, and keeps its coarse ends.
     """
     exact = [_between(course, *_edges(course, old, new)) for course in courses]
-    by_old = sorted(_real(exact), key=lambda each: each.stretch.start_s)
+    by_old = sorted(_real(exact), key=lambda each: each.segment.start_s)
     for one, other in itertools.pairwise(range(len(by_old))):
         by_old[one], by_old[other] = _apart(by_old[one], by_old[other], old, new, in_old=True)
-    by_new = sorted(_real(by_old), key=lambda each: each.stretch.new_span_s)
+    by_new = sorted(_real(by_old), key=lambda each: each.segment.new_span_s)
     for one, other in itertools.pairwise(range(len(by_new))):
         by_new[one], by_new[other] = _apart(by_new[one], by_new[other], old, new, in_old=False)
-    return sorted(_real(by_new), key=lambda each: each.stretch.start_s)
+    return sorted(_real(by_new), key=lambda each: each.segment.start_s)
 
 
 def _real(courses: Sequence[Course]) -> list[Course]:
-    return [course for course in courses if course.stretch.start_s < course.stretch.stop_s]
+    return [course for course in courses if course.segment.start_s < course.segment.stop_s]
 
 
 def _between(course: Course, start_s: float, stop_s: float) -> Course:
-    return replace(course, stretch=replace(course.stretch, start_s=start_s, stop_s=stop_s))
+    return replace(course, segment=replace(course.segment, start_s=start_s, stop_s=stop_s))
 
 
 def _edges(course: Course, old: Film, new: Film) -> tuple[float, float]:
-    stretch = course.stretch
+    segment = course.segment
     if course.keeps_pitch:
-        return stretch.start_s, stretch.stop_s
-    low_s, high_s = max(0.0, stretch.start_s - _EDGE_S), min(stretch.start_s + _EDGE_S, stretch.stop_s)
+        return segment.start_s, segment.stop_s
+    low_s, high_s = max(0.0, segment.start_s - _EDGE_S), min(segment.start_s + _EDGE_S, segment.stop_s)
     gain = _gain(course, low_s, high_s, old, new)[::-1]
     start_s = high_s - _best_count(gain) * _BLOCK_S
-    low_s, high_s = max(stretch.stop_s - _EDGE_S, start_s), min(old.duration_s, stretch.stop_s + _EDGE_S)
+    low_s, high_s = max(segment.stop_s - _EDGE_S, start_s), min(old.duration_s, segment.stop_s + _EDGE_S)
     return start_s, low_s + _best_count(_gain(course, low_s, high_s, old, new)) * _BLOCK_S
 
 
 def _best_count(gain: NDArray[np.float64]) -> int:
-    """Return how many blocks from the inside out belong to the stretch."""
+    """Return how many blocks from the inside out belong to the segment."""
     return int(np.argmax(np.concatenate([[0.0], np.cumsum(gain)])))
 
 
@@ -70,14 +70,14 @@ def _gain(course: Course, low_s: float, high_s: float, old: Film, new: Film) -> 
 
 def _apart(one: Course, other: Course, old: Film, new: Film, *, in_old: bool) -> tuple[Course, Course]:
     """Return two courses that follow each other in a film, parted where together they are most alike."""
-    first, second = one.stretch, other.stretch
+    first, second = one.segment, other.segment
     low_s, high_s = (second.start_s, first.stop_s) if in_old else (second.new_span_s[0], first.new_span_s[1])
     count = int((high_s - low_s) / _BLOCK_S)
     if count < 1 or one.keeps_pitch or other.keeps_pitch:
         return one, other
     sides = []
     for course in (one, other):
-        line = course.stretch.line
+        line = course.segment.line
         start_s, stop_s = (low_s, high_s) if in_old else (line.back(low_s), line.back(high_s))
         sides.append(np.nan_to_num(_likeness(course, start_s, stop_s, old, new, count=count)))
     left, right = (np.concatenate([[0.0], np.cumsum(side)]) for side in sides)
@@ -91,7 +91,7 @@ def _likeness(
     course: Course, low_s: float, high_s: float, old: Film, new: Film, *, count: int | None = None
 ) -> NDArray[np.float64]:
     """Return the correlation of each block between two times of the old film; NaN where both films are silent."""
-    line = course.stretch.line
+    line = course.segment.line
     blocks = int((high_s - low_s) / _BLOCK_S) if count is None else count
     if blocks < 1:
         return np.zeros(0)

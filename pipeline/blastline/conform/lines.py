@@ -1,6 +1,6 @@
 """Straight lines new = scale * old + offset along which the two films may run side by side.
 
-A stretch of the old film that goes on where the last one was found costs next to nothing; only where that fails is the
+A segment of the old film that goes on where the last one was found costs next to nothing; only where that fails is the
 whole new film searched, at every speed that films are copied at.
 """
 
@@ -24,8 +24,8 @@ _SETTLED = 0.3
 _IN_A_ROW = 4
 _PROBES = 24
 
-_STRETCHES_S = ((8.0, 4.0), (3.0, 1.5))
-"""Length and spacing of the stretches: long ones first, shorter ones where those found nothing."""
+_SEGMENTS_S = ((8.0, 4.0), (3.0, 1.5))
+"""Length and spacing of the segments: long ones first, shorter ones where those found nothing."""
 
 _FOLLOWS = 0.6
 _LEAST = 0.35
@@ -37,7 +37,7 @@ _LEAST_ENERGY = 0.2
 _TOLERANCE_S, _DRIFT = 0.04, 0.002
 _LONGEST_GAP_S = 120.0
 FITTED_S = 30.0
-"""From here on the slope of a run of stretches tells its speed better than the speeds that were tried."""
+"""From here on the slope of a run of segments tells its speed better than the speeds that were tried."""
 
 
 @dataclass(frozen=True)
@@ -59,31 +59,31 @@ class Line:
 
 
 def find_lines(old: Fingerprint, new: Fingerprint, tell: Callable[[int, int], None] | None = None) -> list[Line]:
-    """Return every line that stretches of the old film give reason for, in no order."""
-    longest_s = max(length for length, _ in _STRETCHES_S)
+    """Return every line that segments of the old film give reason for, in no order."""
+    longest_s = max(length for length, _ in _SEGMENTS_S)
     hay = Haystack(new, longest_s * 1.1 + 0.1)
     speeds: tuple[float, ...] = SPEEDS
-    hits = _hits(old, new, hay, _stretches(old, *_STRETCHES_S[0]), _STRETCHES_S[0][0], speeds, tell)
+    hits = _hits(old, new, hay, _segments(old, *_SEGMENTS_S[0]), _SEGMENTS_S[0][0], speeds, tell)
     if _share(hits, old) < _SETTLED:
-        length_s = _STRETCHES_S[0][0]
-        probes = [at for at in _stretches(old, length_s, length_s) if _lively(old, at, length_s)]
+        length_s = _SEGMENTS_S[0][0]
+        probes = [at for at in _segments(old, length_s, length_s) if _lively(old, at, length_s)]
         probes = probes[:: max(1, len(probes) // _PROBES)]
         tried = _at_best_speeds(_hits(old, new, hay, probes, length_s, _OTHER_SPEEDS))
         sure = [hit for hit in tried if hit.score >= _SURE]
         others = {1.0 / hit.scale for hit in sure}
         if others:
             speeds = tuple(sorted(others))
-            hits += _hits(old, new, hay, _stretches(old, *_STRETCHES_S[0]), length_s, speeds, tell)
+            hits += _hits(old, new, hay, _segments(old, *_SEGMENTS_S[0]), length_s, speeds, tell)
     found = [1.0 / hit.scale for hit in hits if hit.score >= _SURE]
     used = tuple(speed for speed in speeds if found.count(speed) >= 2) or speeds
-    length_s, spacing_s = _STRETCHES_S[1]
-    left = [at for at in _stretches(old, length_s, spacing_s) if not _covered(at, hits)]
+    length_s, spacing_s = _SEGMENTS_S[1]
+    left = [at for at in _segments(old, length_s, spacing_s) if not _covered(at, hits)]
     hits += _hits(old, new, hay, left, length_s, used)
     return [_fitted(run) for run in _runs(_at_best_speeds(hits)) if _credible(run)]
 
 
-def _stretches(old: Fingerprint, length_s: float, spacing_s: float) -> list[float]:
-    """Return the centres of the stretches; a film shorter than one is one stretch."""
+def _segments(old: Fingerprint, length_s: float, spacing_s: float) -> list[float]:
+    """Return the centres of the segments; a film shorter than one is one segment."""
     if old.duration_s <= length_s:
         return [old.duration_s / 2.0]
     count = int((old.duration_s - length_s) / spacing_s) + 1
@@ -92,7 +92,7 @@ def _stretches(old: Fingerprint, length_s: float, spacing_s: float) -> list[floa
 
 
 def _pattern(old: Fingerprint, centre_s: float, length_s: float, scale: float) -> tuple[NDArray[np.float32], float]:
-    """Return a stretch as it sounds in the new film's time, and how long before its centre it starts there."""
+    """Return a segment as it sounds in the new film's time, and how long before its centre it starts there."""
     length_s = min(length_s, old.duration_s)
     size = max(2, round(length_s * scale * FRAME_HZ))
     before_s = (size - 1) / 2.0 / FRAME_HZ
@@ -114,7 +114,7 @@ def _hits(
     speeds: Sequence[float],
     tell: Callable[[int, int], None] | None = None,
 ) -> list[Hit]:
-    """Return where each stretch lies: where it is expected to go on, or else the best places of the whole film."""
+    """Return where each segment lies: where it is expected to go on, or else the best places of the whole film."""
     hits: list[Hit] = []
     recent: list[Hit] = []
     for centre_s in centres:
@@ -177,7 +177,7 @@ def _follows(one: Hit, other: Hit) -> bool:
 
 
 def _at_best_speeds(hits: Iterable[Hit]) -> list[Hit]:
-    """Return hits, less those of a stretch that lie where it is more alike at a speed next to theirs."""
+    """Return hits, less those of a segment that lie where it is more alike at a speed next to theirs."""
     kept: dict[float, list[Hit]] = {}
     for hit in sorted(hits, key=lambda hit: -hit.score):
         others = kept.setdefault(hit.old_s, [])
@@ -218,14 +218,14 @@ def _fitted(run: Sequence[Hit]) -> Line:
 
 
 def _share(hits: Sequence[Hit], old: Fingerprint) -> float:
-    """Return the share of the old film whose stretches follow each other in the new one, at least four in a row."""
+    """Return the share of the old film whose segments follow each other in the new one, at least four in a row."""
     rows = [run for run in _runs(hits) if len(run) >= _IN_A_ROW]
     found = {hit.old_s for run in rows for hit in run if hit.score >= _SURE}
-    lively = [at for at in _stretches(old, *_STRETCHES_S[0]) if _lively(old, at, _STRETCHES_S[0][0])]
+    lively = [at for at in _segments(old, *_SEGMENTS_S[0]) if _lively(old, at, _SEGMENTS_S[0][0])]
     return len(found) / max(1, len(lively))
 
 
 def _covered(centre_s: float, hits: Sequence[Hit]) -> bool:
-    """Return whether a long stretch around here was found as a whole."""
-    half_s = _STRETCHES_S[0][0] / 2.0
+    """Return whether a long segment around here was found as a whole."""
+    half_s = _SEGMENTS_S[0][0] / 2.0
     return any(abs(hit.old_s - centre_s) <= half_s and hit.score >= 0.8 for hit in hits)

@@ -1,7 +1,7 @@
 """Which line the film runs along at each moment: the path that agrees best, with as few cuts as it can.
 
 e(t, line) is how much more alike the films are along the line, over a second around t, than two films are by chance;
-along no line at all it is 0. `states` finds the path. Where two stretches of the old film want the same place in the
+along no line at all it is 0. `states` finds the path. Where two segments of the old film want the same place in the
 new one, one of them loses it.
 """
 
@@ -24,7 +24,7 @@ _CUT_COST_S = 0.8
 _REACH_S = 60.0
 _SHARED_S = 0.5
 _AS_GOOD_S = 0.1
-"""Places to part two stretches whose likeness differs by no more than so much of a full second are as good."""
+"""Places to part two segments whose likeness differs by no more than so much of a full second are as good."""
 
 _ROUNDS = 20
 _FORBIDDEN = -10.0
@@ -32,7 +32,7 @@ _FORBIDDEN = -10.0
 
 
 @dataclass(frozen=True)
-class Stretch:
+class MatchedSegment:
     """A piece of the old film, in seconds, that runs along a line of the new one; `alike` is how well, 0 to 1."""
 
     line: Line
@@ -46,8 +46,10 @@ class Stretch:
         return self.line.at(self.start_s), self.line.at(self.stop_s)
 
 
-def find_stretches(old: Fingerprint, new: Fingerprint, tell: Callable[[int, int], None] | None = None) -> list[Stretch]:
-    """Return the stretches of the old film that the new one has, in the old film's order.
+def find_segments(
+    old: Fingerprint, new: Fingerprint, tell: Callable[[int, int], None] | None = None
+) -> list[MatchedSegment]:
+    """Return the segments of the old film that the new one has, in the old film's order.
 
     `tell` hears how many seconds of how many have been looked for.
     """
@@ -68,26 +70,26 @@ class Lane:
         return self.likeness - np.float32(_CHANCE)
 
 
-def find_path(old: Fingerprint, new: Fingerprint, lines: Sequence[Line]) -> list[Stretch]:
-    """Return the stretches that the best path along some lines has."""
+def find_path(old: Fingerprint, new: Fingerprint, lines: Sequence[Line]) -> list[MatchedSegment]:
+    """Return the segments that the best path along some lines has."""
     lanes = list(_worthwhile(old, new, lines))
     if not lanes:
         return []
     steps = -(-len(old) // STEP)
     gains = [lane.gain for lane in lanes]
     for _ in range(_ROUNDS):
-        stretches = _stretches(
+        segments = _segments(
             best_states([lane.first for lane in lanes], gains, steps, cost=_CUT_COST_S * FRAME_HZ / STEP), lanes
         )
-        losers = _losers(stretches, lanes)
+        losers = _losers(segments, lanes)
         if not losers:
-            return stretches
+            return segments
         for index, start_s, stop_s in losers:
-            number = next(n for n, lane in enumerate(lanes) if lane.line is stretches[index].line)
+            number = next(n for n, lane in enumerate(lanes) if lane.line is segments[index].line)
             first, last = (round(time_s * FRAME_HZ / STEP) - lanes[number].first for time_s in (start_s, stop_s))
             gains[number][max(0, first) : max(0, last + 1)] = _FORBIDDEN
-    kept = {index for index, _, _ in _losers(stretches, lanes)}
-    return [stretch for index, stretch in enumerate(stretches) if index not in kept]
+    kept = {index for index, _, _ in _losers(segments, lanes)}
+    return [segment for index, segment in enumerate(segments) if index not in kept]
 
 
 def _worthwhile(old: Fingerprint, new: Fingerprint, lines: Sequence[Line]) -> Iterator[Lane]:
@@ -124,7 +126,7 @@ def _lane(old: Fingerprint, new: Fingerprint, line: Line) -> Lane:
     return Lane(line, first, np.where(both_silent, _CHANCE, np.where(uneven, 0.0, alike)).astype(np.float32))
 
 
-def _stretches(states: NDArray[np.int16], lanes: Sequence[Lane]) -> list[Stretch]:
+def _segments(states: NDArray[np.int16], lanes: Sequence[Lane]) -> list[MatchedSegment]:
     edges = np.flatnonzero(np.diff(states)) + 1
     found = []
     for start, stop in zip([0, *edges], [*edges, len(states)], strict=True):
@@ -134,40 +136,40 @@ def _stretches(states: NDArray[np.int16], lanes: Sequence[Lane]) -> list[Stretch
             alike = float(np.mean(lane.likeness[start - lane.first : stop - lane.first]))
             step_s = STEP / FRAME_HZ
             found.append(
-                Stretch(lane.line, max(0.0, (float(start) - 0.5) * step_s), (float(stop) - 0.5) * step_s, alike)
+                MatchedSegment(lane.line, max(0.0, (float(start) - 0.5) * step_s), (float(stop) - 0.5) * step_s, alike)
             )
     return found
 
 
-def _losers(stretches: Sequence[Stretch], lanes: Sequence[Lane]) -> list[tuple[int, float, float]]:
-    """Return what has to give way, as (index, from, to) of the old film, where two stretches claim one place.
+def _losers(segments: Sequence[MatchedSegment], lanes: Sequence[Lane]) -> list[tuple[int, float, float]]:
+    """Return what has to give way, as (index, from, to) of the old film, where two segments claim one place.
 
     Those on the heaviest chain that keeps the film's order win over others; among equals the longer one. Two on the
     chain may both linger past the cut between them, and are parted there.
     """
-    weight = [(stretch.stop_s - stretch.start_s) * stretch.alike for stretch in stretches]
-    chain = _ordered_chain(stretches, weight)
-    order = sorted(range(len(stretches)), key=lambda index: (index not in chain, -weight[index]))
+    weight = [(segment.stop_s - segment.start_s) * segment.alike for segment in segments]
+    chain = _ordered_chain(segments, weight)
+    order = sorted(range(len(segments)), key=lambda index: (index not in chain, -weight[index]))
     losers = []
     for place, index in enumerate(order):
-        start, stop = stretches[index].new_span_s
+        start, stop = segments[index].new_span_s
         for other in order[:place]:
-            low, high = stretches[other].new_span_s
+            low, high = segments[other].new_span_s
             first, last = max(start, low), min(stop, high)
             if last - first <= _SHARED_S:
                 continue
             parts = [(index, first, last)]
             if index in chain:
                 one, two = sorted((index, other))
-                cut = _parting_s(stretches[one], stretches[two], lanes, first, last, first_wins=one == other)
+                cut = _parting_s(segments[one], segments[two], lanes, first, last, first_wins=one == other)
                 parts = [(one, cut, last), (two, first, cut)]
-            lines = [stretches[loser].line for loser, _, _ in parts]
+            lines = [segments[loser].line for loser, _, _ in parts]
             losers += [(n, line.back(a), line.back(b)) for (n, a, b), line in zip(parts, lines, strict=True) if a < b]
     return losers
 
 
 def _parting_s(
-    one: Stretch, two: Stretch, lanes: Sequence[Lane], low_s: float, high_s: float, *, first_wins: bool
+    one: MatchedSegment, two: MatchedSegment, lanes: Sequence[Lane], low_s: float, high_s: float, *, first_wins: bool
 ) -> float:
     """Return the moment of the new film, between two, up to which the first and from which the second is more alike.
 
@@ -182,30 +184,30 @@ def _parting_s(
     return float(edges_s[good[-1 if first_wins else 0]])
 
 
-def _alike_at(stretch: Stretch, lanes: Sequence[Lane], new_s: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return how alike the films are along a stretch at some moments of the new one."""
+def _alike_at(segment: MatchedSegment, lanes: Sequence[Lane], new_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return how alike the films are along a segment at some moments of the new one."""
     for lane in lanes:
-        if lane.line is stretch.line:
+        if lane.line is segment.line:
             old_s = np.array([lane.line.back(each) for each in new_s.tolist()])
             steps = np.round(old_s * FRAME_HZ / STEP).astype(int) - lane.first
             return np.asarray(lane.likeness[np.clip(steps, 0, len(lane.likeness) - 1)], np.float64)
-    return np.full(new_s.shape, stretch.alike)
+    return np.full(new_s.shape, segment.alike)
 
 
-def _ordered_chain(stretches: Sequence[Stretch], weight: Sequence[float]) -> set[int]:
-    """Return the heaviest set of stretches that follow each other in both films.
+def _ordered_chain(segments: Sequence[MatchedSegment], weight: Sequence[float]) -> set[int]:
+    """Return the heaviest set of segments that follow each other in both films.
 
     What two of them share of the new film counts for neither more than once: it is charged at the higher likeness.
     """
     best: list[float] = []
     before: list[int | None] = []
-    for index, stretch in enumerate(stretches):
-        start, stop = stretch.new_span_s
+    for index, segment in enumerate(segments):
+        start, stop = segment.new_span_s
         last, most = None, 0.0
         for other in range(index):
-            low, high = stretches[other].new_span_s
+            low, high = segments[other].new_span_s
             if low <= start and high <= stop:
-                shared = max(0.0, high - start) * max(stretch.alike, stretches[other].alike)
+                shared = max(0.0, high - start) * max(segment.alike, segments[other].alike)
                 if best[other] - shared > most:
                     last, most = other, best[other] - shared
         best.append(weight[index] + most)

@@ -68,7 +68,7 @@ def _place(
         inside |= holds
         found, least = _heard(onset_s, room_s, course, old, new, rules)
         seen = max(seen, found.likeness)
-        new_s = course.stretch.line.at(onset_s) + found.late_s
+        new_s = course.segment.line.at(onset_s) + found.late_s
         if found.likeness < least or not -0.5 / new.rate_hz <= new_s < new.duration_s:
             continue
         if not holds and _claimed(new_s, index, courses, rules.shortest_ms / 1000.0):
@@ -86,24 +86,24 @@ def _place(
 def _candidates(onset_s: float, courses: Sequence[Course], reach_s: float) -> list[int]:
     """Return the courses that an event may be on, the likeliest first: those around it, and those next to it."""
     near = [index for index, course in enumerate(courses) if _distance(onset_s, course) <= reach_s]
-    before = [index for index, course in enumerate(courses) if course.stretch.stop_s <= onset_s][-1:]
-    after = [index for index, course in enumerate(courses) if course.stretch.start_s > onset_s][:1]
+    before = [index for index, course in enumerate(courses) if course.segment.stop_s <= onset_s][-1:]
+    after = [index for index, course in enumerate(courses) if course.segment.start_s > onset_s][:1]
     chosen = near if any(_distance(onset_s, courses[index]) == 0.0 for index in near) else [*near, *before, *after]
     return sorted(set(chosen), key=lambda index: _distance(onset_s, courses[index]))
 
 
 def _distance(onset_s: float, course: Course) -> float:
-    """Return how far outside a stretch an event is, 0 inside."""
-    stretch = course.stretch
-    if stretch.start_s <= onset_s < stretch.stop_s:
+    """Return how far outside a segment an event is, 0 inside."""
+    segment = course.segment
+    if segment.start_s <= onset_s < segment.stop_s:
         return 0.0
-    return max(stretch.start_s - onset_s, onset_s - stretch.stop_s, 1e-9)
+    return max(segment.start_s - onset_s, onset_s - segment.stop_s, 1e-9)
 
 
 def _claimed(new_s: float, index: int, courses: Sequence[Course], shortest_s: float) -> bool:
-    """Return whether a moment of the new film lies well inside another stretch."""
+    """Return whether a moment of the new film lies well inside another segment."""
     for other, course in enumerate(courses):
-        start_s, stop_s = course.stretch.new_span_s
+        start_s, stop_s = course.segment.new_span_s
         if other != index and start_s + shortest_s < new_s < stop_s - shortest_s:
             return True
     return False
@@ -115,13 +115,13 @@ def _heard(
     """Return where the event is heard on a course, from as much of it as both films have, and what it has to reach."""
     if course.keeps_pitch:
         return _attack_heard(onset_s, course, old, new, rules)
-    stretch, scale = course.stretch, course.stretch.line.scale
+    segment, scale = course.segment, course.segment.line.scale
     shortest_s = rules.shortest_ms / 1000.0
     length_s = min(rules.after_ms / 1000.0, max(shortest_s, room_s * scale))
-    if onset_s < stretch.start_s:  # what follows the cut would be alike without the shot, too
-        length_s = min(length_s, max(rules.attack_ms / 1000.0, (stretch.start_s - onset_s) * scale))
-    elif onset_s < stretch.stop_s:
-        length_s = min(length_s, max(shortest_s, (stretch.stop_s - onset_s) * scale))
+    if onset_s < segment.start_s:  # what follows the cut would be alike without the shot, too
+        length_s = min(length_s, max(rules.attack_ms / 1000.0, (segment.start_s - onset_s) * scale))
+    elif onset_s < segment.stop_s:
+        length_s = min(length_s, max(shortest_s, (segment.stop_s - onset_s) * scale))
     least = rules.least if _distance(onset_s, course) <= rules.reach_s else rules.least_parted
     if length_s < shortest_s:
         ways = [(length_s, rules.close_ms / 1000.0, rules.least_short)]
@@ -132,7 +132,7 @@ def _heard(
             old,
             new,
             old_s=onset_s,
-            new_s=stretch.line.at(onset_s),
+            new_s=segment.line.at(onset_s),
             before_s=rules.before_ms / 1000.0,
             after_s=after_s,
             scale=course.pitch_scale,
@@ -163,7 +163,7 @@ def _attack_heard(onset_s: float, course: Course, old: Film, new: Film, rules: C
         )
 
     search_s, rival_s = rules.kept_pitch_ms / 1000.0, rules.rival_ms / 1000.0
-    expected_s = course.stretch.line.at(onset_s)
+    expected_s = course.segment.line.at(onset_s)
     found = around(expected_s, search_s)
     if found.likeness < rules.least_kept_pitch:
         return found, rules.least_kept_pitch
@@ -177,9 +177,9 @@ def _nearest(onset_s: float, courses: Sequence[Course]) -> float:
     """Return the moment of the new film that is nearest to a lost event: the cut where it would have been."""
     if not courses:
         return 0.0
-    course = min(courses, key=lambda each: max(each.stretch.start_s - onset_s, onset_s - each.stretch.stop_s, 0.0))
-    inside_s = min(max(onset_s, course.stretch.start_s), course.stretch.stop_s)
-    return float(course.stretch.line.at(inside_s))
+    course = min(courses, key=lambda each: max(each.segment.start_s - onset_s, onset_s - each.segment.stop_s, 0.0))
+    inside_s = min(max(onset_s, course.segment.start_s), course.segment.stop_s)
+    return float(course.segment.line.at(inside_s))
 
 
 def _without_doubles(

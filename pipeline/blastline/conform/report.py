@@ -1,4 +1,4 @@
-"""What a conform did, as two tables: one row per event, one per stretch of film."""
+"""What a conform did, as two tables: one row per event, one per segment of film."""
 
 import csv
 from collections.abc import Iterable, Sequence
@@ -9,7 +9,7 @@ from .courses import Course
 from .place import Lost, Placed
 
 EVENT_COLUMNS = ("id", "placed", "old_onset_s", "new_onset_s", "residual_ms", "likeness", "stretch", "reason")
-STRETCH_COLUMNS = (
+SEGMENT_COLUMNS = (
     "stretch",
     "old_start_s",
     "old_stop_s",
@@ -38,7 +38,7 @@ def write_events(path: Path, events: Sequence[Event], found: Sequence[Placed | L
     _write(path, EVENT_COLUMNS, rows)
 
 
-def write_stretches(path: Path, courses: Sequence[Course]) -> None:
+def write_segments(path: Path, courses: Sequence[Course]) -> None:
     """Write which part of the old film is where in the new one.
 
     `speed` is how much faster the new film runs, `pitch` how much higher it sounds; `alike` how alike the two sound,
@@ -46,13 +46,13 @@ def write_stretches(path: Path, courses: Sequence[Course]) -> None:
     """
     rows = []
     for number, course in enumerate(courses, start=1):
-        stretch = course.stretch
-        start_s, stop_s = stretch.new_span_s
-        times = [f"{time_s:.6f}" for time_s in (stretch.start_s, stretch.stop_s, start_s, stop_s)]
-        speed, pitch = 1.0 / stretch.line.scale, 1.0 / course.pitch_scale
-        agree = [f"{stretch.alike:.3f}", course.anchors, f"{course.agree_s * 1000.0:.4f}"]
+        segment = course.segment
+        start_s, stop_s = segment.new_span_s
+        times = [f"{time_s:.6f}" for time_s in (segment.start_s, segment.stop_s, start_s, stop_s)]
+        speed, pitch = 1.0 / segment.line.scale, 1.0 / course.pitch_scale
+        agree = [f"{segment.alike:.3f}", course.anchors, f"{course.agree_s * 1000.0:.4f}"]
         rows.append([number, *times, f"{speed:.7f}", f"{pitch:.7f}", *agree])
-    _write(path, STRETCH_COLUMNS, rows)
+    _write(path, SEGMENT_COLUMNS, rows)
 
 
 def _write(path: Path, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:

@@ -29,8 +29,8 @@ def retimed(event: Event, placed: Placed, course: Course, old: Film, new: Film) 
     belongs to no burst yet.
     """
     onset = min(samples_from_s(placed.new_s, new.rate_hz), new.frames - 1)
-    rate = course.stretch.line.scale * new.rate_hz / old.rate_hz
-    room = max(0.0, course.stretch.stop_s * old.rate_hz - event.onset_sample) * rate
+    rate = course.segment.line.scale * new.rate_hz / old.rate_hz
+    room = max(0.0, course.segment.stop_s * old.rate_hz - event.onset_sample) * rate
     stop = min(new.frames, onset + max(1, round(room)))
 
     def moved(sample: int) -> int:
@@ -48,7 +48,7 @@ def retimed(event: Event, placed: Placed, course: Course, old: Film, new: Film) 
             Reflection(
                 moved(each.start),
                 max(moved(each.start), min(stop, moved(each.stop))),
-                each.delay_ms * course.stretch.line.scale,
+                each.delay_ms * course.segment.line.scale,
                 each.level_db,
             )
             for each in event.reflections

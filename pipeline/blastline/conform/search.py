@@ -1,4 +1,4 @@
-"""Where a stretch of the old film may lie in the new one: normalised correlation of fingerprints, over a whole film.
+"""Where a segment of the old film may lie in the new one: normalised correlation of fingerprints, over a whole film.
 
     c(u) = sum z_old(t + k) . z_new(u + k) / sqrt( sum |z_old(t + k)|^2 * sum |z_new(u + k)|^2 )
 
@@ -18,7 +18,7 @@ _BLOCK = 4096
 
 @dataclass(frozen=True)
 class Hit:
-    """A stretch of the old film, centred on `old_s`, found in the new one, centred on `new_s`."""
+    """A segment of the old film, centred on `old_s`, found in the new one, centred on `new_s`."""
 
     old_s: float
     new_s: float
@@ -27,10 +27,10 @@ class Hit:
 
 
 class Haystack:
-    """The new film, ready to be searched for stretches of up to `longest_s`."""
+    """The new film, ready to be searched for segments of up to `longest_s`."""
 
     def __init__(self, new: Fingerprint, longest_s: float) -> None:
-        """Transform the film's blocks, each of which overlaps the next by the longest stretch."""
+        """Transform the film's blocks, each of which overlaps the next by the longest segment."""
         from scipy import fft
 
         self._new = new

@@ -1,7 +1,7 @@
 """A timeline for a new cut of its film: listen to both, find what of the old is where in the new, move the events.
 
 old film ─► fingerprint ┐
-new film ─► fingerprint ┴► stretches ─► each event's place ─► windows planned anew ─► timeline, tables
+new film ─► fingerprint ┴► segments ─► each event's place ─► windows planned anew ─► timeline, tables
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,14 +17,14 @@ from ..conform import (
     Lost,
     Placed,
     Retimed,
-    find_stretches,
+    find_segments,
     hear,
     measured,
     place,
     retimed,
     with_exact_ends,
     write_events,
-    write_stretches,
+    write_segments,
 )
 from ..detect import group_bursts
 from ..errors import OutputError, SoundtrackError, TimelineError
@@ -45,7 +45,7 @@ _SHORTEST_S = 1.0
 
 @dataclass(frozen=True)
 class Conformed:
-    """The new timeline, and how it came to be: the old events with where each went, and the stretches."""
+    """The new timeline, and how it came to be: the old events with where each went, and the segments."""
 
     timeline: Timeline
     events: tuple[Event, ...]
@@ -88,7 +88,7 @@ def conform(
             raise SoundtrackError(f"{new}: nothing of {old} was found in it; expected a cut of the same film")
         (hidden / names.TIMELINE).write_bytes(encode(done.timeline))
         write_events(hidden / names.EVENTS, done.events, done.places)
-        write_stretches(hidden / names.STRETCHES, done.courses)
+        write_segments(hidden / names.STRETCHES, done.courses)
     return done
 
 
@@ -119,9 +119,9 @@ def _conformed(
     def tell(done: int, total: int) -> None:
         progress("matching", done, total)
 
-    stretches = find_stretches(old.fingerprint, new.fingerprint, tell)
+    segments = find_segments(old.fingerprint, new.fingerprint, tell)
     progress("placing", 0, None)
-    courses = with_exact_ends(measured(stretches, old, new), old, new)
+    courses = with_exact_ends(measured(segments, old, new), old, new)
     events = tuple(sorted(timeline.events, key=lambda event: event.onset_sample))
     places = place([event.onset_sample / old.rate_hz for event in events], courses, old, new, hearing)
     shots = [

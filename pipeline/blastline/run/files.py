@@ -76,7 +76,7 @@ def _haptic_track(
         frames = sum(len(block.span) for block in made.blocks(BLOCK))
         require_length(timeline, file, rate_hz=made.rate_hz, frames=frames, what="the drive of this timeline")
         track = track_of(timeline, made, profile=profile, rules=load_haptics(rules))
-    if timeline.events and not track.stretches:
+    if timeline.events and not track.segments:
         count = len(timeline.events)
         raise TimelineError(f"{file}: is at rest in the windows of all {count} shots: not the drive of this timeline")
     tell_silent(track, note)

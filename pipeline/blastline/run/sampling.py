@@ -19,7 +19,7 @@ from ..soundtrack import Soundtrack, as_front, write_excerpt
 from ..units import samples_from_ms
 from .listening import BLOCK
 
-STRETCH_FRAMES = 12 * BLOCK
+EXCERPT_FRAMES = 12 * BLOCK
 """What is taken from one place: a scene rather than a moment, since shots come in company."""
 
 TIMED_FRAMES = 4 * BLOCK
@@ -39,7 +39,7 @@ _HASHED_BYTES = 8 << 20
 
 @dataclass(frozen=True)
 class Sampled:
-    """A sample of a film of `film_s` seconds: stretches of it in one file of so many `seconds`.
+    """A sample of a film of `film_s` seconds: excerpts of it in one file of so many `seconds`.
 
     Every `stride`th few seconds of it make a shorter sample. `source` is the film's; `loudest` the sample's loudest
     frame; `decode_per_s` the CPU seconds that decoding a second of the film takes, `hash_s` those of its digest.
@@ -102,7 +102,7 @@ def room_for_samples() -> Iterator[Path]:
 
 
 def sampled(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> Sampled:
-    """Take stretches from the middle of equal parts of the film, enough to time or also to count, and write them.
+    """Take excerpts from the middle of equal parts of the film, enough to time or also to count, and write them.
 
     One channel, or where the film has sides, three whose mains and sides are heard as the film's are.
     Raises SoundtrackError for a film that cannot be read, or whose length nothing tells.
@@ -110,14 +110,14 @@ def sampled(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> Samp
     film_s = track.expected_s
     if not film_s:
         raise SoundtrackError(f"{film}: does not say how long it is, so no budget can be kept; give a --quality")
-    frames = STRETCH_FRAMES if counted else TIMED_FRAMES
-    stretch_s = frames / track.rate_hz
+    frames = EXCERPT_FRAMES if counted else TIMED_FRAMES
+    excerpt_s = frames / track.rate_hz
     wanted_s = counted_s(film_s) if counted else timed_s(film_s)
-    parts = max(1, round(wanted_s / stretch_s))
-    track.near(0.0, stretch_s)  # whatever is imported or set up on the way
-    starts_s = [max(0.0, (part + 0.5) * film_s / parts - stretch_s / 2.0) for part in range(parts)]
+    parts = max(1, round(wanted_s / excerpt_s))
+    track.near(0.0, excerpt_s)  # whatever is imported or set up on the way
+    starts_s = [max(0.0, (part + 0.5) * film_s / parts - excerpt_s / 2.0) for part in range(parts)]
     taken = _Taken(track, starts_s, frames)
-    written = write_excerpt(path, taken.stretches(), rate_hz=track.rate_hz, channels=taken.channels)
+    written = write_excerpt(path, taken.excerpts(), rate_hz=track.rate_hz, channels=taken.channels)
     if not written:
         raise SoundtrackError(f"{film}: no sound could be read at any of {parts} places; give a --quality")
     seconds = written / track.rate_hz
@@ -134,7 +134,7 @@ def sampled(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> Samp
 
 
 class _Taken:
-    """Stretches of a film, one at a time: what decoding them took so far, and where the loudest frame of all is."""
+    """Excerpts of a film, one at a time: what decoding them took so far, and where the loudest frame of all is."""
 
     def __init__(self, track: Soundtrack, starts_s: Sequence[float], frames: int) -> None:
         """Take so many frames from each place."""
@@ -142,25 +142,25 @@ class _Taken:
         self.channels = 3 if track.has_sides else 1
         self.decode_s, self.loudest = 0.0, 0
 
-    def stretches(self) -> Iterator[NDArray[np.float32]]:
-        """Yield the stretches, faded where they meet, so that no step is taken for a sound."""
+    def excerpts(self) -> Iterator[NDArray[np.float32]]:
+        """Yield the excerpts, faded where they meet, so that no step is taken for a sound."""
         fade = dsp.fade(samples_from_ms(_JOIN_MS, self._track.rate_hz)).astype(np.float32)[:, None]
         at, peak, last = 0, -1.0, len(self._starts_s) - 1
         for part, start_s in enumerate(self._starts_s):
-            stretch = self._decoded(start_s)
-            frames = stretch.shape[0]
+            excerpt = self._decoded(start_s)
+            frames = excerpt.shape[0]
             if not frames:
                 continue
             short = fade[:frames]
             if at:
-                stretch[: short.size] *= short
+                excerpt[: short.size] *= short
             if part < last:
-                stretch[frames - short.size :] *= short[::-1]
-            loudest = int(np.argmax(np.abs(stretch[:, 0])))
-            if abs(stretch[loudest, 0]) > peak:
-                peak, self.loudest = float(abs(stretch[loudest, 0])), at + loudest
+                excerpt[frames - short.size :] *= short[::-1]
+            loudest = int(np.argmax(np.abs(excerpt[:, 0])))
+            if abs(excerpt[loudest, 0]) > peak:
+                peak, self.loudest = float(abs(excerpt[loudest, 0])), at + loudest
             at += frames
-            yield as_front(*stretch.T) if self.channels > 1 else stretch
+            yield as_front(*excerpt.T) if self.channels > 1 else excerpt
 
     def _decoded(self, start_s: float) -> NDArray[np.float32]:
         """Return what is heard, and beside it, where the film has sides, these."""

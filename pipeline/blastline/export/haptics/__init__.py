@@ -1,6 +1,6 @@
 """The haptic formats: the drive as breakpoints, for the players of vibration.
 
-drive.wav + timeline ─► pulses and stretches (`haptic_track`) ─► reduced to breakpoints ─► .ahap | .haptic | .hjif
+drive.wav + timeline ─► pulses and segments (`haptic_track`) ─► reduced to breakpoints ─► .ahap | .haptic | .hjif
 """
 
 from collections.abc import Callable, Mapping
@@ -13,7 +13,7 @@ from .hjif import FILE, write_hjif
 from .making import haptic_track
 from .meta import INDEX, REELS, write_haptic
 from .rounding import Rounding
-from .track import DriveReader, HapticTrack, Pulse, Stretch
+from .track import DriveReader, HapticTrack, Pulse, VibrationSegment
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,6 @@ __all__ = [
     "HapticTrack",
     "Pulse",
     "Rounding",
-    "Stretch",
+    "VibrationSegment",
     "haptic_track",
 ]

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from .curve import Curve, reduced
 from .rounding import Rounding, late_ms, mistuned, within
-from .track import HapticTrack, Stretch
+from .track import HapticTrack, VibrationSegment
 
 CONTINUOUS, TRANSIENTS = "timeline.continuous.ahap", "timeline.transients.ahap"
 LONGEST_EVENT_S = 30.0
@@ -36,8 +36,8 @@ def write_ahap(track: HapticTrack, folder: Path) -> Rounding:
     """Write both files; in a film without vibration each holds one event of no intensity, as a pattern needs one."""
     rounding = Rounding(pulses=len(track.pulses))
     patterns: list[Pattern] = []
-    for stretch in track.stretches:
-        some, errors = _stretch(stretch, track)
+    for segment in track.segments:
+        some, errors = _segment(segment, track)
         patterns += some
         rounding |= errors
     onsets_s = np.array([pulse.sample / track.rate_hz for pulse in track.pulses])
@@ -54,14 +54,14 @@ def write_ahap(track: HapticTrack, folder: Path) -> Rounding:
     return rounding | Rounding(late_ms(onsets_s, np.round(onsets_s, _DECIMALS)))
 
 
-def _stretch(stretch: Stretch, track: HapticTrack) -> tuple[list[Pattern], Rounding]:
-    """Return the events and curves of a stretch; the curves alone say how strong and how sharp it is."""
-    rate_hz, span = track.rate_hz, stretch.span
-    root = stretch.amplitude.with_values(np.sqrt(stretch.amplitude.values))
+def _segment(segment: VibrationSegment, track: HapticTrack) -> tuple[list[Pattern], Rounding]:
+    """Return the events and curves of a segment; the curves alone say how strong and how sharp it is."""
+    rate_hz, span = track.rate_hz, segment.span
+    root = segment.amplitude.with_values(np.sqrt(segment.amplitude.values))
     # |a^2 - b^2| = |a - b| (a + b), at most twice |a - b| where both are at most 1
     few = reduced(root, track.amplitude_error / 2.0)
     intensity = few.with_values(np.round(few.values, 4))
-    tone_hz, notes = within(stretch.frequency_hz, DULL_HZ, SHARP_HZ)
+    tone_hz, notes = within(segment.frequency_hz, DULL_HZ, SHARP_HZ)
     few_hz = reduced(tone_hz, track.frequency_error, relative=True)
     sharpness = few_hz.with_values(np.round(_sharpnesses(few_hz.values), 4))
     start_s, stop_s = span.start / rate_hz, span.stop / rate_hz
@@ -72,7 +72,7 @@ def _stretch(stretch: Stretch, track: HapticTrack) -> tuple[list[Pattern], Round
     times_s = np.concatenate([intensity.samples, sharpness.samples]) / rate_hz
     return patterns, Rounding(
         late_ms(times_s, np.round(times_s, _DECIMALS)),
-        float(np.max(np.abs(played.values - stretch.amplitude.values))),
+        float(np.max(np.abs(played.values - segment.amplitude.values))),
         mistuned(tone_hz, sharpness.with_values(DULL_HZ + (SHARP_HZ - DULL_HZ) * sharpness.values)),
         points=len(intensity) + len(sharpness),
         notes=notes,

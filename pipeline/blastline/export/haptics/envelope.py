@@ -79,9 +79,9 @@ def frequencies(
 
 
 def amplitude_curve(drive: Samples, attacks: list[int], *, origin: int, rate_hz: int, rules: HapticRules) -> Curve:
-    """Return the amplitude of a stretch that begins at frame `origin`, from 0 to 0; `attacks` are indices into it.
+    """Return the amplitude of a segment that begins at frame `origin`, from 0 to 0; `attacks` are indices into it.
 
-    Where an attack falls on its first sample the line up to it begins before the stretch, unless the film does not.
+    Where an attack falls on its first sample the line up to it begins before the segment, unless the film does not.
     """
     gap = ms_gap(rate_hz)
     step = max(gap, math.ceil(rules.step_ms * rate_hz / 1000.0))

@@ -25,7 +25,7 @@ from ...timecode import clock
 from .curve import Curve, reduced
 from .rounding import Rounding, late_ms, mistuned, off
 from .sharing import shared, together
-from .track import HapticTrack, Pulse, Stretch
+from .track import HapticTrack, Pulse, VibrationSegment
 
 FILE = "timeline.hjif"
 TICKS_PER_S = 1000
@@ -50,8 +50,8 @@ def write_hjif(track: HapticTrack, folder: Path) -> Rounding:
     """Write the file. Raises TimelineError for more effects, or later ones, than the format can count."""
     transients, rounding = _transients(track)
     waves: list[Json] = []
-    for stretch in track.stretches:
-        effects, errors = _wave(stretch, transients, track)
+    for segment in track.segments:
+        effects, errors = _wave(segment, transients, track)
         waves += effects
         rounding |= errors
     for name, count in (("pulses", len(transients)), ("waves", len(waves))):
@@ -140,12 +140,12 @@ def _transients(track: HapticTrack) -> tuple[list[tuple[int, float, Pulse]], Rou
 
 def _waves_at(track: HapticTrack) -> Iterator[float]:
     """Yield the amplitude of the wave at each pulse."""
-    places = iter(track.stretches)
-    stretch = next(places, None)
+    places = iter(track.segments)
+    segment = next(places, None)
     for pulse in track.pulses:
-        while stretch is not None and stretch.span.stop < pulse.sample:
-            stretch = next(places, None)
-        yield 0.0 if stretch is None else float(stretch.amplitude.at(np.array([pulse.sample]))[0])
+        while segment is not None and segment.span.stop < pulse.sample:
+            segment = next(places, None)
+        yield 0.0 if segment is None else float(segment.amplitude.at(np.array([pulse.sample]))[0])
 
 
 def _transient(position: int, amplitude: float, pulse: Pulse) -> Json:
@@ -161,12 +161,12 @@ def _transient(position: int, amplitude: float, pulse: Pulse) -> Json:
 
 
 def _wave(
-    stretch: Stretch, transients: Sequence[tuple[int, float, Pulse]], track: HapticTrack
+    segment: VibrationSegment, transients: Sequence[tuple[int, float, Pulse]], track: HapticTrack
 ) -> tuple[list[Json], Rounding]:
-    """Return a stretch as effects of at most `LONGEST_EFFECT` ticks that follow one on another, and its errors."""
+    """Return a segment as effects of at most `LONGEST_EFFECT` ticks that follow one on another, and its errors."""
     rate_hz = track.rate_hz
-    line = reduced(stretch.amplitude, track.amplitude_error)
-    tone = reduced(stretch.frequency_hz, track.frequency_error, relative=True)
+    line = reduced(segment.amplitude, track.amplitude_error)
+    tone = reduced(segment.frequency_hz, track.frequency_error, relative=True)
     amplitude, frequency = _on_ticks(line, rate_hz), _on_ticks(tone, rate_hz)
     room = _with_room(amplitude, transients)
     held = float(np.max(amplitude.at(room.samples) - room.values))
@@ -179,8 +179,8 @@ def _wave(
     written_s = np.concatenate([_ticks(c.samples, rate_hz) for c in (line, tone)]) / TICKS_PER_S
     errors = Rounding(
         late_ms(exact_s, written_s),
-        off(stretch.amplitude, line.with_values(np.round(line.values, _VALUE_DECIMALS))),
-        mistuned(stretch.frequency_hz, tone.with_values(np.round(tone.values))),
+        off(segment.amplitude, line.with_values(np.round(line.values, _VALUE_DECIMALS))),
+        mistuned(segment.frequency_hz, tone.with_values(np.round(tone.values))),
         points=len(room) + len(frequency),
         notes=("beside a transient the wave leaves it room, so that both stay within 1",) if held > 0.0 else (),
     )

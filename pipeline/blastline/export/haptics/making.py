@@ -14,7 +14,7 @@ from ...ruleset import ActuatorProfile, HapticRules
 from ...units import samples_from_ms
 from .curve import Curve
 from .envelope import Samples, amplitude_curve, frequency_curve
-from .track import DriveReader, HapticTrack, Pulse, Stretch, ms_gap
+from .track import DriveReader, HapticTrack, Pulse, VibrationSegment, ms_gap
 
 
 def haptic_track(
@@ -29,16 +29,16 @@ def haptic_track(
     rate_hz, frames = source.sample_rate_hz, source.frames
     _refuse_outside(timeline)
     pulses: list[Pulse] = []
-    stretches: list[Stretch] = []
+    segments: list[VibrationSegment] = []
     silent: list[str] = []
     for span, events in _joined(timeline.events, frames=frames, gap=2 * ms_gap(rate_hz)):
         samples = np.asarray(drive(span), dtype=np.float64)
         own, quiet = _pulses(samples, events, origin=span.start, rate_hz=rate_hz, rules=rules)
         silent += quiet
         if np.any(samples):
-            stretch = _stretch(samples, own, origin=span.start, rate_hz=rate_hz, rules=rules, profile=profile)
-            stretches.append(stretch)
-            pulses += [_heard(pulse, stretch.frequency_hz) for pulse in own]
+            segment = _segment(samples, own, origin=span.start, rate_hz=rate_hz, rules=rules, profile=profile)
+            segments.append(segment)
+            pulses += [_heard(pulse, segment.frequency_hz) for pulse in own]
     return HapticTrack(
         rate_hz,
         frames,
@@ -47,7 +47,7 @@ def haptic_track(
         profile.highpass.corner_hz,
         profile.lowpass.corner_hz,
         tuple(pulses),
-        tuple(stretches),
+        tuple(segments),
         rules.amplitude_error,
         rules.frequency_error,
         rules.reel_s,
@@ -88,7 +88,7 @@ def _reach(event: Event, frames: int) -> Span:
 def _pulses(
     samples: Samples, events: Sequence[Event], *, origin: int, rate_hz: int, rules: HapticRules
 ) -> tuple[list[Pulse], list[str]]:
-    """Return the pulses of a stretch in order, without their frequency, and the shots for which the drive is at rest.
+    """Return the pulses of a segment in order, without their frequency, and the shots for which the drive is at rest.
 
     The attack of a shot may begin a millisecond before its onset, as the drive may, and ends with the average.
     """
@@ -138,7 +138,7 @@ def _peak(samples: Samples, start: int, stop: int) -> float:
     return min(1.0, float(np.max(np.abs(inside)))) if inside.size else 0.0
 
 
-def _stretch(
+def _segment(
     samples: Samples,
     pulses: Sequence[Pulse],
     *,
@@ -146,12 +146,12 @@ def _stretch(
     rate_hz: int,
     rules: HapticRules,
     profile: ActuatorProfile,
-) -> Stretch:
+) -> VibrationSegment:
     attacks = [pulse.sample - origin for pulse in pulses]
     amplitude = amplitude_curve(samples, attacks, origin=origin, rate_hz=rate_hz, rules=rules)
     band = (profile.highpass.corner_hz, profile.lowpass.corner_hz)
     frequency = frequency_curve(samples, attacks, amplitude, origin=origin, rate_hz=rate_hz, rules=rules, band=band)
-    return Stretch(amplitude, frequency)
+    return VibrationSegment(amplitude, frequency)
 
 
 def _heard(pulse: Pulse, frequency_hz: Curve) -> Pulse:

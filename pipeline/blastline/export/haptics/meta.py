@@ -65,18 +65,18 @@ def _lines(track: HapticTrack) -> tuple[Curve, Curve, Rounding]:
     empty = Curve(np.zeros(0, np.int64), np.zeros(0))
     amplitudes, frequencies, rounding = [empty], [empty], Rounding(pulses=len(track.pulses))
     onsets = np.array([pulse.sample for pulse in track.pulses], np.int64)
-    for stretch in track.stretches:
-        few = reduced(stretch.amplitude, track.amplitude_error)
-        own = onsets[(onsets >= stretch.span.start) & (onsets <= stretch.span.stop)]
+    for segment in track.segments:
+        few = reduced(segment.amplitude, track.amplitude_error)
+        own = onsets[(onsets >= segment.span.start) & (onsets <= segment.span.stop)]
         samples = np.union1d(few.samples, own)
         line = Curve(samples, np.round(few.at(samples), _VALUE_DECIMALS))
-        tone_hz, notes = within(stretch.frequency_hz, LOW_HZ, HIGH_HZ)
+        tone_hz, notes = within(segment.frequency_hz, LOW_HZ, HIGH_HZ)
         few_hz = reduced(tone_hz, track.frequency_error, relative=True)
         toned = few_hz.with_values(np.round(_normalised(few_hz.values), _VALUE_DECIMALS))
         amplitudes.append(line)
         frequencies.append(toned)
         back_hz = toned.with_values(LOW_HZ + (HIGH_HZ - LOW_HZ) * toned.values)
-        errors = (off(stretch.amplitude, line), mistuned(tone_hz, back_hz))
+        errors = (off(segment.amplitude, line), mistuned(tone_hz, back_hz))
         rounding |= Rounding(0.0, *errors, points=len(line) + len(toned), notes=notes)
     return _chained(amplitudes), _chained(frequencies), rounding
 

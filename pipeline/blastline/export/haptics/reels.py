@@ -3,24 +3,24 @@
 from .track import HapticTrack
 
 LONGEST_BACK_S = 60
-"""How far before its place a cut may be put to spare a stretch; one that lasts longer is cut."""
+"""How far before its place a cut may be put to spare a segment; one that lasts longer is cut."""
 
 
 def reel_edges(track: HapticTrack) -> list[int]:
     """Return the first frame of each reel and, last, where the film's vibration and the film have ended.
 
-    A cut stands at each multiple of the reels' length, or at the last whole second before a stretch that goes on there.
+    A cut stands at each multiple of the reels' length, or at the last whole second before a segment that goes on there.
     Each cut depends on what is near it alone, so an edit elsewhere moves none. A reel lasts at most a minute more.
     """
     rate_hz = track.rate_hz
-    end = max([track.frames, *(stretch.span.stop for stretch in track.stretches)])
+    end = max([track.frames, *(segment.span.stop for segment in track.segments)])
     edges = [0]
     place_s = round(track.reel_s)
     while place_s * rate_hz < end:
         cut_s = place_s
-        for stretch in track.stretches:
-            if stretch.span.start < place_s * rate_hz < stretch.span.stop:
-                before_s = stretch.span.start // rate_hz
+        for segment in track.segments:
+            if segment.span.start < place_s * rate_hz < segment.span.stop:
+                before_s = segment.span.start // rate_hz
                 cut_s = before_s if before_s >= place_s - LONGEST_BACK_S else place_s
         if cut_s * rate_hz > edges[-1]:
             edges.append(cut_s * rate_hz)

@@ -1,4 +1,4 @@
-"""What a haptic format is written from: pulses and stretches of vibration, on the film's samples."""
+"""What a haptic format is written from: pulses and segments of vibration, on the film's samples."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class Pulse:
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class VibrationSegment:
     """A time of vibration: its amplitude, from 0 or from the film's first frame to 0, and its frequency in Hz.
 
     Both begin and end together. The points are as dense as they were read; each format reduces them.
@@ -46,7 +46,7 @@ class Stretch:
 
 @dataclass(frozen=True, eq=False)
 class HapticTrack:
-    """The vibration of a film; pulses and stretches in order, stretches apart.
+    """The vibration of a film; pulses and segments in order, segments apart.
 
     `low_hz` and `high_hz` bound the actuator's band. `silent` names the shots for which the drive is at rest.
     """
@@ -58,7 +58,7 @@ class HapticTrack:
     low_hz: float
     high_hz: float
     pulses: tuple[Pulse, ...]
-    stretches: tuple[Stretch, ...]
+    segments: tuple[VibrationSegment, ...]
     amplitude_error: float
     frequency_error: float
     reel_s: float
