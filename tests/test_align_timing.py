@@ -11,15 +11,15 @@ BENT = [-0.9, -0.6, 0.2, -0.4, 0.4, 0.6]
 """Lags of a burst whose drive was made louder and clipped: none is exact, though each looks so."""
 
 
-@pytest.mark.parametrize("stretch", [1.0, 1.0 + 1e-6, 0.999, 25 / 24])
-def test_strays_do_not_move_the_line(stretch: float) -> None:
+@pytest.mark.parametrize("scale", [1.0, 1.0 + 1e-6, 0.999, 25 / 24])
+def test_strays_do_not_move_the_line(scale: float) -> None:
     rng = np.random.default_rng(4)
     samples = np.sort(rng.integers(0, SPAN, 60))
-    lags = (stretch - 1.0) * samples + 7.0
+    lags = (scale - 1.0) * samples + 7.0
     lags[rng.choice(60, 20, replace=False)] += rng.uniform(-4000.0, 4000.0, 20)
     line = _line(list(zip(samples.tolist(), lags.tolist(), strict=True)))
-    assert line.stretch == pytest.approx(stretch, abs=1e-9)
-    assert line.lag(SPAN / 2) == pytest.approx((stretch - 1.0) * SPAN / 2 + 7.0, abs=1e-2)
+    assert line.scale == pytest.approx(scale, abs=1e-9)
+    assert line.lag(SPAN / 2) == pytest.approx((scale - 1.0) * SPAN / 2 + 7.0, abs=1e-2)
 
 
 def test_a_burst_of_bent_lags_does_not_turn_the_line() -> None:
@@ -46,7 +46,7 @@ def test_exact_lags_from_one_place_tell_no_slope_and_count_where_the_others_agre
     near, far = ([(sample, 7.0) for sample in BURST], [(0, 7.5), (SPAN / 4, 4.0), (SPAN / 2, 9.0)])
     line = _exact_line(near, [*far, *near], bend=4.8)
     assert line is not None
-    assert (line.lag(0), line.stretch) == (7.0, 1.0)
+    assert (line.lag(0), line.scale) == (7.0, 1.0)
     drifting = [(sample, 1e-3 * (sample - SPAN)) for sample in range(0, SPAN, SPAN // 10)]
     assert _exact_line(near[:4], [*drifting, *near[:4]], bend=4.8) is None
     assert _exact_line(list(zip(BURST, BENT, strict=True)), [*far, *near], bend=4.8) is None

@@ -9,9 +9,9 @@ import pytest
 from blastline.synth import random_shot
 from blastline.synth.chance import generator
 from blastline.synth.colour import CLEAN, air, draw_colour, record
-from blastline.synth.echoes import in_place
+from blastline.synth.echoes import with_acoustics
 from blastline.synth.images import SPEED_OF_SOUND, Axis, image_echoes
-from blastline.synth.rooms import ENVIRONMENTS, Environment, Place, draw_place, tail_noise
+from blastline.synth.rooms import ENVIRONMENTS, Acoustics, Environment, draw_acoustics, tail_noise
 from blastline.synth.shots import fire
 from blastline.synth.tone import compress, highpass, lowpass, peak, tilt
 from blastline.synth.voices import draw_voice
@@ -117,7 +117,7 @@ def test_echoes_come_out_where_and_as_strong_as_the_truth_says() -> None:
     axes = (Axis(None, 0.0, 6.0, 0.0), Axis(20.0, 8.0, 8.0, 0.7), Axis(None, 0.0, 0.0, 0.0))
     direct_m, echoes = image_echoes(axes, order=1, corner_hz=30_000.0)
     click = np.array([1.0])
-    heard, listed = in_place(generator(9), click, Place(direct_m, echoes, None), rate_hz=RATE_HZ)
+    heard, listed = with_acoustics(generator(9), click, Acoustics(direct_m, echoes, None), rate_hz=RATE_HZ)
     assert [echo.delay for echo in listed] == [round(echo.delay_s * RATE_HZ) for echo in echoes]
     for echo in listed:
         alone = [other for other in listed if other.delay == echo.delay]
@@ -128,17 +128,17 @@ def test_echoes_come_out_where_and_as_strong_as_the_truth_says() -> None:
 @pytest.mark.parametrize("environment", ENVIRONMENTS)
 def test_a_tail_holds_its_energy_and_dies_at_its_rate(environment: Environment) -> None:
     for seed in range(3):
-        place = draw_place(generator(10, environment, seed), environment)
-        assert place.tail is not None
-        noise = tail_noise(generator(11), RATE_HZ, place.tail)
-        assert 10.0 * math.log10(np.sum(noise**2)) == pytest.approx(place.tail.level_db, abs=1e-6)
+        acoustics = draw_acoustics(generator(10, environment, seed), environment)
+        assert acoustics.tail is not None
+        noise = tail_noise(generator(11), RATE_HZ, acoustics.tail)
+        assert 10.0 * math.log10(np.sum(noise**2)) == pytest.approx(acoustics.tail.level_db, abs=1e-6)
         # Schroeder's backward integral from -5 to -25 dB: between the two reverberation times
         decay_db = 10.0 * np.log10(np.cumsum(noise[::-1] ** 2)[::-1] / np.sum(noise**2))
         early, late = np.searchsorted(-decay_db, [5.0, 25.0])
         time_s = 3.0 * (late - early) / RATE_HZ
-        slowest = max(place.tail.low_s, place.tail.high_s)
-        fastest = min(place.tail.low_s, place.tail.high_s)
-        assert 0.75 * fastest < time_s < 1.25 * slowest + 1.5 * place.tail.growth_s
+        slowest = max(acoustics.tail.low_s, acoustics.tail.high_s)
+        fastest = min(acoustics.tail.low_s, acoustics.tail.high_s)
+        assert 0.75 * fastest < time_s < 1.25 * slowest + 1.5 * acoustics.tail.growth_s
 
 
 def test_air_and_recording_are_causal() -> None:

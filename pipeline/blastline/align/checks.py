@@ -124,14 +124,14 @@ def _timing_checks(shared: Comparison, events: Sequence[Event], timing: Timing |
         return
     bend = 0.0 if timing.exact else shared.rate_hz * shared.bend_ms / 1000.0
     shift_limit, drift_limit = max(rules.shift_samples, bend), max(rules.drift_samples, 2.0 * bend)
-    place, first, last = timing.place, events[0].onset_sample, events[-1].onset_sample
-    drift = place.lag(last) - place.lag(first) if place else None
+    time_map, first, last = timing.time_map, events[0].onset_sample, events[-1].onset_sample
+    drift = time_map.lag(last) - time_map.lag(first) if time_map else None
     steady = _within(drift, drift_limit)
-    shift = place.lag((first + last) / 2 if steady else first) if place else None
+    shift = time_map.lag((first + last) / 2 if steady else first) if time_map else None
     yield Check("drive_shift", None, _within(shift, shift_limit), shift, shift_limit, "samples")
     if last > first:
         yield Check("drive_drift", None, steady, drift, drift_limit, "samples")
-        speed = 1.0 / place.stretch if place else None
+        speed = 1.0 / time_map.scale if time_map else None
         yield Check("drive_speed", None, steady, speed, 1.0 + drift_limit / (last - first), "ratio")
 
 

@@ -4,7 +4,7 @@ from ..model import Event
 from .comparison import Comparison
 from .hearing import Part
 from .sanity import audio_rise_db
-from .sounds import Place, drive_at, read_padded, source_of
+from .sounds import TimeMap, drive_at, read_padded, source_of
 
 _LEAST_MS = {"causal": 5.0, "zero": 20.0}
 """So much of a shot is compared at least: less, before the next shot or the window's end, leaves its lag open."""
@@ -32,4 +32,4 @@ def _is_still(shared: Comparison, event: Event) -> bool:
     span = event.window.span
     if read_padded(shared.audio, span, source_of(event)).any():
         return False
-    return not drive_at(shared.drive, span, rate_hz=shared.rate_hz, place=Place())[0].any()
+    return not drive_at(shared.drive, span, rate_hz=shared.rate_hz, time_map=TimeMap())[0].any()

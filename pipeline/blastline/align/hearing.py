@@ -9,7 +9,7 @@ from .. import dsp
 from ..model import Event, Span
 from ..units import gain_from_db
 from .comparison import Comparison, Samples
-from .sounds import Place, drive_at, read_padded, source_of
+from .sounds import TimeMap, drive_at, read_padded, source_of
 
 _FFT_GRAIN = 15 * 2**10
 """Transforms come in few sizes, so that the band's response is computed a few times in a film."""
@@ -134,11 +134,11 @@ def _weights(event: Event, span: Span) -> Samples:
     return np.asarray(fade[np.clip(at + 1, 0, len(fade) - 1)], dtype=np.float64)
 
 
-def feel(shared: Comparison, event: Event, span: Span, *, place: Place) -> Felt:
-    """Return what is felt over a span of the film, with the drive read from where `place` says."""
+def feel(shared: Comparison, event: Event, span: Span, *, time_map: TimeMap) -> Felt:
+    """Return what is felt over a span of the film, with the drive read from where `time_map` says."""
     settle = shared.settle
     wide = Span(span.start - settle, span.stop + settle)
-    drive, written = drive_at(shared.drive, wide, rate_hz=shared.rate_hz, place=place)
+    drive, written = drive_at(shared.drive, wide, rate_hz=shared.rate_hz, time_map=time_map)
     kept = slice(settle, settle + len(span))
     vibration = dsp.run_filter(shared.felt, drive[: kept.stop])[kept]
     alone = _of_window(drive, event, wide.start)

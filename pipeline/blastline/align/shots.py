@@ -13,7 +13,7 @@ from .attack import late_start, preecho
 from .comparison import Comparison, Samples
 from .due import Adjoints, adjoints_of, due_drives
 from .hearing import Felt, Heard, Part, feel, hear, is_direct
-from .sounds import Place
+from .sounds import TimeMap
 
 _EXACT = 0.999
 """Where the drive is free of its limit, a right one follows the sound at least this well, and tells its lag exactly.
@@ -73,8 +73,8 @@ def likeness_limit(shared: Comparison, event: Event) -> float:
     return max(rules.least_correlation, event.drive.fidelity - rules.correlation_loss)
 
 
-def measure(shared: Comparison, event: Event, part: Part, *, place: Place) -> ShotFigures | None:
-    """Return a shot's figures, with the drive read from where `place` says and searched for around there.
+def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap) -> ShotFigures | None:
+    """Return a shot's figures, with the drive read from where `time_map` says and searched for around there.
 
     None where soundtrack or drive are silent.
     """
@@ -82,11 +82,13 @@ def measure(shared: Comparison, event: Event, part: Part, *, place: Place) -> Sh
     heard = hear(shared, event, part, margin=max(search, shared.memory, shared.samples(shared.lead_ms)))
     core = heard.core
     pattern = slice(core.start, min(core.stop, core.start + shared.samples(shared.rules.longest_ms)))
-    felt = feel(shared, event, heard.span, place=place)
+    felt = feel(shared, event, heard.span, time_map=time_map)
     match = match_template(heard.intended[pattern], felt.following[pattern.start - search : pattern.stop + search])
     if math.isnan(match.lag):
         return None
-    match, exact, felt, adjoints = _refined(shared, event, part, heard, felt, pattern=pattern, match=match, place=place)
+    match, exact, felt, adjoints = _refined(
+        shared, event, part, heard, felt, pattern=pattern, match=match, time_map=time_map
+    )
     due = due_drives(shared, heard, felt, adjoints)
     early_db, due_early_db = preecho(shared, event, part, heard, felt, due)
     return ShotFigures(
@@ -101,12 +103,12 @@ def measure(shared: Comparison, event: Event, part: Part, *, place: Place) -> Sh
     )
 
 
-def locate(shared: Comparison, event: Event, part: Part, *, place: Place, search: int) -> Match:
-    """Return where the drive holds a shot, within `search` samples of where `place` says."""
+def locate(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap, search: int) -> Match:
+    """Return where the drive holds a shot, within `search` samples of where `time_map` says."""
     start, longest = part.span.start, shared.samples(shared.rules.longest_ms)
     short = replace(part, span=Span(start, min(part.span.stop, start + longest)))
     heard = hear(shared, event, short, margin=0)
-    felt = feel(shared, event, Span(start - search, short.span.stop + search), place=place)
+    felt = feel(shared, event, Span(start - search, short.span.stop + search), time_map=time_map)
     return match_template(heard.intended, felt.following)
 
 
@@ -119,7 +121,7 @@ def _refined(
     *,
     pattern: slice,
     match: Match,
-    place: Place,
+    time_map: TimeMap,
 ) -> tuple[Match, bool, Felt, Adjoints]:
     """Return the match, whether it is exact, and the drive read anew from there, `here` where that is the same.
 
@@ -128,8 +130,8 @@ def _refined(
     """
 
     def read(late: int) -> tuple[Felt, Adjoints]:
-        there = Place(place.stretch, place.shift + late * place.stretch)
-        felt = feel(shared, event, heard.span, place=there) if late else here
+        there = TimeMap(time_map.scale, time_map.offset + late * time_map.scale)
+        felt = feel(shared, event, heard.span, time_map=there) if late else here
         return felt, adjoints_of(shared, heard, felt)
 
     believed = abs(match.correlation) >= likeness_limit(shared, event)

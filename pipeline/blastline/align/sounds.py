@@ -28,18 +28,18 @@ class Sound:
 
 
 @dataclass(frozen=True)
-class Place:
-    """Where the drive's file holds what belongs to a sample of the film: at `stretch * sample + shift`.
+class TimeMap:
+    """Where the drive's file holds what belongs to a sample of the film: file_sample = scale * film_sample + offset.
 
-    In samples at the soundtrack's rate; a right file has stretch 1 and shift 0.
+    In samples at the soundtrack's rate; a right file has scale 1 and offset 0.
     """
 
-    stretch: float = 1.0
-    shift: float = 0.0
+    scale: float = 1.0
+    offset: float = 0.0
 
     def lag(self, sample: float) -> float:
         """Return how many samples late the drive is at a sample of the film."""
-        return (self.stretch - 1.0) * sample + self.shift
+        return (self.scale - 1.0) * sample + self.offset
 
 
 def source_of(event: Event) -> MadeOf:
@@ -59,7 +59,7 @@ def read_padded(sound: Sound, span: Span, made_of: MadeOf = "mains") -> NDArray[
 
 
 def drive_at(
-    drive: Sound, span: Span, *, rate_hz: int, place: Place
+    drive: Sound, span: Span, *, rate_hz: int, time_map: TimeMap
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the drive that belongs to `span` of the film, and the samples of its file that this was read from.
 
@@ -67,13 +67,13 @@ def drive_at(
     rates are interpolated by a cubic spline, which is exact enough in the band of vibration but may overshoot.
     """
     ratio = drive.rate_hz / rate_hz
-    if ratio == 1.0 and place.stretch == 1.0 and place.shift == round(place.shift):
-        shift = round(place.shift)
-        samples = read_padded(drive, Span(span.start + shift, span.stop + shift))
+    if ratio == 1.0 and time_map.scale == 1.0 and time_map.offset == round(time_map.offset):
+        offset = round(time_map.offset)
+        samples = read_padded(drive, Span(span.start + offset, span.stop + offset))
         return samples, samples
     from scipy.interpolate import CubicSpline
 
-    positions = (np.arange(span.start, span.stop) * place.stretch + place.shift) * ratio
+    positions = (np.arange(span.start, span.stop) * time_map.scale + time_map.offset) * ratio
     around = Span(int(np.floor(positions[0])) - 2, int(np.ceil(positions[-1])) + 3)
     written = read_padded(drive, around)
     spline = CubicSpline(np.arange(len(around)), written)

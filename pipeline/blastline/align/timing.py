@@ -10,7 +10,7 @@ from ..model import Event
 from .comparison import Comparison, Samples
 from .hearing import Part
 from .shots import ShotFigures, likeness_limit, locate, measure
-from .sounds import Place
+from .sounds import TimeMap
 from .whole_drive import moving_spans
 
 _PROBES = 24
@@ -26,7 +26,7 @@ is not what was rendered, and no lag of it is exact: one that was made louder an
 _STILL_MS = 10.0
 """A drive at rest for this long has left its window."""
 
-_STRETCHES = (0.5, 2.0)
+_SCALES = (0.5, 2.0)
 """No drive runs slower or faster than this beside its film: what points to less or more is another film's."""
 
 
@@ -38,14 +38,14 @@ Lag = tuple[float, float]
 class Timing:
     """Where the drive holds the film: its line, which shots it was fitted to, and each shot's figures.
 
-    `place` is the fitted line, None where no shot was found; `exact` says that the actuator's limit has no part in it.
-    The figures were taken with the drive read from `read`. `lags` are in samples against what was intended, None
+    `time_map` is the fitted line, None where no shot was found; `exact` says that the actuator's limit has no part in
+    it. The figures were taken with the drive read from `read`. `lags` are in samples against what was intended, None
     where a shot was not found. `found` counts those that were and are comparable.
     """
 
-    place: Place | None
+    time_map: TimeMap | None
     exact: bool
-    read: Place
+    read: TimeMap
     figures: tuple[ShotFigures | None, ...]
     lags: tuple[float | None, ...]
     found: int
@@ -57,7 +57,7 @@ def time_film(shared: Comparison, events: Sequence[Event], parts: Sequence[Part]
     First each shot is searched for around its own place. Where fewer than half are found there, the drive is taken
     to be displaced, and is read again from where it seems to be.
     """
-    timing = _measure_all(shared, events, parts, comparable, Place())
+    timing = _measure_all(shared, events, parts, comparable, TimeMap())
     asked = sum(comparable)
     if 2 * timing.found >= asked:
         return timing
@@ -68,17 +68,17 @@ def time_film(shared: Comparison, events: Sequence[Event], parts: Sequence[Part]
     return timing
 
 
-def _whole(guess: Place, events: Sequence[Event]) -> Place:
+def _whole(guess: TimeMap, events: Sequence[Event]) -> TimeMap:
     """Return a displacement by whole samples where the speed is right: it is read without interpolation."""
     drift = guess.lag(events[-1].onset_sample) - guess.lag(events[0].onset_sample)
-    return Place(1.0, round(guess.lag(events[0].onset_sample))) if abs(drift) < 1.0 else guess
+    return TimeMap(1.0, round(guess.lag(events[0].onset_sample))) if abs(drift) < 1.0 else guess
 
 
 def _measure_all(
-    shared: Comparison, events: Sequence[Event], parts: Sequence[Part], comparable: Sequence[bool], read: Place
+    shared: Comparison, events: Sequence[Event], parts: Sequence[Part], comparable: Sequence[bool], read: TimeMap
 ) -> Timing:
     """Return the timing with the drive read from one place; the line goes through exact lags where there are enough."""
-    figures = tuple(measure(shared, event, part, place=read) for event, part in zip(events, parts, strict=True))
+    figures = tuple(measure(shared, event, part, time_map=read) for event, part in zip(events, parts, strict=True))
     lags: list[float | None] = []
     found: list[Lag] = []
     exact: list[Lag] = []
@@ -86,7 +86,7 @@ def _measure_all(
         if figure is None or abs(figure.match.correlation) < likeness_limit(shared, event):
             lags.append(None)
             continue
-        lag = read.lag(event.onset_sample) + figure.match.lag * read.stretch
+        lag = read.lag(event.onset_sample) + figure.match.lag * read.scale
         lags.append(lag)
         if compared:
             found.append((event.onset_sample, lag))
@@ -98,7 +98,7 @@ def _measure_all(
     return Timing(_line(found) if found else None, False, read, figures, tuple(lags), len(found))
 
 
-def _line(found: Sequence[Lag]) -> Place:
+def _line(found: Sequence[Lag]) -> TimeMap:
     """Return the line through the lags by Theil and Sen: the median slope of all pairs, which strays ignore.
 
     Each pair weighs as much as its shots are apart (Jaeckel 1972): those of a burst tell little of a film's slope.
@@ -110,10 +110,10 @@ def _line(found: Sequence[Lag]) -> Place:
     first, second, apart = first[apart > 0], second[apart > 0], apart[apart > 0]
     slopes = (lags[second] - lags[first]) / apart
     slope = _weighted_median(slopes, apart) if len(slopes) else 0.0
-    return Place(1.0 + slope, float(np.median(lags - slope * samples)))
+    return TimeMap(1.0 + slope, float(np.median(lags - slope * samples)))
 
 
-def _exact_line(exact: Sequence[Lag], found: Sequence[Lag], *, bend: float) -> Place | None:
+def _exact_line(exact: Sequence[Lag], found: Sequence[Lag], *, bend: float) -> TimeMap | None:
     """Return the line through exact lags; None where they are too few of all those found, or do not lie on one.
 
     Those from less than half of the film tell its place, but no slope: the others have to bear it out, but for what
@@ -122,12 +122,12 @@ def _exact_line(exact: Sequence[Lag], found: Sequence[Lag], *, bend: float) -> P
     if len(exact) < max(1, len(found) / 4):
         return None
     wide = 2 * (exact[-1][0] - exact[0][0]) >= found[-1][0] - found[0][0]
-    line = _line(exact) if wide else Place(1.0, float(np.median([lag for _, lag in exact])))
+    line = _line(exact) if wide else TimeMap(1.0, float(np.median([lag for _, lag in exact])))
     steady = _scatter(exact, line) <= _STEADY and (wide or _scatter(found, line) <= bend)
     return line if steady else None
 
 
-def _scatter(found: Sequence[Lag], line: Place) -> float:
+def _scatter(found: Sequence[Lag], line: TimeMap) -> float:
     """Return how far lags lie from a line, in the median."""
     return float(np.median([abs(lag - line.lag(sample)) for sample, lag in found]))
 
@@ -141,7 +141,7 @@ def _weighted_median(values: Samples, weights: Samples) -> float:
 
 def _guesses(
     shared: Comparison, events: Sequence[Event], parts: Sequence[Part], comparable: Sequence[bool]
-) -> list[Place]:
+) -> list[TimeMap]:
     """Return where a displaced drive may lie: by the pattern of its windows, and by its shots one after the other."""
     guesses = []
     if shared.background == "mute":
@@ -150,11 +150,11 @@ def _guesses(
     indices = [index for index, compared in enumerate(comparable) if compared]
     probes = _by_probes(shared, [events[index] for index in indices], [parts[index] for index in indices])
     guesses += [probes] if probes else []
-    slowest, fastest = _STRETCHES
-    return [guess for guess in guesses if slowest <= guess.stretch <= fastest]
+    slowest, fastest = _SCALES
+    return [guess for guess in guesses if slowest <= guess.scale <= fastest]
 
 
-def _by_windows(shared: Comparison, events: Sequence[Event]) -> Place | None:
+def _by_windows(shared: Comparison, events: Sequence[Event]) -> TimeMap | None:
     """Return the line through the starts of the drive's movements, where there are as many as windows."""
     ratio = shared.rate_hz / shared.drive.rate_hz
     still = shared.samples(_STILL_MS)
@@ -166,14 +166,16 @@ def _by_windows(shared: Comparison, events: Sequence[Event]) -> Place | None:
     return _line([(start, span.start * ratio - start) for start, span in zip(merged, moving, strict=True)])
 
 
-def _by_probes(shared: Comparison, events: Sequence[Event], parts: Sequence[Part]) -> Place | None:
+def _by_probes(shared: Comparison, events: Sequence[Event], parts: Sequence[Part]) -> TimeMap | None:
     """Return the line through shots found one after the other, each expected where the earlier ones point."""
     chosen = np.unique(np.linspace(0, len(events) - 1, min(_PROBES, len(events))).round().astype(int))
     found: list[Lag] = []
     for index in chosen:
         onset = events[index].onset_sample
         expected = round(_line(found).lag(onset)) if found else 0
-        match = locate(shared, events[index], parts[index], place=Place(1.0, expected), search=shared.samples(_WIDE_MS))
+        match = locate(
+            shared, events[index], parts[index], time_map=TimeMap(1.0, expected), search=shared.samples(_WIDE_MS)
+        )
         if abs(match.correlation) >= likeness_limit(shared, events[index]):
             found.append((onset, expected + match.lag))
     return _line(found) if len(found) > len(chosen) // 2 else None

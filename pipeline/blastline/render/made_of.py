@@ -34,7 +34,7 @@ def is_lacking(audio: Clip, onset: int) -> bool:
     if audio.sides is None or audio.samples.shape[1] > 1:
         return False
     at, rate_hz = onset - audio.start, audio.rate_hz
-    mains, sides = (_Course.around(mix, at, rate_hz) for mix in (audio.heard, audio.sides))
+    mains, sides = (_OnsetEnergy.around(mix, at, rate_hz) for mix in (audio.heard, audio.sides))
     if sides.brought <= 0.0 or mains.brought >= max(_WEAKER * sides.brought, mains.before):
         return False
     latest = round(_LATEST_MS / _CELL_MS)
@@ -58,11 +58,11 @@ def mix_that_drives(audio: Clip, onsets: Sequence[int]) -> MadeOf:
 def _brought_by(audio: Clip, channel: MadeOf, onsets: Sequence[int]) -> float:
     """Return how much energy shots bring to a channel."""
     played = audio.driving_of(channel)
-    return sum(_Course.around(played, onset - audio.start, audio.rate_hz).brought for onset in onsets)
+    return sum(_OnsetEnergy.around(played, onset - audio.start, audio.rate_hz).brought for onset in onsets)
 
 
 @dataclass(frozen=True, eq=False)
-class _Course:
+class _OnsetEnergy:
     """A mix after an onset, as means of cells against what was the mean before; its energy, and as much of that before.
 
     `brought` is how much of the energy came with the onset.
@@ -76,8 +76,8 @@ class _Course:
         return float(self.now @ self.now) - self.before
 
     @classmethod
-    def around(cls, mix: NDArray[np.floating], at: int, rate_hz: int) -> "_Course":
-        """Return the course of a mix after an index."""
+    def around(cls, mix: NDArray[np.floating], at: int, rate_hz: int) -> "_OnsetEnergy":
+        """Return what an onset at an index of a mix brings."""
         cell = max(1, samples_from_ms(_CELL_MS, rate_hz))
         length = cell * round(_AROUND_MS / _CELL_MS)
         before = mix[max(0, at - length) : at]

@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from ..synth import ENVIRONMENTS, draw_colour, draw_place, in_place, record
+from ..synth import ENVIRONMENTS, draw_acoustics, draw_colour, record, with_acoustics
 from .mixes import Samples, Sound
 
 SPEEDS = (0.8, 1.25)
@@ -30,8 +30,8 @@ def varied(sound: Sound, rng: np.random.Generator, rate_hz: int) -> Sound:
         sound = repeated(sound, rng, rate_hz)
     samples = sound.samples
     if rng.random() < 0.3:
-        place = draw_place(rng, ENVIRONMENTS[int(rng.integers(len(ENVIRONMENTS)))])
-        samples, _ = in_place(rng, samples, place, rate_hz=rate_hz)
+        acoustics = draw_acoustics(rng, ENVIRONMENTS[int(rng.integers(len(ENVIRONMENTS)))])
+        samples, _ = with_acoustics(rng, samples, acoustics, rate_hz=rate_hz)
     if rng.random() < 0.6:
         samples = record(samples, draw_colour(rng), rate_hz=rate_hz)
     return replace(sound, samples=samples)

@@ -4,7 +4,7 @@ from .apart import stands_out_db
 from .beds import BED_KINDS, BedKind, random_bed
 from .colour import draw_colour, record
 from .designed import designed_negative, designed_shot
-from .echoes import in_place
+from .echoes import with_acoustics
 from .files import render_scene, synthesise, truth_of, write_scene
 from .film import film_scene
 from .handling import handling
@@ -12,7 +12,7 @@ from .mix import SceneAudio
 from .negatives import NEGATIVE_KINDS, NegativeKind, random_negative
 from .outdoors import outdoor_shot
 from .plain import plain_bed, plain_negative, plain_shot
-from .rooms import ENVIRONMENTS, draw_place
+from .rooms import ENVIRONMENTS, draw_acoustics
 from .scene import Scene, load_scene
 from .shots import random_shot
 from .truth import NegativeTruth, ShotTruth, Truth, decode_truth, encode_truth
@@ -31,12 +31,11 @@ __all__ = [
     "decode_truth",
     "designed_negative",
     "designed_shot",
+    "draw_acoustics",
     "draw_colour",
-    "draw_place",
     "encode_truth",
     "film_scene",
     "handling",
-    "in_place",
     "load_scene",
     "outdoor_shot",
     "plain_bed",
@@ -50,5 +49,6 @@ __all__ = [
     "stands_out_db",
     "synthesise",
     "truth_of",
+    "with_acoustics",
     "write_scene",
 ]

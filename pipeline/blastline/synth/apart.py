@@ -57,11 +57,11 @@ def told_apart(rng: np.random.Generator, voice: Voice, *, spacing_s: float, marg
 
 def _damped(voice: Voice) -> Voice:
     """Return the voice in a drier place, nearer the microphone, under thinner layers."""
-    place = voice.place
-    tail = place.tail
+    acoustics = voice.acoustics
+    tail = acoustics.tail
     if tail is not None:
         tail = replace(tail, level_db=tail.level_db - 4.0, low_s=0.85 * tail.low_s, high_s=0.85 * tail.high_s)
-    echoes = tuple(replace(echo, gain=0.7 * echo.gain) for echo in place.echoes)
+    echoes = tuple(replace(echo, gain=0.7 * echo.gain) for echo in acoustics.echoes)
     roars = tuple(
         replace(roar, level_db=roar.level_db - 3.0, attack_ms=0.8 * roar.attack_ms, decay_ms=0.75 * roar.decay_ms)
         for roar in voice.roars
@@ -70,5 +70,5 @@ def _damped(voice: Voice) -> Voice:
     if boom is not None:
         boom = replace(boom, level_db=boom.level_db - 3.0, decay_ms=0.75 * boom.decay_ms)
     mechanisms = tuple(replace(part, level_db=part.level_db - 2.0) for part in voice.mechanisms)
-    place = replace(place, echoes=echoes, tail=tail)
-    return replace(voice, place=place, roars=roars, boom=boom, mechanisms=mechanisms)
+    acoustics = replace(acoustics, echoes=echoes, tail=tail)
+    return replace(voice, acoustics=acoustics, roars=roars, boom=boom, mechanisms=mechanisms)

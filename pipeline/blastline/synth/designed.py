@@ -15,11 +15,11 @@ import numpy as np
 
 from .chance import between, chance, fork, log_between, pick
 from .colour import draw_colour, record
-from .echoes import in_place, overlaid
+from .echoes import overlaid, with_acoustics
 from .impacts import series
 from .layers import draw_layers, draw_mechanics
 from .noises import coloured
-from .rooms import ENVIRONMENTS, draw_place
+from .rooms import ENVIRONMENTS, draw_acoustics
 from .tone import Samples, bandpass, lowpass, saturate, trimmed
 from .waves import band_burst, normalised
 
@@ -182,7 +182,7 @@ def _finished(rng: np.random.Generator, sound: Samples, rate_hz: int) -> Samples
     if chance(rng, 0.4):
         sound = record(sound, draw_colour(rng), rate_hz=rate_hz)
     if chance(rng, 0.25):
-        sound, _ = in_place(rng, sound, draw_place(rng, pick(rng, ENVIRONMENTS)), rate_hz=rate_hz)
+        sound, _ = with_acoustics(rng, sound, draw_acoustics(rng, pick(rng, ENVIRONMENTS)), rate_hz=rate_hz)
     if chance(rng, 0.4):
         sound = sound[: round(log_between(rng, (0.07, 0.8)) * rate_hz)].copy()
     sound = sound[: round(_LONGEST_S * rate_hz)]

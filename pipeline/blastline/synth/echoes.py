@@ -7,7 +7,7 @@ import numpy as np
 
 from .chance import fork
 from .images import Echo
-from .rooms import Place, Tail, tail_noise
+from .rooms import Acoustics, Tail, tail_noise
 from .tone import Samples, lowpass, peak
 from .waves import noise_burst
 
@@ -30,29 +30,29 @@ class HeardEcho:
     head: Samples
 
 
-def in_place(
-    rng: np.random.Generator, direct: Samples, place: Place, *, rate_hz: int
+def with_acoustics(
+    rng: np.random.Generator, direct: Samples, acoustics: Acoustics, *, rate_hz: int
 ) -> tuple[Samples, tuple[HeardEcho, ...]]:
     """Return the sound with its echoes and its tail, and the echoes as they came out; the direct sound comes first."""
     top = peak(direct)
     longest = max(
-        (round((echo.delay_s + SMEAR_SPREAD * 1e-3 * echo.smear_ms) * rate_hz) for echo in place.echoes), default=0
+        (round((echo.delay_s + SMEAR_SPREAD * 1e-3 * echo.smear_ms) * rate_hz) for echo in acoustics.echoes), default=0
     )
     # added one by one: sixty copies of a long sound would fill the memory
     total = np.zeros(len(direct) + longest + 2)
     total[: len(direct)] = direct
     heard = []
     darker: dict[float, Samples] = {}
-    for echo in place.echoes:
+    for echo in acoustics.echoes:
         if echo.corner_hz not in darker:
             darker[echo.corner_hz] = lowpass(direct, echo.corner_hz, rate_hz=rate_hz)
         part = _smeared(rng, darker[echo.corner_hz], echo, rate_hz=rate_hz) * echo.gain
         delay = round(echo.delay_s * rate_hz)
         total[delay : delay + len(part)] += part
         heard.append(HeardEcho(delay, peak(part) / top, part[: math.ceil(HEAD_S * rate_hz)].copy()))
-    if place.tail is not None:
-        start = round(place.tail.start_s * rate_hz)
-        total = overlaid([(0, total), (start, _diffuse(fork(rng), direct, place.tail, rate_hz=rate_hz))])
+    if acoustics.tail is not None:
+        start = round(acoustics.tail.start_s * rate_hz)
+        total = overlaid([(0, total), (start, _diffuse(fork(rng), direct, acoustics.tail, rate_hz=rate_hz))])
     return total, tuple(heard)
 
 

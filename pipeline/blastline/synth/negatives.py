@@ -11,7 +11,7 @@ from .chance import chance, fork, log_between, pick
 from .colour import CLEAN, air, draw_colour, record
 from .cries import bark, clipped_speech, cough, shout
 from .drums import applause, clap, cymbal, kick, roll, snare, tom
-from .echoes import in_place
+from .echoes import with_acoustics
 from .impacts import MATERIALS, draw_body, struck
 from .knocks import (
     door,
@@ -28,7 +28,7 @@ from .knocks import (
 )
 from .machines import jackhammer, machine, mill, motor, nail_gun, ratchet, rotor, typewriter
 from .music import bell, stinger
-from .rooms import ENVIRONMENTS, draw_place
+from .rooms import ENVIRONMENTS, draw_acoustics
 from .tone import Samples, peak, trimmed
 from .waves import noise_burst
 
@@ -119,8 +119,10 @@ def random_negative(rng: np.random.Generator, rate_hz: int, kind: NegativeKind |
     sound = sound[int(np.argmax(sound != 0.0)) :]
     if chosen not in _BY_ITSELF and chance(rng, 0.75):
         environment = pick(rng, ENVIRONMENTS[:-1] if chance(rng, 0.9) else ENVIRONMENTS)
-        place = draw_place(rng, environment)
-        sound, _ = in_place(fork(rng), air(sound, place.distance_m, rate_hz=rate_hz), place, rate_hz=rate_hz)
+        acoustics = draw_acoustics(rng, environment)
+        sound, _ = with_acoustics(
+            fork(rng), air(sound, acoustics.distance_m, rate_hz=rate_hz), acoustics, rate_hz=rate_hz
+        )
     sound = record(sound, CLEAN if chosen == "click" and chance(rng, 0.5) else draw_colour(rng), rate_hz=rate_hz)
     sound = trimmed(sound)
     return sound / peak(sound), 0

@@ -40,30 +40,32 @@ class Tail:
 
 
 @dataclass(frozen=True)
-class Place:
-    """A source and a listener somewhere: the echoes between them in order of time, and the tail."""
+class Acoustics:
+    """How a place sounds between a source and a listener: the echoes between them in order of time, and the tail."""
 
     distance_m: float
     echoes: tuple[Echo, ...]
     tail: Tail | None
 
 
-def draw_place(rng: np.random.Generator, environment: Environment, *, distance_m: float | None = None) -> Place:
-    """Return a random place of its kind; the source is `distance_m` away where it is given.
+def draw_acoustics(rng: np.random.Generator, environment: Environment, *, distance_m: float | None = None) -> Acoustics:
+    """Return the acoustics of a random place of its kind; the source is `distance_m` away where it is given.
 
     Four in ten are damped: a directed microphone, a padded room or an edited clip keeps little of the place.
     """
-    place = _DRAWS[environment](rng, distance_m)
-    if place.tail is None or not chance(rng, DAMPED_CHANCE):
-        return place
+    acoustics = _DRAWS[environment](rng, distance_m)
+    if acoustics.tail is None or not chance(rng, DAMPED_CHANCE):
+        return acoustics
     gain, shorter = log_between(rng, (0.05, 0.7)), log_between(rng, (0.3, 1.0))
     tail = replace(
-        place.tail,
-        level_db=place.tail.level_db - between(rng, (4.0, 25.0)),
-        low_s=max(0.1, shorter * place.tail.low_s),
-        high_s=max(0.05, shorter * place.tail.high_s),
+        acoustics.tail,
+        level_db=acoustics.tail.level_db - between(rng, (4.0, 25.0)),
+        low_s=max(0.1, shorter * acoustics.tail.low_s),
+        high_s=max(0.05, shorter * acoustics.tail.high_s),
     )
-    return Place(place.distance_m, tuple(replace(echo, gain=gain * echo.gain) for echo in place.echoes), tail)
+    return Acoustics(
+        acoustics.distance_m, tuple(replace(echo, gain=gain * echo.gain) for echo in acoustics.echoes), tail
+    )
 
 
 def tail_noise(rng: np.random.Generator, rate_hz: int, tail: Tail) -> Samples:
@@ -79,7 +81,7 @@ def tail_noise(rng: np.random.Generator, rate_hz: int, tail: Tail) -> Samples:
     return np.asarray(scale * grown, dtype=np.float64)
 
 
-def _room(rng: np.random.Generator, distance_m: float | None, *, hall: bool) -> Place:
+def _room(rng: np.random.Generator, distance_m: float | None, *, hall: bool) -> Acoustics:
     size = [log_between(rng, (14.0, 45.0) if hall else (2.6, 13.0)) for _ in range(2)]
     size.append(log_between(rng, (5.0, 16.0) if hall else (2.2, 4.5)))
     reflection = math.sqrt(1.0 - log_between(rng, (0.06, 0.5)))
@@ -90,7 +92,7 @@ def _room(rng: np.random.Generator, distance_m: float | None, *, hall: bool) -> 
     reverberation = 0.161 * volume / (-surface * math.log(1.0 - absorption))
     level = 16.0 * math.pi * direct**2 * (1.0 - absorption) / (surface * absorption)
     free_path = 4.0 * volume / surface / SPEED_OF_SOUND
-    return Place(direct, echoes, _room_tail(rng, 10.0 * math.log10(level), free_path, reverberation))
+    return Acoustics(direct, echoes, _room_tail(rng, 10.0 * math.log10(level), free_path, reverberation))
 
 
 def _room_tail(rng: np.random.Generator, level_db: float, free_path_s: float, reverberation_s: float) -> Tail:
@@ -122,7 +124,7 @@ def _inside(
     return (x, y, z), max(math.dist(source, listener), 0.3)
 
 
-def _street(rng: np.random.Generator, distance_m: float | None) -> Place:
+def _street(rng: np.random.Generator, distance_m: float | None) -> Acoustics:
     width = log_between(rng, (4.0, 40.0))
     reach = distance_m if distance_m is not None else log_between(rng, (2.0, 80.0))
     across = Axis(width, width * between(rng, (0.1, 0.9)), width * between(rng, (0.1, 0.9)), between(rng, (0.45, 0.92)))
@@ -131,28 +133,28 @@ def _street(rng: np.random.Generator, distance_m: float | None) -> Place:
     direct, echoes = image_echoes(axes, order=4, corner_hz=log_between(rng, (3_000.0, 14_000.0)))
     if chance(rng, 0.5):
         echoes += _far_reflectors(rng, direct, distances_m=(15.0, 150.0), loss_db=(4.0, 20.0), smear_ms=(0.0, 8.0))
-    return Place(
+    return Acoustics(
         direct, tuple(sorted(echoes, key=lambda echo: echo.delay_s)), _open_tail(rng, (-12.0, 6.0), (0.4, 2.0))
     )
 
 
-def _field(rng: np.random.Generator, distance_m: float | None) -> Place:
+def _field(rng: np.random.Generator, distance_m: float | None) -> Acoustics:
     reach = distance_m if distance_m is not None else log_between(rng, (0.7, 120.0))
     axes = (Axis(None, 0.0, reach, 0.0), Axis(None, 0.0, 0.0, 0.0), _ground(rng))
     direct, echoes = image_echoes(axes, order=0, corner_hz=log_between(rng, (2_000.0, 12_000.0)))
     if chance(rng, 0.7):
         echoes += _far_reflectors(rng, direct, distances_m=(20.0, 300.0), loss_db=(6.0, 30.0), smear_ms=(1.0, 60.0))
-    return Place(
+    return Acoustics(
         direct, tuple(sorted(echoes, key=lambda echo: echo.delay_s)), _open_tail(rng, (-24.0, 2.0), (0.5, 2.8))
     )
 
 
-def _far(rng: np.random.Generator, distance_m: float | None) -> Place:
+def _far(rng: np.random.Generator, distance_m: float | None) -> Acoustics:
     reach = distance_m if distance_m is not None else log_between(rng, (120.0, 1_500.0))
     axes = (Axis(None, 0.0, reach, 0.0), Axis(None, 0.0, 0.0, 0.0), _ground(rng))
     direct, echoes = image_echoes(axes, order=0, corner_hz=log_between(rng, (1_000.0, 4_000.0)))
     echoes += _far_reflectors(rng, direct, distances_m=(40.0, 500.0), loss_db=(0.0, 16.0), smear_ms=(4.0, 120.0))
-    return Place(
+    return Acoustics(
         direct, tuple(sorted(echoes, key=lambda echo: echo.delay_s)), _open_tail(rng, (-12.0, 8.0), (0.8, 3.2))
     )
 
@@ -193,7 +195,7 @@ def _open_tail(rng: np.random.Generator, level_db: tuple[float, float], low_s: t
     )
 
 
-_DRAWS: dict[str, Callable[[np.random.Generator, float | None], Place]] = {
+_DRAWS: dict[str, Callable[[np.random.Generator, float | None], Acoustics]] = {
     "indoors": lambda rng, distance_m: _room(rng, distance_m, hall=False),
     "hall": lambda rng, distance_m: _room(rng, distance_m, hall=True),
     "street": _street,

@@ -16,7 +16,7 @@ from ..units import SILENCE_DB, db_from_gain, ms_from_samples
 from .audible import BLAST_END, HEARD_S, LEAD_S, Parts
 from .chance import chance, fork, pick
 from .colour import air, record
-from .echoes import HEAD_S, HeardEcho, in_place, overlaid
+from .echoes import HEAD_S, HeardEcho, overlaid, with_acoustics
 from .rooms import ENVIRONMENTS
 from .tone import Samples, peak, trimmed
 from .truth import ShotTruth, TrueReflection
@@ -70,7 +70,7 @@ def fire_apart(rng: np.random.Generator, rate_hz: int, voice: Voice) -> Fired:
     """Return the same shot with its parts."""
     this = varied(rng, voice)
     direct = _direct(fork(rng), rate_hz, this)
-    sound, echoes = in_place(fork(rng), direct.samples, this.place, rate_hz=rate_hz)
+    sound, echoes = with_acoustics(fork(rng), direct.samples, this.acoustics, rate_hz=rate_hz)
     if direct.pulse is not None:
         echoes = tuple(sorted((*echoes, direct.pulse), key=lambda echo: echo.delay))
     echoes = tuple(echo for echo in echoes if db_from_gain(echo.gain) >= FAINTEST_LISTED_DB)
@@ -106,7 +106,7 @@ def _direct(rng: np.random.Generator, rate_hz: int, voice: Voice) -> _Direct:
     if voice.second_pulse is not None:
         delay_ms, level_db = voice.second_pulse
         pulses.append((round(delay_ms * 1e-3 * rate_hz), wave * 10.0 ** (level_db / 20.0)))
-    distance_m, muffle = voice.place.distance_m, voice.muffle
+    distance_m, muffle = voice.acoustics.distance_m, voice.muffle
     blast = air(overlaid(parts + pulses), distance_m, rate_hz=rate_hz, muffle=muffle)
     roar = air(overlaid(_roars(rng, rate_hz, voice)), distance_m, rate_hz=rate_hz, muffle=muffle)
     sound = overlaid([(0, blast), (0, roar)])
@@ -179,7 +179,7 @@ def _truth(
         start_sample=min([lead, *accept, *before]),
         weapon=voice.weapon,
         environment=voice.environment,
-        distance_m=voice.place.distance_m,
+        distance_m=voice.acoustics.distance_m,
         rise_ms=voice.rise_ms,
         snr_db=-SILENCE_DB,
         peak_dbfs=0.0,

@@ -8,7 +8,7 @@ import numpy as np
 from ..units import SILENCE_DB
 from .chance import between, chance, log_between
 from .colour import CLEAN, Colour, draw_colour
-from .rooms import Environment, Place, draw_place
+from .rooms import Acoustics, Environment, draw_acoustics
 from .weapons import WEAPONS, WeaponName
 
 MECHANICS_WITHIN_M = 25.0
@@ -64,7 +64,7 @@ class Voice:
 
     weapon: WeaponName
     environment: Environment
-    place: Place
+    acoustics: Acoustics
     colour: Colour
     positive_ms: float
     rise_ms: float
@@ -93,13 +93,13 @@ def draw_voice(
     `clean` records with a measuring microphone in plain air: no sound design, no dynamics, no muffling.
     """
     kind = WEAPONS[weapon]
-    place = draw_place(rng, environment, distance_m=distance_m)
-    far_m = max(place.distance_m, 1.0)
+    acoustics = draw_acoustics(rng, environment, distance_m=distance_m)
+    far_m = max(acoustics.distance_m, 1.0)
     shocked = chance(rng, kind.supersonic) and far_m > SHOCK_BEYOND_M
     voice = Voice(
         weapon=weapon,
         environment=environment,
-        place=place,
+        acoustics=acoustics,
         colour=draw_colour(rng),
         # a blast wave grows longer and its front thicker as it travels
         positive_ms=log_between(rng, kind.positive_ms) * (1.0 + 0.12 * math.log(far_m)),
