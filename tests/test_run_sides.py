@@ -13,7 +13,7 @@ from blastline import run
 from blastline.detect import find_shots, load_verifier
 from blastline.errors import TimelineError
 from blastline.model import Clip, Quality, Timeline, encode
-from blastline.render import mix_that_drives
+from blastline.render import choose_made_of
 from blastline.ruleset import load_rules, rules_path
 from blastline.run import RenderOptions
 from blastline.soundtrack import open_soundtrack
@@ -169,14 +169,14 @@ def test_a_window_is_made_of_the_mains_unless_they_lack_a_shot() -> None:
     for bed in (0.0 * voice, voice):
         pairs = (here, -here), (here, here), (0.0 * here, here)
         against, both, aside = (clip_of(bed + left, bed + right) for left, right in pairs)
-        assert mix_that_drives(against, [first]) == "sides"
-        assert mix_that_drives(both, [first]) == mix_that_drives(aside, [first]) == "mains"
+        assert choose_made_of(against, [first]) == "sides"
+        assert choose_made_of(both, [first]) == choose_made_of(aside, [first]) == "mains"
         mixed = clip_of(bed + here + there, bed - here + there)
-        assert mix_that_drives(mixed, [first, second]) in ("left", "right")
+        assert choose_made_of(mixed, [first, second]) in ("left", "right")
         lopsided = clip_of(bed + here, bed - here + there)
-        assert mix_that_drives(lopsided, [first, second]) == "right"
-    assert mix_that_drives(Clip(here[:, None], RATE_HZ, 500), [first]) == "mains"
-    assert mix_that_drives(Clip(np.zeros((48_000, 2)), RATE_HZ, 500, sides=here), [first]) == "mains"
+        assert choose_made_of(lopsided, [first, second]) == "right"
+    assert choose_made_of(Clip(here[:, None], RATE_HZ, 500), [first]) == "mains"
+    assert choose_made_of(Clip(np.zeros((48_000, 2)), RATE_HZ, 500, sides=here), [first]) == "mains"
 
 
 def test_a_shot_that_is_wide_keeps_the_body_that_the_mains_hold() -> None:
@@ -188,7 +188,7 @@ def test_a_shot_that_is_wide_keeps_the_body_that_the_mains_hold() -> None:
     wide = clip_of(0.3 * body + crack, 0.3 * body - crack)
     assert wide.sides is not None
     assert np.abs(wide.sides).max() > 2.0 * np.abs(wide.heard).max()
-    assert mix_that_drives(wide, [12_500]) == "mains"
+    assert choose_made_of(wide, [12_500]) == "mains"
 
 
 def test_one_channel_of_a_pair_is_the_mains_with_or_without_the_sides() -> None:

@@ -4,7 +4,7 @@ from ..model import Event
 from .comparison import Comparison
 from .hearing import Part
 from .sanity import audio_rise_db
-from .sounds import TimeMap, drive_at, read_padded, source_of
+from .sounds import TimeMap, drive_at, read_padded
 
 _LEAST_MS = {"causal": 5.0, "zero": 20.0}
 """So much of a shot is compared at least: less, before the next shot or the window's end, leaves its lag open."""
@@ -30,6 +30,6 @@ def is_comparable(shared: Comparison, event: Event, part: Part) -> bool:
 def _is_still(shared: Comparison, event: Event) -> bool:
     """Return whether both sound and drive are silent in a shot's window."""
     span = event.window.span
-    if read_padded(shared.audio, span, source_of(event)).any():
+    if read_padded(shared.audio, span, event.made_of).any():
         return False
     return not drive_at(shared.drive, span, rate_hz=shared.rate_hz, time_map=TimeMap())[0].any()

@@ -9,7 +9,7 @@ from .. import dsp
 from ..model import Event, Span
 from ..units import gain_from_db
 from .comparison import Comparison, Samples
-from .sounds import TimeMap, drive_at, read_padded, source_of
+from .sounds import TimeMap, drive_at, read_padded
 
 _FFT_GRAIN = 15 * 2**10
 """Transforms come in few sizes, so that the band's response is computed a few times in a film."""
@@ -87,14 +87,14 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
     settle = shared.settle
     span = Span(part.span.start - margin, part.span.stop + margin)
     wide = Span(span.start - settle, span.stop + settle)
-    audio = read_padded(shared.audio, wide, source_of(event))
+    audio = read_padded(shared.audio, wide, event.made_of)
     kept = slice(settle, settle + len(span))
     undelayed = _without_delay(shared, audio)[kept]
     intended = undelayed
     if shared.phase == "causal" and not is_direct(event):
         intended = dsp.run_filter(shared.band, audio[: kept.stop])[kept]
     dry, wet = np.clip(audio, -1.0, 1.0), None
-    beside = dry[kept] if source_of(event) == "mains" else np.clip(read_padded(shared.audio, span), -1.0, 1.0)
+    beside = dry[kept] if event.made_of == "mains" else np.clip(read_padded(shared.audio, span), -1.0, 1.0)
     if is_direct(event):
         wet = audio
     elif not (part.opens and is_solved(event)):

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ..model import Event, Span
 from ..units import samples_from_ms
-from .sounds import Sound, read_padded, source_of
+from .sounds import Sound, read_padded
 
 _AROUND_MS = 10.0
 
@@ -36,7 +36,7 @@ def audio_rise_db(event: Event, audio: Sound) -> float:
     """Return how much higher the peak of what becomes the drive is just after the onset than before it, in decibels."""
     around = samples_from_ms(_AROUND_MS, audio.rate_hz)
     onset = event.onset_sample
-    return _rise_db(read_padded(audio, Span(onset - around, onset + around), source_of(event)), around)
+    return _rise_db(read_padded(audio, Span(onset - around, onset + around), event.made_of), around)
 
 
 def heard_rise_db(event: Event, audio: Sound) -> float | None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Clip, Cutter, Event, MadeOf, Span
+from ..model import Clip, Cutter, MadeOf, Span
 
 
 @dataclass(frozen=True)
@@ -40,11 +40,6 @@ class TimeMap:
     def lag(self, sample: float) -> float:
         """Return how many samples late the drive is at a sample of the film."""
         return (self.scale - 1.0) * sample + self.offset
-
-
-def source_of(event: Event) -> MadeOf:
-    """Return what became an event's drive; the mains where nothing is known of its making."""
-    return "mains" if event.drive is None else event.drive.made_of
 
 
 def read_padded(sound: Sound, span: Span, made_of: MadeOf = "mains") -> NDArray[np.float64]:

@@ -63,7 +63,8 @@ class Clip:
 
     `samples` is (frames, columns), floating point; `start` is the film's sample index of its first frame. A mixed
     soundtrack has one column, or two where the drive is made from other channels than detection listens to. `sides`,
-    shape (frames,), is what detection hears beside the middle; None where nobody asked or there is no such thing.
+    shape (frames,), is the side signal: half the left-right difference of a pair (mid/side), or the mains without the
+    centre channel; None where nobody asked or there is no such thing.
     """
 
     samples: NDArray[np.floating]

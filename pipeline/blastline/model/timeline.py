@@ -125,6 +125,11 @@ class Event(msgspec.Struct, frozen=True):
     azimuth_focus: Ratio | None = None
     decisions: tuple[Decision, ...] = ()
 
+    @property
+    def made_of(self) -> MadeOf:
+        """Return what became its drive; the mains where nothing is known of its making."""
+        return "mains" if self.drive is None else self.drive.made_of
+
 
 class Rejection(msgspec.Struct, frozen=True):
     """A candidate that was not taken for a shot, with the evidence, so that a missed shot can be explained."""

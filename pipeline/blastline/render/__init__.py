@@ -9,7 +9,7 @@ compose                                             the film's drive
 from .drive import RenderedWindow, measure, render_window
 from .filters import DriveFilters, drive_filters, needed_audio, preroll
 from .heard import HeardWindow, hear_window
-from .made_of import is_lacking, mix_that_drives
+from .made_of import choose_made_of, is_lacking
 from .mix import compose
 from .windows import PlannedWindow, plan_windows, window_between, with_gains
 
@@ -18,12 +18,12 @@ __all__ = [
     "HeardWindow",
     "PlannedWindow",
     "RenderedWindow",
+    "choose_made_of",
     "compose",
     "drive_filters",
     "hear_window",
     "is_lacking",
     "measure",
-    "mix_that_drives",
     "needed_audio",
     "plan_windows",
     "preroll",

@@ -42,8 +42,8 @@ def is_lacking(audio: Clip, onset: int) -> bool:
     return bool(likeness < _ALIKE * (sides.now @ sides.now))
 
 
-def mix_that_drives(audio: Clip, onsets: Sequence[int]) -> MadeOf:
-    """Return the mix that becomes the drive of a window whose shots begin at some samples of the film.
+def choose_made_of(audio: Clip, onsets: Sequence[int]) -> MadeOf:
+    """Return what the drive of a window is to be made of; its shots begin at the samples `onsets` of the film.
 
     `audio` holds them, with its sides if the film has any.
     """

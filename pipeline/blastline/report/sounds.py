@@ -55,8 +55,7 @@ def event_sound(
     settle = samples_from_ms(_SETTLE_MS, rate_hz)
     whole = Span(max(0, start - settle), min(frames, shown.stop + settle))
     kept = slice(shown.start - whole.start, shown.stop - whole.start)
-    made_of = event.drive.made_of if event.drive else "mains"
-    sound = np.asarray(audio.cut(whole, sides=made_of != "mains").driving_of(made_of), dtype=np.float64)
+    sound = np.asarray(audio.cut(whole, sides=event.made_of != "mains").driving_of(event.made_of), dtype=np.float64)
     driving = np.asarray(drive.cut(whole).driving, dtype=np.float64)
     felt = dsp.digital(dsp.felt_response(profile), rate_hz)
     gain = gain_from_db(timeline.level_db + event.gain_db)

@@ -89,10 +89,10 @@ def checked(
 def _require_sides(timeline: Timeline, film: Path, track: Soundtrack) -> None:
     """Raise TimelineError where a drive was made of what only a film of two channels has, and this is none."""
     for event in timeline.events:
-        if event.drive is not None and event.drive.made_of != "mains" and not track.is_pair:
+        if event.made_of != "mains" and not track.is_pair:
             raise TimelineError(
                 f"{film}: has no two channels that play against each other, and the drive of {event.id} was made of "
-                f"what they do (drive.made_of = {event.drive.made_of!r}); expected a film with both"
+                f"what they do (drive.made_of = {event.made_of!r}); expected a film with both"
             )
 
 

@@ -11,11 +11,11 @@ from ..errors import SoundtrackError
 from ..model import Clip, DriveInfo, Span
 from ..render import (
     RenderedWindow,
+    choose_made_of,
     compose,
     drive_filters,
     hear_window,
     measure,
-    mix_that_drives,
     needed_audio,
     render_window,
 )
@@ -67,7 +67,7 @@ def _rendered(heard: Listened, setup: Setup) -> Iterator[RenderedWindow]:
     for planned in heard.windows:
         needed = needed_audio(planned, frames=heard.source.frames, filters=filters, rules=render_rules)
         audio = heard.track.cut(needed, sides=heard.track.is_pair)
-        made_of = mix_that_drives(audio, [heard.found.shots[index].onset for index in planned.shots])
+        made_of = choose_made_of(audio, [heard.found.shots[index].onset for index in planned.shots])
         window = hear_window(audio, planned, filters=filters, rules=render_rules, made_of=made_of)
         evidence = measure(window)
         model, reason = scene.choose(evidence, setup.rules.scenes, options.drive)
