@@ -62,8 +62,12 @@ def db_from_gain(gain: float) -> float:
 
 def levels_db(gains: NDArray[np.floating]) -> NDArray[np.float64]:
     """Return the level of each amplitude ratio, as `db_from_gain` does for one."""
-    floor = 10.0 ** (SILENCE_DB / 20.0)
-    return np.asarray(20.0 * np.log10(np.maximum(gains, floor)), dtype=np.float64)
+    return np.asarray(20.0 * np.log10(np.maximum(gains, gain_from_db(SILENCE_DB))), dtype=np.float64)
+
+
+def gains_from_db(levels: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Return the amplitude ratio of each level, as `gain_from_db` does for one."""
+    return np.asarray(10.0 ** (levels / 20.0), dtype=np.float64)
 
 
 def share_text(peak: float) -> str:

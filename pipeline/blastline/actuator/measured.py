@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..errors import RuleError
 from ..ruleset import FREQUENCY, Columns, read_columns
-from ..units import levels_db
+from ..units import gains_from_db, levels_db
 
 Values = NDArray[np.float64]
 
@@ -109,7 +109,7 @@ def read_measured(path: Path) -> MeasuredResponse:
     low_hz, high_hz = _band(path, read)
     return MeasuredResponse(
         frequencies_hz,
-        10.0 ** (gain_db / 20.0),
+        gains_from_db(gain_db),
         None if phase_deg is None else np.radians(phase_deg),
         read.values.get("coherence"),
         _note(path, read, "averages", least=2.0),

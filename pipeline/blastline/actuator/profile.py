@@ -5,6 +5,7 @@ from pathlib import Path
 
 from ..dsp import felt_response
 from ..ruleset import ActuatorProfile, FitRules, Response, check_stable, convert, toml_lines
+from ..units import gain_from_db
 from .fit import FittedResponse
 from .inverse import band_filters, peak
 from .rational import analogue
@@ -27,7 +28,7 @@ def fitted_profile(
         name=name,
         response=Response(
             source=origin,
-            gain=felt.gain * 10.0 ** (raised / 20.0),
+            gain=felt.gain * gain_from_db(raised),
             zeros_rad_s=_pairs(felt.zeros.tolist()),
             poles_rad_s=_pairs(felt.poles.tolist()),
         ),

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..dsp import Analogue
+from ..units import gain_from_db
 
 Values = NDArray[np.float64]
 
@@ -72,7 +73,7 @@ def analogue(model: Model) -> Analogue:
     """Return the model as zeros, poles and gain in rad/s."""
     zeros: list[complex] = []
     poles: list[complex] = []
-    gain = 10.0 ** (float(model.parameters[0]) / 20.0)
+    gain = gain_from_db(float(model.parameters[0]))
     for factor, corner, damping in _factors(model):
         roots = [complex(-corner)] if factor.order == 1 else _pair(corner, damping)
         (zeros if factor.power > 0 else poles).extend(roots * abs(factor.power))

@@ -122,7 +122,7 @@ def _timing_checks(shared: Comparison, events: Sequence[Event], timing: Timing |
     if timing is None or not events:
         yield Check("drive_shift", None, True, None, rules.shift_samples, "samples")
         return
-    bend = 0.0 if timing.exact else shared.rate_hz * shared.bend_ms / 1000.0
+    bend = 0.0 if timing.exact else shared.bend
     shift_limit, drift_limit = max(rules.shift_samples, bend), max(rules.drift_samples, 2.0 * bend)
     time_map, first, last = timing.time_map, events[0].onset_sample, events[-1].onset_sample
     drift = time_map.lag(last) - time_map.lag(first) if time_map else None

@@ -68,6 +68,11 @@ class Comparison:
         """Return the rate at which everything is compared, the soundtrack's."""
         return self.audio.rate_hz
 
+    @property
+    def bend(self) -> float:
+        """Return `bend_ms` in samples, not rounded."""
+        return self.rate_hz * self.bend_ms / 1000.0
+
     def samples(self, duration_ms: float) -> int:
         """Return a duration in samples."""
         return samples_from_ms(duration_ms, self.rate_hz)

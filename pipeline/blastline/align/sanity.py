@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import Event, Span
-from ..units import samples_from_ms
+from ..units import db_from_gain, samples_from_ms
 from .sounds import Sound, read_padded
 
 _AROUND_MS = 10.0
@@ -63,4 +63,4 @@ def is_rise_owed(event: Event, before: Event | None, rate_hz: int) -> bool:
 
 def _rise_db(samples: NDArray[np.floating], onset: int) -> float:
     before, after = (float(np.abs(part).max(initial=0.0)) for part in (samples[:onset], samples[onset:]))
-    return float(20.0 * np.log10(max(after, 1e-12) / max(before, 1e-12)))
+    return db_from_gain(max(after, 1e-12) / max(before, 1e-12))

@@ -92,7 +92,7 @@ def _measure_all(
             found.append((event.onset_sample, lag))
         if compared and figure.exact:
             exact.append(found[-1])
-    line = _exact_line(exact, found, bend=shared.rate_hz * shared.bend_ms / 1000.0)
+    line = _exact_line(exact, found, bend=shared.bend)
     if line is not None:
         return Timing(line, True, read, figures, tuple(lags), len(found))
     return Timing(_line(found) if found else None, False, read, figures, tuple(lags), len(found))

@@ -9,6 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ..units import gain_from_db
 from .analogue import Analogue
 
 Fits = tuple[tuple[NDArray[np.complex128], int, float], ...]
@@ -23,7 +24,7 @@ _LOW_WEIGHT, _LOW_WEIGHT_IN_FILMS, _FILM_RATE_HZ = 2.0, 15.0, 44_000  # below 44
 # extra poles, taps and the weight close to half the rate; the next where one is not near enough
 _FITS: Fits = ((_MORE_POLES, 12, 0.01), (_MORE_POLES, 16, 0.002), (_MORE_POLES, 20, 0.0005))
 _LEAN_FITS: Fits = ((_FEW_POLES, 5, 0.01), *_FITS)
-_ENOUGH, _ROUNDS = 10.0 ** (-40.3 / 20.0), 4
+_ENOUGH, _ROUNDS = gain_from_db(-40.3), 4
 
 _NEAR_ONE = 1e-6  # of two real poles p, q in one section, (1 - p)(1 - q) is known to 1e-16: at least this, to 1e-10
 _RUN, _SILENT = 8_192, 1e-290  # in a longer run, most of what decays would be denormal before it is seen

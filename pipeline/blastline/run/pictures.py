@@ -11,7 +11,7 @@ from ..errors import OutputError
 from ..report import BodeCurve, write_bode
 from ..ruleset import ActuatorProfile, PerceptionCurve, load_actuator, load_perception
 from ..staging import staged
-from ..units import levels_db
+from ..units import gains_from_db, levels_db
 
 NO_PERCEPTION = "none"
 _PICTURES = (".png", ".svg", ".pdf")
@@ -68,7 +68,7 @@ def _minimum_phase(measured: MeasuredResponse) -> NDArray[np.float64]:
 def _skin_curve(curve: PerceptionCurve) -> BodeCurve:
     frequencies_hz = np.geomspace(curve.frequencies_hz[0], curve.frequencies_hz[-1], 200)
     level_db = sensitivity_db(curve, frequencies_hz)
-    return BodeCurve(frequencies_hz, level_db, np.degrees(minimum_phase(frequencies_hz, 10.0 ** (level_db / 20.0))))
+    return BodeCurve(frequencies_hz, level_db, np.degrees(minimum_phase(frequencies_hz, gains_from_db(level_db))))
 
 
 def _product_curve(measured: MeasuredResponse, curve: PerceptionCurve | None, profile: ActuatorProfile) -> BodeCurve:

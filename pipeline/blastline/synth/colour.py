@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..units import gain_from_db
 from .chance import between, chance, log_between
 from .tone import Samples, compress, highpass, lowpass, peak, saturate, tilt
 
@@ -51,7 +52,7 @@ def record(samples: Samples, colour: Colour, *, rate_hz: int) -> Samples:
     sound = sound / max(peak(sound), 1e-9)
     if colour.squash is not None:
         threshold_db, ratio, release_ms = colour.squash
-        threshold = 10.0 ** (threshold_db / 20.0)
+        threshold = gain_from_db(threshold_db)
         sound = compress(sound, threshold=threshold, ratio=ratio, release_ms=release_ms, rate_hz=rate_hz)
     if colour.drive_db is not None:
         sound = saturate(sound / peak(sound), colour.drive_db)

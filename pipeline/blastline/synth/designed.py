@@ -13,6 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..units import gain_from_db
 from .chance import between, chance, fork, log_between, pick
 from .colour import draw_colour, record
 from .echoes import overlaid, with_acoustics
@@ -139,7 +140,7 @@ def _fired(rng: np.random.Generator, sounds: list[Samples], rate_hz: int) -> tup
     parts = []
     for number, (at, sound) in enumerate(zip(places, sounds, strict=True)):
         stop = places[number + 1] - at if cut and number + 1 < len(places) else len(sound)
-        parts.append((at, sound[:stop] * 10.0 ** (-abs(rng.standard_normal()) / 20.0)))
+        parts.append((at, sound[:stop] * gain_from_db(-abs(rng.standard_normal()))))
     return normalised(overlaid(parts)), tuple(places)
 
 
@@ -154,7 +155,7 @@ def _round(
     parts = []
     for number, (level_db, layer) in enumerate(layers):
         delay_ms = 0.0 if number == first else late_ms + pick(rng, (0.0, 1.0)) * between(rng, (0.0, 3.0))
-        parts.append((round(delay_ms * 1e-3 * rate_hz), layer * 10.0 ** (level_db / 20.0)))
+        parts.append((round(delay_ms * 1e-3 * rate_hz), layer * gain_from_db(level_db)))
     return normalised(overlaid(parts + draw_mechanics(rng, fork(noise), rate_hz))[: round(_LONGEST_S * rate_hz)])
 
 
@@ -166,8 +167,8 @@ def _staged(rng: np.random.Generator, rate_hz: int) -> Samples:
         first = int(rng.integers(len(layers)))
         late_s = log_between(rng, (0.014, 0.26))
         level_db = between(rng, (-9.0, 6.0))
-        stage = overlaid([(0, layer * 10.0 ** (level / 20.0)) for level, layer in layers[first:]])
-        parts.append((round(late_s * rate_hz), normalised(stage) * 10.0 ** (level_db / 20.0)))
+        stage = overlaid([(0, layer * gain_from_db(level)) for level, layer in layers[first:]])
+        parts.append((round(late_s * rate_hz), normalised(stage) * gain_from_db(level_db)))
     return normalised(overlaid(parts)[: round(_LONGEST_S * rate_hz)])
 
 

@@ -10,10 +10,12 @@ import itertools
 import math
 from dataclasses import dataclass
 
+from ..units import gain_from_db
+
 SPEED_OF_SOUND = 343.0
 """Metres per second at 20 degrees Celsius."""
 
-FAINTEST_ECHO = 10.0 ** (-40.0 / 20.0)
+FAINTEST_ECHO = gain_from_db(-40.0)
 MOST_ECHOES = 60
 
 

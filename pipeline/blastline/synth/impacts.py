@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from ..units import gain_from_db
 from .chance import between, fork, log_between
 from .echoes import overlaid
 from .tone import Samples
@@ -96,7 +97,7 @@ def struck(rng: np.random.Generator, rate_hz: int, body: Body, *, hardness: floa
     noise = band_burst(
         fork(rng), rate_hz, band_hz=body.noise_band_hz, attack_ms=0.5 * body.contact_ms, decay_ms=body.noise_decay_ms
     )
-    return normalised(overlaid([(0, ringing), (0, noise * 10.0 ** (body.noise_db / 20.0))]))
+    return normalised(overlaid([(0, ringing), (0, noise * gain_from_db(body.noise_db))]))
 
 
 def modes(rate_hz: int, frequencies_hz: Samples, decays_s: Samples, levels: Samples) -> Samples:
@@ -119,5 +120,5 @@ def series(
     for number, gap_s in enumerate([0.0, *gaps_s.tolist()]):
         at_s += gap_s
         blow = blows[number % len(blows)]
-        parts.append((round(at_s * rate_hz), blow * 10.0 ** (-abs(levels_db * rng.standard_normal()) / 20.0)))
+        parts.append((round(at_s * rate_hz), blow * gain_from_db(-abs(levels_db * rng.standard_normal()))))
     return normalised(overlaid(parts))

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ..units import gain_from_db
 from .chance import between, chance, fork, log_between, pick
 from .impacts import draw_body, struck
 from .noises import coloured, slow
@@ -38,7 +39,7 @@ def draw_mechanics(rng: np.random.Generator, noise: np.random.Generator, rate_hz
     if not chance(rng, 0.35):
         return []
     at = round(log_between(rng, (0.02, 0.3)) * rate_hz)
-    level = 10.0 ** (between(rng, (-36.0, -8.0)) / 20.0)
+    level = gain_from_db(between(rng, (-36.0, -8.0)))
     if chance(rng, 0.5):
         return [(at, struck(noise, rate_hz, draw_body(rng, pick(rng, ("metal", "plastic", "sheet")))) * level)]
     low_hz = log_between(rng, (500.0, 4_000.0))

@@ -5,6 +5,7 @@ parts of one turn, each with its own blow --> again and again, a little uneven -
 
 import numpy as np
 
+from ..units import gains_from_db
 from .chance import between, chance, fork, log_between, pick
 from .echoes import overlaid
 from .impacts import MATERIALS, draw_body, series, struck
@@ -173,5 +174,5 @@ def _going(
     sound = series(rng, blows, gaps_s=gaps, levels_db=between(rng, (0.0, 2.0)), rate_hz=rate_hz)
     if chance(rng, 0.5):
         swell_db = between(rng, (3.0, 30.0)) * np.abs(np.linspace(-1.0, 1.0, len(sound)) - between(rng, (-1.0, 1.0)))
-        sound = normalised(sound * 10.0 ** (-swell_db / 20.0))
+        sound = normalised(sound * gains_from_db(-swell_db))
     return sound

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from ..units import gains_from_db
 from .chance import between, chance, fork, log_between
 from .tone import Samples, bandpass, lowpass, resonance, rms
 from .waves import band_burst
@@ -34,7 +35,7 @@ def slow(rng: np.random.Generator, count: int, *, step_s: float, depth_db: float
     """Return a gain that wanders: random levels of the given depth, a new one every `step_s`, joined smoothly."""
     steps = math.ceil(count / rate_hz / step_s) + 2
     levels = rng.standard_normal(steps) * depth_db
-    return 10.0 ** (smooth_through(levels, count / rate_hz / step_s, count) / 20.0)
+    return gains_from_db(smooth_through(levels, count / rate_hz / step_s, count))
 
 
 def smooth_through(values: Samples, span: float, count: int) -> Samples:

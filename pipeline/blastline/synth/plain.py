@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..units import gain_from_db, gains_from_db
 from .chance import between, chance, fork, log_between, pick
 from .echoes import overlaid
 from .impacts import modes, series
@@ -28,7 +29,7 @@ def plain_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, tuple[i
     gaps = gap_s * (1.0 + 0.02 * rng.standard_normal(rounds - 1))
     places = [0, *np.round(np.cumsum(gaps) * rate_hz).astype(int).tolist()]
     levels_db = 1.5 * rng.standard_normal(rounds)
-    parts = [(at, blast * 10.0 ** (level / 20.0)) for at, level in zip(places, levels_db.tolist(), strict=True)]
+    parts = [(at, blast * gain_from_db(level)) for at, level in zip(places, levels_db.tolist(), strict=True)]
     return normalised(overlaid(parts)), tuple(places)
 
 
@@ -50,12 +51,12 @@ def plain_bed(rng: np.random.Generator, rate_hz: int, seconds: float) -> Samples
     steps = max(2, round(seconds / between(rng, (1.0, 6.0))))
     wander_db = np.interp(np.linspace(0.0, 1.0, frames), np.linspace(0.0, 1.0, steps), rng.uniform(-8.0, 8.0, steps))
     noise = _sloped(fork(rng), frames, between(rng, (-2.2, 0.0)))
-    bed = np.asarray(noise * 10.0 ** ((between(rng, (-60.0, -25.0)) + wander_db) / 20.0))
+    bed = np.asarray(noise * gains_from_db(between(rng, (-60.0, -25.0)) + wander_db))
     level = rms(bed)
     for _ in range(round(seconds * between(rng, (0.0, 3.0)))):
         tone = _gliding(rng, rate_hz, log_between(rng, (80.0, 5_000.0)), between(rng, (0.1, 1.5)))
         at = int(rng.integers(max(1, frames - len(tone))))
-        bed[at : at + len(tone)] += tone[: frames - at] * level * 10.0 ** (between(rng, (-12.0, 14.0)) / 20.0)
+        bed[at : at + len(tone)] += tone[: frames - at] * level * gain_from_db(between(rng, (-12.0, 14.0)))
     return bed
 
 
@@ -117,7 +118,7 @@ def _knock(rng: np.random.Generator, rate_hz: int) -> Samples:
     count = int(rng.integers(1, 11))
     frequencies_hz = np.exp(rng.uniform(math.log(80.0), math.log(6_000.0), count))
     decays_s = np.exp(rng.uniform(math.log(0.005), math.log(0.25), count))
-    sound = modes(rate_hz, frequencies_hz, decays_s, 10.0 ** (rng.uniform(-20.0, 0.0, count) / 20.0))
+    sound = modes(rate_hz, frequencies_hz, decays_s, gains_from_db(rng.uniform(-20.0, 0.0, count)))
     attack_s = log_between(rng, (0.0002, 0.008))
     return normalised(sound * (1.0 - np.exp(-np.arange(1, len(sound) + 1) / (attack_s * rate_hz))))
 

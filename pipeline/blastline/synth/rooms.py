@@ -13,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 
+from ..units import gain_from_db
 from .chance import between, chance, log_between
 from .images import SPEED_OF_SOUND, Axis, Echo, image_echoes
 from .tone import Samples, bandpass, lowpass
@@ -176,7 +177,7 @@ def _far_reflectors(
     echoes = []
     for _ in range(int(rng.integers(1, 5))):
         detour = 2.0 * log_between(rng, distances_m)
-        gain = math.sqrt(direct_m / (direct_m + detour)) * 10.0 ** (-between(rng, loss_db) / 20.0)
+        gain = math.sqrt(direct_m / (direct_m + detour)) * gain_from_db(-between(rng, loss_db))
         corner = log_between(rng, (600.0, 6_000.0))
         echoes.append(Echo(detour / SPEED_OF_SOUND, gain, corner, between(rng, smear_ms)))
     return tuple(echoes)

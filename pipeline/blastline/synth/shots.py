@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..model import Span
-from ..units import SILENCE_DB, db_from_gain, ms_from_samples
+from ..units import SILENCE_DB, db_from_gain, gain_from_db, ms_from_samples
 from .audible import BLAST_END, HEARD_S, LEAD_S, Parts
 from .chance import chance, fork, pick
 from .colour import air, record
@@ -101,11 +101,11 @@ def _direct(rng: np.random.Generator, rate_hz: int, voice: Voice) -> _Direct:
         jet = band_burst(
             fork(rng), rate_hz, band_hz=voice.jet_band_hz, attack_ms=attack_ms, decay_ms=voice.jet_decay_ms
         )
-        parts.append((0, jet * 10.0 ** (voice.jet_db / 20.0)))
+        parts.append((0, jet * gain_from_db(voice.jet_db)))
     pulses = []
     if voice.second_pulse is not None:
         delay_ms, level_db = voice.second_pulse
-        pulses.append((round(delay_ms * 1e-3 * rate_hz), wave * 10.0 ** (level_db / 20.0)))
+        pulses.append((round(delay_ms * 1e-3 * rate_hz), wave * gain_from_db(level_db)))
     distance_m, muffle = voice.acoustics.distance_m, voice.muffle
     blast = air(overlaid(parts + pulses), distance_m, rate_hz=rate_hz, muffle=muffle)
     roar = air(overlaid(_roars(rng, rate_hz, voice)), distance_m, rate_hz=rate_hz, muffle=muffle)
@@ -130,7 +130,7 @@ def _roars(rng: np.random.Generator, rate_hz: int, voice: Voice) -> list[tuple[i
         (
             0,
             band_burst(fork(rng), rate_hz, band_hz=roar.band_hz, attack_ms=roar.attack_ms, decay_ms=roar.decay_ms)
-            * float(10.0 ** (roar.level_db / 20.0)),
+            * gain_from_db(roar.level_db),
         )
         for roar in voice.roars
     ]
@@ -143,7 +143,7 @@ def _mechanics(rng: np.random.Generator, rate_hz: int, voice: Voice) -> list[tup
 def _click(rng: np.random.Generator, rate_hz: int, part: Mechanism) -> Samples:
     band = (0.6 * part.centre_hz, 1.6 * part.centre_hz)
     burst = band_burst(rng, rate_hz, band_hz=band, attack_ms=0.05, decay_ms=part.decay_ms)
-    return burst * float(10.0 ** (part.level_db / 20.0))
+    return burst * gain_from_db(part.level_db)
 
 
 def _sound_design(rate_hz: int, voice: Voice) -> list[tuple[int, Samples]]:
@@ -156,7 +156,7 @@ def _sound_design(rate_hz: int, voice: Voice) -> list[tuple[int, Samples]]:
         attack_ms=voice.boom.attack_ms,
         decay_ms=voice.boom.decay_ms,
     )
-    return [(0, tone * 10.0 ** (voice.boom.level_db / 20.0))]
+    return [(0, tone * gain_from_db(voice.boom.level_db))]
 
 
 def _shock(rate_hz: int, voice: Voice) -> list[tuple[int, Samples]]:
@@ -164,7 +164,7 @@ def _shock(rate_hz: int, voice: Voice) -> list[tuple[int, Samples]]:
     if voice.shock is None:
         return []
     wave = n_wave(rate_hz, length_ms=voice.shock.length_ms, rise_ms=voice.shock.rise_ms)
-    wave = wave * 10.0 ** (voice.shock.level_db / 20.0)
+    wave = wave * gain_from_db(voice.shock.level_db)
     at = -round(voice.shock.lead_s * rate_hz)
     return [(at, wave), (at + round(0.0035 * rate_hz), 0.4 * wave)]
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..units import gain_from_db
 from .chance import between, chance, fork, log_between, pick
 from .noises import levelled, slow
 from .tone import Samples, bandpass, lowpass, resonance
@@ -61,7 +62,7 @@ def dialogue(rng: np.random.Generator, rate_hz: int, seconds: float) -> Samples:
     at = round(between(rng, (0.0, 0.5)) * rate_hz)
     while at < count:
         words = phrase(fork(rng), rate_hz, pick(rng, speakers))
-        level = 10.0 ** (between(rng, (-8.0, 0.0)) / 20.0)
+        level = gain_from_db(between(rng, (-8.0, 0.0)))
         total[at : at + len(words)] += level * words[: count - at]
         at += len(words) + round(between(rng, pause_s) * rate_hz)
     return levelled(total)
@@ -106,7 +107,7 @@ def vowel(rng: np.random.Generator, rate_hz: int, speaker: Speaker, *, pitch_hz:
         level = (0.5 + 0.4 * speaker.effort) ** number
         sound += level * resonance(source, formant * speaker.tract, bandwidth_hz=width, rate_hz=rate_hz)
     edges = np.minimum(np.arange(count), np.arange(count)[::-1]) / (0.02 * rate_hz)
-    loud = 10.0 ** (between(rng, (-6.0, 3.0)) / 20.0)
+    loud = gain_from_db(between(rng, (-6.0, 3.0)))
     envelope = loud * np.sin(np.minimum(edges, 1.0) * (math.pi / 2.0)) ** 2
     return np.asarray(levelled(sound) * envelope, dtype=np.float64)
 

@@ -5,6 +5,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ..units import gain_from_db
+
 Samples = NDArray[np.float64]
 
 
@@ -56,7 +58,7 @@ def tilt(samples: Samples, level_db: float, *, pivot_hz: float, rate_hz: int) ->
 
 def saturate(samples: Samples, drive_db: float) -> Samples:
     """Return the samples as an overdriven stage gives them: tanh(g x) / tanh(g) for a peak of 1, gain g >= 1."""
-    gain = 10.0 ** (drive_db / 20.0)
+    gain = gain_from_db(drive_db)
     return np.asarray(np.tanh(gain * samples) / math.tanh(gain), dtype=np.float64)
 
 
