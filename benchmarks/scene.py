@@ -154,7 +154,7 @@ def rendered(track: Soundtrack, shots: Sequence[Shot], rules: Rules, choice: Dri
     frames = track.source().frames
     for planned in plan_windows(shots, frames=frames, rate_hz=track.rate_hz, rules=tier.windows):
         began = process_time()
-        audio = track.cut(needed_audio(planned, frames=frames, filters=filters, rules=tier.render))
+        audio = track.read(needed_audio(planned, frames=frames, filters=filters, rules=tier.render))
         heard = hear_window(audio, planned, filters=filters, rules=tier.render)
         model: DriveModel = "constrained"
         reason = ""

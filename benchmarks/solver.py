@@ -52,7 +52,7 @@ def cases(names: list[str], shots: int) -> Iterator[Case]:
         taken = 0
         for planned in scene.windows:
             span = needed_audio(planned, frames=scene.frames, filters=filters, rules=tier.render)
-            sound = np.asarray(scene.track.cut(span).driving, dtype=np.float64)
+            sound = np.asarray(scene.track.read(span).driving, dtype=np.float64)
             first = max(0, scene.shots[planned.shots[0]].onset - scene.track.rate_hz // 1000 - span.start)
             drive = compensated(sound, filters)[first:]
             if taken == shots or len(planned.shots) > 1 or np.max(np.abs(drive)) <= 1.0:

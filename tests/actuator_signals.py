@@ -40,13 +40,13 @@ class Held:
 
     samples: Samples
     rate_hz: int
-    damaged: int = 0
+    damaged_samples: int = 0
 
     def blocks(self) -> Iterator[Clip]:
         for start in range(0, len(self.samples), 10_000):
             yield Clip(self.samples[start : start + 10_000, None], self.rate_hz, start)
 
-    def cut(self, span: Span, /, *, sides: bool = False) -> Clip:
+    def read(self, span: Span, /, *, sides: bool = False) -> Clip:
         assert 0 <= span.start <= span.stop <= len(self.samples)
         return Clip(self.samples[span.start : span.stop, None], self.rate_hz, span.start)
 

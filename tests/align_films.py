@@ -45,13 +45,13 @@ class Held:
     rate_hz: int
     block: int = 65_536
 
-    damaged: int = 0
+    damaged_samples: int = 0
 
     @property
     def frames(self) -> int:
         return len(self.samples)
 
-    def cut(self, span: Span, *, sides: bool = False) -> Clip:
+    def read(self, span: Span, *, sides: bool = False) -> Clip:
         if span.start < 0 or span.stop > self.frames:
             raise ValueError(f"{span} lies outside {self.frames} frames")
         return Clip(self.samples[span.start : span.stop, None].astype(np.float64), self.rate_hz, span.start)

@@ -20,7 +20,7 @@ class InMemory:
     samples: Samples
     rate_hz: int = RATE_HZ
 
-    def cut(self, span: Span, *, sides: bool = False) -> Clip:
+    def read(self, span: Span, *, sides: bool = False) -> Clip:
         assert 0 <= span.start <= span.stop <= len(self.samples)
         return Clip(self.samples[span.start : span.stop, None], self.rate_hz, span.start)
 

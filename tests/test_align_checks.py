@@ -176,7 +176,7 @@ def test_more_than_the_limit_fails() -> None:
 
 def test_samples_that_are_no_number_are_counted() -> None:
     right = film()
-    checks = checks_of(Film(right.audio, Held(right.drive.samples, RATE_HZ, damaged=5), right.timeline))
+    checks = checks_of(Film(right.audio, Held(right.drive.samples, RATE_HZ, damaged_samples=5), right.timeline))
     assert failed(checks) == {"drive_samples"}
     assert figure(checks, "drive_samples") == 5
 

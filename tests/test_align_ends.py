@@ -26,7 +26,7 @@ def cut_off(seed: int, before_end_ms: int) -> Film:
     audio, drive, events = in_24_bits(np.clip(audio, -1.0, 1.0)), np.zeros(FRAMES), []
     shots = [shot_at(onset) for onset in onsets]
     for index, planned in enumerate(plan_windows(shots, frames=FRAMES, rate_hz=RATE_HZ, rules=WINDOWS)):
-        some = clip(audio).cut(needed_audio(planned, frames=FRAMES, filters=CAUSAL, rules=RENDER))
+        some = clip(audio).slice(needed_audio(planned, frames=FRAMES, filters=CAUSAL, rules=RENDER))
         heard = hear_window(some, planned, filters=CAUSAL, rules=RENDER)
         done = render_window(heard, shots, model="constrained", reason="made for a test", background="mute")
         drive[planned.window.start : planned.window.stop] = done.clip.driving

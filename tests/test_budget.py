@@ -197,7 +197,7 @@ def test_a_stretch_is_from_where_it_is_asked_for(tmp_path: Path, kind: str) -> N
         encode(path, samples[:, None].astype(np.float32), "ac3", bits_per_s=192_000, rate_hz=RATE_HZ)
     for second in (9, 2, 6):
         with open_soundtrack(path) as track:
-            near = track.near(second + 0.35, 0.3)[: round(0.3 * RATE_HZ), 0]
+            near = track.read_approximately(second + 0.35, 0.3)[: round(0.3 * RATE_HZ), 0]
         late_s = second - (pitch(near) / 100.0 - 2.0)
         assert abs(late_s) < 0.1
 
@@ -259,5 +259,5 @@ def test_a_sample_is_in_memory_a_stretch_at_a_time(tmp_path: Path) -> None:
 
 def test_beyond_the_end_of_a_film_there_is_nothing(film: Path) -> None:
     with open_soundtrack(film) as track:
-        assert track.near(13.9, 30.0).shape[0] == round(0.1 * RATE_HZ)
-        assert track.near(99.0, 1.0).shape == (0, 1)
+        assert track.read_approximately(13.9, 30.0).shape[0] == round(0.1 * RATE_HZ)
+        assert track.read_approximately(99.0, 1.0).shape == (0, 1)

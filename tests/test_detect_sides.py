@@ -81,7 +81,7 @@ class Tape:
         for start in range(0, self.samples.shape[0], 10_007):
             yield self.samples[start : start + 10_007]
 
-    def near(self, start_s: float, frames: int) -> Iterator[Samples]:
+    def read_approximately(self, start_s: float, frames: int) -> Iterator[Samples]:
         yield self.samples[round(start_s * RATE_HZ) :][:frames]
 
     def warnings(self) -> list[str]:
@@ -113,7 +113,7 @@ def found_in(
 ) -> Detection:
     track = opened(samples, layout, mix)
     blocks = track.blocks(size, sides=tier.channels.sides, remembered_s=LATENCY_S)
-    return find_shots(blocks, rate_hz=RATE_HZ, tier=tier, verifier=VERIFIER, channels=track.around)
+    return find_shots(blocks, rate_hz=RATE_HZ, tier=tier, verifier=VERIFIER, channels=track.channels_in_space)
 
 
 def deaf_to_sides() -> QualityRules:
@@ -220,14 +220,14 @@ def test_sides_are_the_same_wherever_they_are_read(film: tuple[Samples, Truth], 
     else:
         write_media(path, [film[0]], codec="flac")
     with open_soundtrack(path) as track:
-        heard, beside = track.near(0.0, 1.0, sides=True)[:RATE_HZ].T
+        heard, beside = track.read_approximately(0.0, 1.0, sides=True)[:RATE_HZ].T
     with open_soundtrack(path) as track:
         first, *_ = list(track.blocks(RATE_HZ, sides=True))
         assert first.sides is not None
         np.testing.assert_array_equal(heard, first.heard)
         np.testing.assert_array_equal(beside, first.sides)
         if kind == "wav":
-            again = track.cut(Span(0, RATE_HZ), sides=True).sides
+            again = track.read(Span(0, RATE_HZ), sides=True).sides
             assert again is not None
             np.testing.assert_array_equal(again, first.sides)
 
@@ -236,7 +236,7 @@ def test_what_has_just_gone_by_can_be_read_and_what_is_long_gone_can_not() -> No
     samples = np.random.default_rng(1).uniform(-1.0, 1.0, (100_000, 6)).astype(np.float32)
     track = opened(samples)
     for block in track.blocks(10_000, remembered_s=0.5):
-        around = track.around
+        around = track.channels_in_space
         assert around is not None
         recent = Span(max(0, block.span.stop - 24_000), block.span.stop)
         heard = around.read(recent)

@@ -94,7 +94,7 @@ def test_a_gain_scales_what_its_shot_drives_and_nothing_before_it(model: DriveMo
 
     def drive(*gains_db: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
         [asked] = with_gains([planned], shots, gains_db)
-        audio = clip(film).cut(needed_audio(asked, frames=len(film), filters=CAUSAL, rules=RENDER))
+        audio = clip(film).slice(needed_audio(asked, frames=len(film), filters=CAUSAL, rules=RENDER))
         heard = hear_window(audio, asked, filters=CAUSAL, rules=RENDER)
         done = render_window(heard, shots, model=model, reason="", background="mute")
         return np.asarray(done.clip.samples[:, 0], np.float64)

@@ -83,16 +83,16 @@ def test_a_cut_holds_the_films_samples_at_their_place(data: st.DataObject) -> No
     clip = Clip(film[start : start + frames], 48_000, start)
     first = data.draw(st.integers(clip.span.start, clip.span.stop))
     part = Span(first, data.draw(st.integers(first, clip.span.stop)))
-    cut = clip.cut(part)
+    cut = clip.slice(part)
     assert cut.span == part
     np.testing.assert_array_equal(cut.samples, film[part.start : part.stop])
-    np.testing.assert_array_equal(clip.cut(clip.span).samples, clip.samples)
+    np.testing.assert_array_equal(clip.slice(clip.span).samples, clip.samples)
 
 
 @pytest.mark.parametrize("span", [Span(9, 12), Span(12, 21), Span(0, 30)])
 def test_a_cut_outside_the_clip_is_refused(span: Span) -> None:
     with pytest.raises(ValueError, match="does not lie within"):
-        Clip(np.zeros((10, 1)), 48_000, 10).cut(span)
+        Clip(np.zeros((10, 1)), 48_000, 10).slice(span)
 
 
 def test_detection_listens_to_the_first_column_and_the_last_one_drives() -> None:

@@ -56,7 +56,7 @@ def rendered(
     return [
         render_window(
             hear_window(
-                whole.cut(needed_audio(planned, frames=len(film), filters=filters, rules=rules)),
+                whole.slice(needed_audio(planned, frames=len(film), filters=filters, rules=rules)),
                 planned,
                 filters=filters,
                 rules=rules,
@@ -168,7 +168,7 @@ def test_more_audio_than_needed_changes_no_bit(model: DriveModel) -> None:
     film, shot = film_with_shot(before_s=1.5, after_s=1.5)
     for filters in (CAUSAL, ZERO):
         (narrow,) = rendered(film, [shot], model, filters=filters)
-        some = clip(film).cut(needed_audio(narrow.planned, frames=len(film), filters=filters, rules=RENDER))
+        some = clip(film).slice(needed_audio(narrow.planned, frames=len(film), filters=filters, rules=RENDER))
         least, most = (
             hear_window(audio, narrow.planned, filters=filters, rules=RENDER) for audio in (some, clip(film))
         )
@@ -188,7 +188,7 @@ def test_windowed_filter_is_the_filter_over_the_whole_track(bed: float) -> None:
         (info,) = done.drives
         assert "scaled" not in info.reason
         core = done.planned.core
-        found = done.clip.cut(core).driving
+        found = done.clip.slice(core).driving
         error = np.max(np.abs(found - whole[core.start : core.stop])) / np.max(np.abs(found))
         assert error == 0.0 if bar_db == -np.inf else 20.0 * np.log10(error) <= bar_db
 
@@ -212,7 +212,7 @@ def test_filter_beyond_the_limit_is_scaled_not_clipped_and_says_so() -> None:
     assert info.peak == 1.0
     core = done.planned.core
     unlimited = compensated(film, CAUSAL)[core.start : core.stop]
-    found = done.clip.cut(core).driving
+    found = done.clip.slice(core).driving
     np.testing.assert_allclose(found, unlimited / np.max(np.abs(unlimited)), atol=1e-3)
 
 

@@ -296,5 +296,5 @@ def test_a_timeline_of_another_mix_is_refused_with_the_way_to_give_it(beyond: Pa
 def test_listening_alone_keeps_nothing_of_a_compressed_film(beyond: Path, tmp_path: Path) -> None:
     samples, _ = soundfile.read(beyond / "film.wav")
     soundfile.write(tmp_path / "film.flac", samples, RATE_HZ, subtype="PCM_24")
-    with open_soundtrack(tmp_path / "film.flac", cuts=False, spool_folder=tmp_path / "nowhere") as track:
+    with open_soundtrack(tmp_path / "film.flac", rereadable=False, spool_folder=tmp_path / "nowhere") as track:
         assert sum(len(block.span) for block in track.blocks()) == len(samples)

@@ -65,7 +65,7 @@ def test_every_sample_is_what_libsndfile_reads(tmp_path: Path, container: str, s
             assert track.expected_frames == FRAMES
             samples = np.concatenate([block.samples for block in track.blocks(9999)])
             np.testing.assert_array_equal(samples[:, 0], expected[:, channel])
-            cut = track.cut(Span(123, 66_000))
+            cut = track.read(Span(123, 66_000))
             assert cut.start == 123
             assert cut.samples.dtype == np.float64
             np.testing.assert_array_equal(cut.samples, samples[123:66_000].astype(np.float64))
@@ -86,7 +86,7 @@ def test_the_size_of_the_blocks_changes_no_bit(tmp_path: Path, subtype: str, mix
         assert track.columns == whole.shape[1] == (2 if mix in ("all", "lfe") else 1)
         assert sum(len(block.span) for block in track.blocks()) == source.frames == FRAMES
         for span in (Span(0, FRAMES), Span(5, 6), Span(65_530, 65_540), Span(FRAMES, FRAMES)):
-            np.testing.assert_array_equal(track.cut(span).samples, whole[span.start : span.stop])
+            np.testing.assert_array_equal(track.read(span).samples, whole[span.start : span.stop])
 
 
 def test_mono_is_stereo_with_equal_channels(tmp_path: Path) -> None:
@@ -120,7 +120,7 @@ def test_samples_that_are_no_sound_are_set_to_zero_and_counted(tmp_path: Path) -
     np.testing.assert_array_equal(found[1236:], samples[1236:, :1].astype(np.float32))
     with open_soundtrack(path) as track:
         mixed = np.concatenate([block.samples for block in track.blocks(999)])
-        np.testing.assert_array_equal(track.cut(Span(1000, 66_000)).samples, mixed[1000:66_000])
+        np.testing.assert_array_equal(track.read(Span(1000, 66_000)).samples, mixed[1000:66_000])
         assert np.isfinite(mixed).all()
         assert len(track.source().warnings) == 1
 
@@ -251,7 +251,7 @@ def test_sound_beyond_the_declared_size_is_read_and_told(tmp_path: Path, subtype
         with open_soundtrack(path) as track:
             assert track.expected_frames == FRAMES
             assert sum(len(block.span) for block in track.blocks()) == FRAMES
-            np.testing.assert_array_equal(track.cut(Span(5, FRAMES)).samples, found[5:].astype(np.float64))
+            np.testing.assert_array_equal(track.read(Span(5, FRAMES)).samples, found[5:].astype(np.float64))
 
 
 def declaring_in(container: str, path: Path, data_bytes: int) -> Path:
@@ -429,7 +429,7 @@ def test_a_file_that_changes_before_it_is_read_again_is_refused(tmp_path: Path, 
         list(track.blocks())
         change(path)
         with pytest.raises(SoundtrackError, match=r"film\.wav: (was changed|is gone) while it is read"):
-            track.cut(Span(0, 10))
+            track.read(Span(0, 10))
 
 
 @pytest.mark.parametrize("share", [0.05, 0.2, 1.0])
@@ -472,14 +472,14 @@ def test_the_order_of_use_is_kept(tmp_path: Path) -> None:
         with pytest.raises(ValueError, match="at least 1 frame"):
             next(track.blocks(0))
         with pytest.raises(ValueError, match="not inside"):
-            track.cut(Span(0, 1))
+            track.read(Span(0, 1))
         with pytest.raises(ValueError, match="once all blocks"):
             track.source()
         list(track.blocks())
         with pytest.raises(ValueError, match="decoded already"):
             next(track.blocks())
         with pytest.raises(ValueError, match="not inside"):
-            track.cut(Span(0, FRAMES + 1))
+            track.read(Span(0, FRAMES + 1))
 
 
 def test_what_is_no_file_is_one_line(tmp_path: Path) -> None:

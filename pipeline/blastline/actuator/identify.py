@@ -4,7 +4,7 @@
 
 with Welch's averaged spectra of Hann segments that overlap by half. Noise in the response averages out of H1; the
 excitation is known. The delay between the recordings is found first and taken out, because a response that lies
-partly outside its segment would be measured too weak. Both recordings are cut segment by segment: memory does not grow
+partly outside its segment would be measured too weak. Both recordings are read segment by segment: memory does not grow
 with their length.
 """
 
@@ -94,8 +94,8 @@ def coarse_delay(excitation: Recording, response: Recording, *, rules: IdentifyR
     size = 4 * longest
     correlation = np.zeros(size)
     for start in starts.tolist():
-        spectrum_in = rfft(excitation.cut(start, longest), size)
-        spectrum_out = rfft(response.cut(start - longest, 3 * longest), size)
+        spectrum_in = rfft(excitation.read(start, longest), size)
+        spectrum_out = rfft(response.read(start - longest, 3 * longest), size)
         spectrum_in[0] = spectrum_out[0] = 0.0
         correlation += irfft(np.conj(spectrum_in) * spectrum_out, size)
     heights = np.abs(correlation[: 2 * longest + 1])
@@ -118,7 +118,7 @@ def welch(excitation: Recording, response: Recording, *, lag: int, segment: int)
     count = _count(start, stop, segment)
     for index in range(count):
         place = start + index * (segment // 2)
-        samples_in, samples_out = excitation.cut(place, segment), response.cut(place + lag, segment)
+        samples_in, samples_out = excitation.read(place, segment), response.read(place + lag, segment)
         spectrum_in = rfft(window * (samples_in - np.mean(samples_in)))
         spectrum_out = rfft(window * (samples_out - np.mean(samples_out)))
         power_in += np.abs(spectrum_in) ** 2

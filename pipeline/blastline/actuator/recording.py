@@ -1,4 +1,4 @@
-"""A recording of a measurement: one column of sound that can be cut anywhere, with what its levels tell of it."""
+"""A recording of a measurement: one column of sound that can be read anywhere, with what its levels tell of it."""
 
 from dataclasses import dataclass
 
@@ -33,12 +33,12 @@ class Recording:
         """Return the sample rate."""
         return self.track.rate_hz
 
-    def cut(self, start: int, frames: int) -> NDArray[np.float64]:
+    def read(self, start: int, frames: int) -> NDArray[np.float64]:
         """Return samples without the constant part, shape (frames,); zeros where the recording does not reach."""
         samples = np.zeros(frames)
         inside = Span(start, start + frames) & Span(0, self.frames)
         if inside:
-            samples[inside.start - start : inside.stop - start] = self.track.cut(inside).heard - self.mean
+            samples[inside.start - start : inside.stop - start] = self.track.read(inside).heard - self.mean
         return samples
 
 

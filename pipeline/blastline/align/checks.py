@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 
 import msgspec
 
-from ..model import Background, Check, Cutter, Event, Phase, SoundFile, Span, Timeline
+from ..model import Background, Check, Event, Phase, RandomAccessSound, SoundFile, Span, Timeline
 from ..ruleset import ActuatorProfile, AlignRules
 from ..units import ms_from_samples, samples_from_ms
 from .comparable import is_comparable
@@ -21,7 +21,7 @@ from .whole_drive import DriveFigures, gaps, scan
 def check_files(
     timeline: Timeline,
     *,
-    audio: Cutter,
+    audio: RandomAccessSound,
     drive: SoundFile,
     profile: ActuatorProfile,
     rules: AlignRules,
@@ -47,7 +47,7 @@ def check_files(
         background=background,
         level_db=timeline.level_db,
     )
-    checks = [*_file_checks(timeline, shared, film, drive.damaged), *_order_check(timeline)]
+    checks = [*_file_checks(timeline, shared, film, drive.damaged_samples), *_order_check(timeline)]
     if not timeline.events:
         return (*checks, *_timing_checks(shared, (), None))
     parts = parts_of(timeline.events, lead=shared.samples(shared.lead_ms))
@@ -61,7 +61,7 @@ def check_files(
     return tuple(checks)
 
 
-def check_timeline(timeline: Timeline, *, audio: Cutter, rules: AlignRules) -> tuple[Check, ...]:
+def check_timeline(timeline: Timeline, *, audio: RandomAccessSound, rules: AlignRules) -> tuple[Check, ...]:
     """Return the checks of a timeline without a drive: of its order, its windows, and its onsets in the sound.
 
     A rise that a right shot need not have is listed without a limit.

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Clip, Cutter, MadeOf, Span
+from ..model import Clip, MadeOf, RandomAccessSound, Span
 
 
 @dataclass(frozen=True)
 class Sound:
     """A file that has been read to its end, with the number of frames that it proved to have."""
 
-    file: Cutter
+    file: RandomAccessSound
     frames: int
 
     @property
@@ -24,7 +24,7 @@ class Sound:
     def pieces(self, frames: int = 1 << 20) -> Iterator[Clip]:
         """Yield the whole file, a piece at a time."""
         for start in range(0, self.frames, frames):
-            yield self.file.cut(Span(start, min(start + frames, self.frames)))
+            yield self.file.read(Span(start, min(start + frames, self.frames)))
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def read_padded(sound: Sound, span: Span, made_of: MadeOf = "mains") -> NDArray[
     samples = np.zeros(len(span))
     inside = span & Span(0, sound.frames)
     if inside:
-        samples[inside.start - span.start : inside.stop - span.start] = sound.file.cut(
+        samples[inside.start - span.start : inside.stop - span.start] = sound.file.read(
             inside, sides=made_of != "mains"
         ).driving_of(made_of)
     return samples

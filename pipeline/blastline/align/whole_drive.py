@@ -51,7 +51,7 @@ def scan(blocks: Iterable[Clip], still: Sequence[Span], *, expected: Expected | 
         while at < len(still) and still[at].stop <= clip.start:
             at += 1
         for inside in _meeting(still, at, clip.span):
-            stray += _strays(clip.cut(inside).heard, expected(inside) if expected else None)
+            stray += _strays(clip.slice(inside).heard, expected(inside) if expected else None)
     return DriveFigures(frames, peak, stray)
 
 

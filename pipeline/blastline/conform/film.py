@@ -1,9 +1,9 @@
-"""A film that was listened to once and can be cut from then on."""
+"""A film that was listened to once and can be read again from then on."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from ..model import Clip, Cutter, Span
+from ..model import Clip, RandomAccessSound, Span
 from .fingerprint import Fingerprint, fingerprint
 
 
@@ -11,7 +11,7 @@ from .fingerprint import Fingerprint, fingerprint
 class Film:
     """A film's sound: its file, its length in frames, and its fingerprint."""
 
-    file: Cutter
+    file: RandomAccessSound
     frames: int
     fingerprint: Fingerprint
 
@@ -25,12 +25,12 @@ class Film:
         """Return the length in seconds."""
         return self.frames / self.file.rate_hz
 
-    def cut(self, span: Span, *, sides: bool = False) -> Clip:
+    def read(self, span: Span, *, sides: bool = False) -> Clip:
         """Return the exact samples of a span inside the film, with its sides if asked for and there."""
-        return self.file.cut(span, sides=sides)
+        return self.file.read(span, sides=sides)
 
 
-def hear(file: Cutter, blocks: Iterable[Clip]) -> Film:
+def hear(file: RandomAccessSound, blocks: Iterable[Clip]) -> Film:
     """Return a film from its file and its one decoding pass, clips that follow each other from the first frame."""
     frames = 0
 

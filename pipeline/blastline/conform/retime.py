@@ -71,6 +71,6 @@ def _peak(film: Film, onset: int, mix: HeardIn) -> float:
     near = Span(onset, onset + samples_from_ms(_PEAK_MS, film.rate_hz)) & Span(0, film.frames)
     if not near:
         return 0.0
-    clip = film.cut(near, sides=mix == "sides")
+    clip = film.read(near, sides=mix == "sides")
     heard = clip.sides if mix == "sides" else clip.heard
     return 0.0 if heard is None else float(np.abs(heard).max(initial=0.0))

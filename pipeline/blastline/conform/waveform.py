@@ -36,7 +36,7 @@ def piece(film: Film, start_s: float, length_s: float, *, scale: float = 1.0) ->
     """Return a piece at `WORK_HZ`, in the band that is compared, and how much later than `start_s` its first sample is.
 
     With `scale` the piece, and the lateness, are in the time of a film that is so much longer; `start_s` and
-    `length_s` are in the time of the film that is cut. What lies outside the film is silence.
+    `length_s` are in the time of the film that is read. What lies outside the film is silence.
     """
     import soxr
 
@@ -47,7 +47,7 @@ def piece(film: Film, start_s: float, length_s: float, *, scale: float = 1.0) ->
     inside = wanted & Span(0, film.frames)
     samples = np.zeros(len(wanted))
     if inside:
-        samples[inside.start - wanted.start : inside.stop - wanted.start] = film.cut(inside).heard
+        samples[inside.start - wanted.start : inside.stop - wanted.start] = film.read(inside).heard
     # one step of the resampled piece is 1 / WORK_HZ of the new film's time
     resampled = np.asarray(soxr.resample(samples, rate_hz / scale, WORK_HZ), np.float64)
     skipped = math.floor(margin / rate_hz * scale * WORK_HZ)

@@ -39,7 +39,7 @@ def resampled(clips: Iterable[Clip], rate_hz: int) -> Iterator[Clip]:
     first = next(sounding, None)
     if first is None:
         return
-    last = rest = _columns(first.cut(Span(first.start, first.start + 1)))
+    last = rest = _columns(first.slice(Span(first.start, first.start + 1)))
     stream = ResampleStream(rate_hz, LISTENING_HZ, rest.shape[1], dtype="float32", quality=_QUALITY)
     frames = start = 0
     for clip in chain([first], sounding):

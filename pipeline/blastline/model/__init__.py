@@ -8,7 +8,7 @@ Conventions
 
 from .scene import SceneEvidence
 from .shot import DecayEnd, EvenRow, Index, Ratio, Reflection, Shot, ShotEvidence
-from .sound import Channels, Clip, Cutter, HeardIn, MadeOf, SoundFile, Span
+from .sound import Channels, Clip, HeardIn, MadeOf, RandomAccessSound, SoundFile, Span
 from .timeline import (
     SCHEMA,
     ActuatorRef,
@@ -40,7 +40,6 @@ __all__ = [
     "Channels",
     "Check",
     "Clip",
-    "Cutter",
     "DecayEnd",
     "Decision",
     "DriveChoice",
@@ -55,6 +54,7 @@ __all__ = [
     "Origin",
     "Phase",
     "Quality",
+    "RandomAccessSound",
     "Ratio",
     "Reflection",
     "Rejection",

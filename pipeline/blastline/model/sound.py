@@ -1,4 +1,4 @@
-"""Spans of time, pieces of sound, and the files that they are cut from."""
+"""Spans of time, pieces of sound, and the files that they are read from."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -101,7 +101,7 @@ class Clip:
         sign = 1.0 if made_of == "left" else -1.0
         return np.asarray(self.heard + sign * self.sides)
 
-    def cut(self, span: Span) -> "Clip":
+    def slice(self, span: Span) -> "Clip":
         """Return the part inside `span`, which must lie within the clip."""
         if span.start < self.start or span.stop > self.span.stop:
             raise ValueError(f"{span} does not lie within {self.span}")
@@ -124,22 +124,22 @@ class Channels:
     read: Callable[[Span], NDArray[np.floating] | None]
 
 
-class Cutter(Protocol):
-    """A sound file of which any stretch can be read again exactly, once it has been decoded."""
+class RandomAccessSound(Protocol):
+    """A sound file of which any span can be read again exactly, once it has been decoded."""
 
     @property
     def rate_hz(self) -> int:
         """Return the sample rate."""
 
-    def cut(self, span: Span, /, *, sides: bool = False) -> Clip:
-        """Return the stretch inside `span`, which lies inside the file, with its sides if asked for and there."""
+    def read(self, span: Span, /, *, sides: bool = False) -> Clip:
+        """Return what is inside `span`, which lies inside the file, with its sides if asked for and there."""
 
 
-class SoundFile(Cutter, Protocol):
-    """A sound file that is not yet decoded: read once from end to end, then in stretches."""
+class SoundFile(RandomAccessSound, Protocol):
+    """A sound file that is not yet decoded: read once from end to end, then span by span."""
 
     @property
-    def damaged(self) -> int:
+    def damaged_samples(self) -> int:
         """Return how many of the samples that were read are no number, or beyond any sound, and were set to 0."""
 
     def blocks(self) -> Iterable[Clip]:

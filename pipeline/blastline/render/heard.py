@@ -42,7 +42,7 @@ def hear_window(
     if audio.rate_hz != filters.rate_hz:
         raise ValueError(f"filters for {filters.rate_hz} Hz cannot render audio at {audio.rate_hz} Hz")
     needed = needed_audio(planned, frames=audio.span.stop, filters=filters, rules=rules)
-    clip = audio.cut((needed & audio.span) | planned.window.span)
+    clip = audio.slice((needed & audio.span) | planned.window.span)
     before = planned.window.start - clip.start
     inside = slice(before, before + len(planned.window.span))
     sound = np.asarray(clip.driving_of(made_of), dtype=np.float64)

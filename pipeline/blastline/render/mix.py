@@ -39,4 +39,4 @@ def compose(blocks: Iterable[Clip], rendered: Iterable[RenderedWindow], backgrou
 def _replace(column: np.ndarray[tuple[int, ...], np.dtype[np.float64]], start: int, window: Clip) -> None:
     """Write the part of a window that meets the column, which begins at sample `start`, into it."""
     both = window.span & Span(start, start + len(column))
-    column[both.start - start : both.stop - start] = window.cut(both).samples
+    column[both.start - start : both.stop - start] = window.slice(both).samples

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from ..model import Check, Cutter, Event, MadeOf, Timeline
+from ..model import Check, Event, MadeOf, RandomAccessSound, Timeline
 from ..ruleset import ActuatorProfile
 from .choice import MOST_PICTURES, failures, pictured, reasons, rule
 from .exports import ExportRow, exports_table
@@ -30,15 +30,15 @@ def write_report(
     timeline: Timeline,
     *,
     overview: Overview,
-    audio: Cutter,
-    drive: Cutter,
+    audio: RandomAccessSound,
+    drive: RandomAccessSound,
     profile: ActuatorProfile,
     exports: Sequence[ExportRow] = (),
     options: Mapping[str, str] | None = None,
 ) -> None:
     """Write the report of a finished run as one HTML page.
 
-    `audio` and `drive` both have the timeline's number of frames and are cut for the pictures. `options` are shown as
+    `audio` and `drive` both have the timeline's number of frames and are read for the pictures. `options` are shown as
     they are, under how the result was made; `exports` are the files that other tools open.
     """
     why = pictured(timeline.events, timeline.checks)

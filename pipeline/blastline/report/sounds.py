@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import dsp
-from ..model import Cutter, Event, Phase, Span, Timeline
+from ..model import Event, Phase, RandomAccessSound, Span, Timeline
 from ..ruleset import ActuatorProfile
 from ..units import gain_from_db, samples_from_ms
 
@@ -42,7 +42,7 @@ class EventSound:
 
 
 def event_sound(
-    event: Event, timeline: Timeline, *, audio: Cutter, drive: Cutter, profile: ActuatorProfile
+    event: Event, timeline: Timeline, *, audio: RandomAccessSound, drive: RandomAccessSound, profile: ActuatorProfile
 ) -> EventSound:
     """Return a shot's sound from just before its onset to its window's end, at most 0.4 s.
 
@@ -55,8 +55,8 @@ def event_sound(
     settle = samples_from_ms(_SETTLE_MS, rate_hz)
     whole = Span(max(0, start - settle), min(frames, shown.stop + settle))
     kept = slice(shown.start - whole.start, shown.stop - whole.start)
-    sound = np.asarray(audio.cut(whole, sides=event.made_of != "mains").driving_of(event.made_of), dtype=np.float64)
-    driving = np.asarray(drive.cut(whole).driving, dtype=np.float64)
+    sound = np.asarray(audio.read(whole, sides=event.made_of != "mains").driving_of(event.made_of), dtype=np.float64)
+    driving = np.asarray(drive.read(whole).driving, dtype=np.float64)
     felt = dsp.digital(dsp.felt_response(profile), rate_hz)
     gain = gain_from_db(timeline.level_db + event.gain_db)
     return EventSound(

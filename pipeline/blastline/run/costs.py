@@ -176,7 +176,7 @@ class Gauge:
                 chosen += planned.shots if len(chosen) < most else ()
             return [heard.found.shots[index] for index in chosen]
         at, rate_hz = self._sample.loudest, self._track.rate_hz
-        sound = self._track.cut(audio_around(at, frames=heard.source.frames, rate_hz=rate_hz, tier=rules.tier))
+        sound = self._track.read(audio_around(at, frames=heard.source.frames, rate_hz=rate_hz, tier=rules.tier))
         return [shot_at(at, sound, confidence=1.0, tier=rules.tier)]
 
     def _typical(self, heard: Listened, rules: Rules) -> Sequence[Shot]:

@@ -35,7 +35,7 @@ def write_drive_of(heard: Listened, path: Path, setup: Setup) -> dict[int, Drive
             setup.progress("rendering", number, len(heard.windows))
 
     source = heard.source
-    film = _cuts(heard.track, source.frames) if setup.options.background == "direct" else ()
+    film = _read_again(heard.track, source.frames) if setup.options.background == "direct" else ()
     cues = [Cue(shot.onset, mark.id, len(shot.span)) for shot, mark in zip(heard.found.shots, heard.marks, strict=True)]
     write_drive(
         path,
@@ -66,7 +66,7 @@ def _rendered(heard: Listened, setup: Setup) -> Iterator[RenderedWindow]:
     filters = drive_filters(setup.profile, heard.source.sample_rate_hz, options.phase)
     for planned in heard.windows:
         needed = needed_audio(planned, frames=heard.source.frames, filters=filters, rules=render_rules)
-        audio = heard.track.cut(needed, sides=heard.track.is_pair)
+        audio = heard.track.read(needed, sides=heard.track.is_pair)
         made_of = choose_made_of(audio, [heard.found.shots[index].onset for index in planned.shots])
         window = hear_window(audio, planned, filters=filters, rules=render_rules, made_of=made_of)
         evidence = measure(window)
@@ -77,7 +77,7 @@ def _rendered(heard: Listened, setup: Setup) -> Iterator[RenderedWindow]:
         )
 
 
-def _cuts(track: Soundtrack, frames: int) -> Iterator[Clip]:
+def _read_again(track: Soundtrack, frames: int) -> Iterator[Clip]:
     """Read the film once more, exactly."""
     for start in range(0, frames, BLOCK):
-        yield track.cut(Span(start, min(start + BLOCK, frames)))
+        yield track.read(Span(start, min(start + BLOCK, frames)))

@@ -83,7 +83,7 @@ def timebase_of(film: Path, editing: Editing, *, said: Timebase, stream: int | N
     if earlier is None:
         return said
     with open_soundtrack(film, stream=stream, mix=mix) as track:
-        return recalled(said, earlier, track.described())
+        return recalled(said, earlier, track.describe())
 
 
 def hear_edited(
@@ -169,11 +169,11 @@ def _shots(wishes: Sequence[Wish], track: Soundtrack, source: Source, rules: Rul
     for wish in wishes:
         span = audio_around(wish.onset, frames=source.frames, rate_hz=rate_hz, tier=tier)
         confidence = _SURE if wish.confidence is None else wish.confidence
-        clip = track.cut(span, sides=True)
+        clip = track.read(span, sides=True)
         mix = _mix_of(wish, clip)
         shot = shot_at(wish.onset, side_as_main(clip) if mix == "sides" else clip, confidence=confidence, tier=tier)
         heard.append(msgspec.structs.replace(shot, heard_in=mix))
-    toward = with_azimuths(heard, track.around, rate_hz=rate_hz, rules=tier.channels)
+    toward = with_azimuths(heard, track.channels_in_space, rate_hz=rate_hz, rules=tier.channels)
     parted = drop_claimed_reflections(toward, rate_hz=rate_hz, rules=tier.bursts)
     kept = [
         _as_it_was(shot, wish.was) if wish.unmoved and wish.was is not None else shot

@@ -16,7 +16,7 @@ def track_of(timeline: Timeline, drive: Soundtrack, *, profile: ActuatorProfile,
     """Return the haptic track of a drive that has been decoded."""
 
     def read(span: Span) -> NDArray[np.float64]:
-        return np.asarray(drive.cut(span).driving, dtype=np.float64)
+        return np.asarray(drive.read(span).driving, dtype=np.float64)
 
     return haptic_track(timeline, read, profile=profile, rules=rules)
 

@@ -33,7 +33,7 @@ class Mark:
 
 @dataclass(frozen=True, eq=False)
 class Listened:
-    """A film that has been heard: its track, ready to be cut, and what was found in it.
+    """A film that has been heard: its track, ready to be read again, and what was found in it.
 
     `marks` say of each shot what no ear hears: its name, where its onset comes from, how strong it is wanted.
     """
@@ -62,7 +62,7 @@ def detect(
     BlastlineError for input, rules or a time base that cannot be used.
     """
     read = load_rules(quality, rules)
-    with open_soundtrack(film, stream=stream, mix=mix, cuts=False, timebase=timebase) as track:
+    with open_soundtrack(film, stream=stream, mix=mix, rereadable=False, timebase=timebase) as track:
         found = assemble(listen(track, read, progress), read, {}, None)
     return msgspec.structs.replace(found, budget=budget)
 
@@ -75,8 +75,10 @@ def listen(track: Soundtrack, rules: Rules, progress: Progress, meter: OverviewM
     decoded = track.blocks(BLOCK, sides=rules.tier.channels.sides, remembered_s=LATENCY_S)
     blocks = told(decoded, progress, track.expected_frames)
     heard = meter.watch(blocks) if meter else blocks
-    found = find_shots(heard, rate_hz=track.rate_hz, tier=rules.tier, verifier=verifier, channels=track.around)
-    track.forget()
+    found = find_shots(
+        heard, rate_hz=track.rate_hz, tier=rules.tier, verifier=verifier, channels=track.channels_in_space
+    )
+    track.release_recent()
     source = track.source()
     windows = plan_windows(found.shots, frames=source.frames, rate_hz=source.sample_rate_hz, rules=rules.tier.windows)
     return Listened(track, source, found, windows, tuple(Mark(event_id(index)) for index in range(len(found.shots))))

@@ -44,7 +44,7 @@ def render(
         place as hidden,
         open_soundtrack(film, stream=options.stream, mix=options.mix, spool_folder=hidden, timebase=timebase) as track,
     ):
-        require_frame_rate(options.formats, track.described())
+        require_frame_rate(options.formats, track.describe())
         meter = OverviewMeter(track.rate_hz) if options.report else None
         timeline = _driven(track, hidden, setup, editing, meter)
         with open_drive(hidden / names.DRIVE) as drive:

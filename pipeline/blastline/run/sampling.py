@@ -62,10 +62,10 @@ def shorter_sample(sample: Soundtrack, stride: int, *, sides: bool) -> list[Clip
     blocks: list[Clip] = []
     for start in starts:
         if start < frames:
-            cut = sample.cut(Span(start, min(start + BLOCK, frames)), sides=sides)
+            part = sample.read(Span(start, min(start + BLOCK, frames)), sides=sides)
             position = blocks[-1].span.stop if blocks else 0
-            beside = None if cut.sides is None else cut.sides.astype(np.float32)
-            blocks.append(Clip(cut.samples.astype(np.float32), cut.rate_hz, position, beside))
+            beside = None if part.sides is None else part.sides.astype(np.float32)
+            blocks.append(Clip(part.samples.astype(np.float32), part.rate_hz, position, beside))
     return blocks
 
 
@@ -114,7 +114,7 @@ def sampled(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> Samp
     excerpt_s = frames / track.rate_hz
     wanted_s = counted_s(film_s) if counted else timed_s(film_s)
     parts = max(1, round(wanted_s / excerpt_s))
-    track.near(0.0, excerpt_s)  # whatever is imported or set up on the way
+    track.read_approximately(0.0, excerpt_s)  # whatever is imported or set up on the way
     starts_s = [max(0.0, (part + 0.5) * film_s / parts - excerpt_s / 2.0) for part in range(parts)]
     taken = _Taken(track, starts_s, frames)
     written = write_excerpt(path, taken.excerpts(), rate_hz=track.rate_hz, channels=taken.channels)
@@ -127,7 +127,7 @@ def sampled(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> Samp
         stride=max(1, round(seconds / timed_s(film_s))),
         loudest=taken.loudest,
         film_s=film_s,
-        source=track.described(),
+        source=track.describe(),
         decode_per_s=taken.decode_s / seconds,
         hash_s=_cpu_of_hashing(film),
     )
@@ -165,7 +165,7 @@ class _Taken:
     def _decoded(self, start_s: float) -> NDArray[np.float32]:
         """Return what is heard, and beside it, where the film has sides, these."""
         began = process_time()
-        columns = self._track.near(start_s, self._frames / self._track.rate_hz, sides=True)
+        columns = self._track.read_approximately(start_s, self._frames / self._track.rate_hz, sides=True)
         self.decode_s += process_time() - began
         return columns[: self._frames, [0, -1] if self.channels > 1 else [0]]
 

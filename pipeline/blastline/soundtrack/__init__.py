@@ -1,6 +1,6 @@
 """Sound in and out: the only stage that opens media.
 
-`open_soundtrack` decodes one track of an audio file or a film, once, and cuts exact samples from it afterwards;
+`open_soundtrack` decodes one track of an audio file or a film, once, and reads exact samples of it again afterwards;
 `write_drive` writes the finished drive.
 """
 

@@ -20,7 +20,7 @@ class Condition:
         self._mix_sounds, self._track_sounds = False, False
 
     @property
-    def damaged(self) -> int:
+    def damaged_samples(self) -> int:
         """Return how many samples were no number, or beyond any sound."""
         return self._mended
 

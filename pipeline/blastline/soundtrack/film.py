@@ -62,7 +62,7 @@ class FilmTrack:
         yield from packed(placed, rate_hz=self.facts.rate_hz, channels=self.facts.channels)
         self._tally.require_readable()
 
-    def near(self, start_s: float, frames: int) -> Iterator[Samples]:
+    def read_approximately(self, start_s: float, frames: int) -> Iterator[Samples]:
         """Yield at least so many samples, if there are, from about that time on.
 
         The track cannot be decoded as a whole afterwards. Raises SoundtrackError where no place in it can be found.

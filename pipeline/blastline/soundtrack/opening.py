@@ -21,14 +21,14 @@ def open_soundtrack(
     stream: int | None = None,
     mix: str = "mains",
     spool_folder: Path | None = None,
-    cuts: bool = True,
+    rereadable: bool = True,
     timebase: Timebase = AS_FILMED,
 ) -> Soundtrack:
     """Open one sound track of an audio file or a film.
 
     `stream` counts the sound tracks from 0; without it the one that the file marks as default is taken, else the
     first. `mix` is explained in `mix.py`. Compressed sound is spooled to a temporary file in `spool_folder`,
-    but without `cuts`: nothing of it can be cut afterwards then.
+    unless it is not to be `rereadable`: nothing of it can be read again then.
     `timebase` is what the user knows better about its timecode. Raises SoundtrackError where the file cannot be read
     or has no such track or channel, RuleError where the time base does not go with the film.
     """
@@ -42,9 +42,9 @@ def open_soundtrack(
                 limits = f"{MIN_RATE_HZ} to {MAX_RATE_HZ} Hz"
                 raise SoundtrackError(f"the sample rate is {facts.rate_hz} Hz; expected {limits}")
             matrix = mix_matrix(facts.layout, facts.channels, mix)
-            spool = Spool(spool_folder) if cuts and not isinstance(track, PcmTrack) else None
+            spool = Spool(spool_folder) if rereadable and not isinstance(track, PcmTrack) else None
             opened = Soundtrack(path, track, matrix=matrix, mix=mix, spool=spool, timebase=timebase, opened=state)
-            opened.described()
+            opened.describe()
         except BaseException:
             track.close()
             raise

@@ -62,7 +62,7 @@ class PcmTrack:
             yield samples
             start += samples.shape[0]
 
-    def near(self, start_s: float, frames: int) -> Iterator[Samples]:
+    def read_approximately(self, start_s: float, frames: int) -> Iterator[Samples]:
         """Yield at least so many samples, if there are, from that time on."""
         start = round(start_s * self.facts.rate_hz)
         for first in range(start, min(start + frames, self._frames), PIECE):

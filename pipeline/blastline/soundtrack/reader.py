@@ -1,7 +1,7 @@
-"""One sound track of a file: decoded once, mixed to what detection hears and what drives, and cut again exactly.
+"""One sound track of a file: decoded once, mixed to what detection hears and what drives, and read again exactly.
 
 file ──► track (sample file or film) ──► mend ──► mix ──► blocks ──► detection
-                                                    └──► spool, where the file cannot be read twice ──► cuts
+                                                    └──► spool, where the file cannot be read twice ──► spans read again
 """
 
 import hashlib
@@ -68,13 +68,13 @@ class Soundtrack:
         """Return the samples between midnight and the first sample, 0 where the file does not say."""
         reference = self._track.facts.time_reference
         if reference is None or self._timebase.start_timecode is not None:
-            return time_of_start(self.described())
+            return time_of_start(self.describe())
         return reference
 
     @property
-    def damaged(self) -> int:
+    def damaged_samples(self) -> int:
         """Return how many samples of the blocks taken so far were no number, or beyond any sound, and were set to 0."""
-        return self._condition.damaged
+        return self._condition.damaged_samples
 
     @property
     def has_sides(self) -> bool:
@@ -87,7 +87,7 @@ class Soundtrack:
         return self._sides is not None and self._centre is None
 
     @property
-    def around(self) -> Channels | None:
+    def channels_in_space(self) -> Channels | None:
         """Return where a film's channels play and how to read them; None where it has not two that have a place.
 
         Of a file that cannot be read twice, only what `blocks` was asked to remember can be read.
@@ -100,14 +100,14 @@ class Soundtrack:
         """Yield the mixed sound from its first sample to its last, float32; this is the one decoding pass.
 
         Every block has `frames` frames but the last. With `sides`, those that the film has come with it; with
-        `kept_sides` they can be cut afterwards, as those of a pair always can. The channels of the last `remembered_s`
-        seconds can be read `around` what has come by. Raises SoundtrackError where the file proves to be unreadable,
-        OutputError where the disk has no room for the decoded sound.
+        `kept_sides` they can be read again afterwards, as those of a pair always can. The channels of the last
+        `remembered_s` seconds can be read through `channels_in_space`. Raises SoundtrackError where the file proves to
+        be unreadable, OutputError where the disk has no room for the decoded sound.
         """
         if frames < 1:
             raise ValueError(f"a block must have at least 1 frame, not {frames}")
         if self._started:
-            raise ValueError("the sound track has been decoded already; use cut()")
+            raise ValueError("the sound track has been decoded already; use read()")
         self._started = True
         if remembered_s and self._azimuths_deg is not None and not isinstance(self._track, PcmTrack):
             self._recent = Recent(frames + round(remembered_s * self.rate_hz))
@@ -124,7 +124,7 @@ class Soundtrack:
         """Return how long the track is, as it says or else as its size suggests; None where neither tells."""
         return self._track.facts.guessed_s if self.expected_frames is None else self.expected_frames / self.rate_hz
 
-    def near(self, start_s: float, length_s: float, *, sides: bool = False) -> Samples:
+    def read_approximately(self, start_s: float, length_s: float, *, sides: bool = False) -> Samples:
         """Return the mixed sound of at least about that stretch, for a rough look before the track is decoded.
 
         With `sides`, a film that has any has them as one column more. A film has to be opened anew to be decoded.
@@ -133,14 +133,14 @@ class Soundtrack:
         self._started = True
         with naming(self._path):
             frames = max(1, round(length_s * self.rate_hz))
-            raw = self._track.near(start_s, frames)
+            raw = self._track.read_approximately(start_s, frames)
             mend = not self._track.facts.is_integer
             whole = (mended(piece)[0] if mend else piece for piece in raw)
             pieces = [self._mixed(samples, sides=sides) for samples in whole]
         columns = self.columns + (sides and self.has_sides)
         return np.concatenate([np.zeros((0, columns), np.float32), *pieces])
 
-    def cut(self, span: Span, *, sides: bool = False) -> Clip:
+    def read(self, span: Span, *, sides: bool = False) -> Clip:
         """Return the exact samples of a span inside the track, float64, once all blocks have been taken.
 
         With `sides`, those that the film has come with it, if the file can be read twice, if the film is a pair, or if
@@ -157,7 +157,7 @@ class Soundtrack:
             columns = columns if sides else columns[:, : self.columns]
         return self._clip(columns.astype(np.float64), span.start)
 
-    def forget(self) -> None:
+    def release_recent(self) -> None:
         """Let go of what `blocks` was asked to remember."""
         self._recent = None
 
@@ -175,8 +175,8 @@ class Soundtrack:
             with self._path.open("rb") as file:
                 digest = hashlib.file_digest(file, "sha256").hexdigest()
             require_unchanged(self._path, self._opened)
-        warnings = (*self._track.warnings(), *uncounted(self.described()), *self._condition.warnings())
-        return self.described(sha256=digest, frames=self._frames, warnings=warnings)
+        warnings = (*self._track.warnings(), *uncounted(self.describe()), *self._condition.warnings())
+        return self.describe(sha256=digest, frames=self._frames, warnings=warnings)
 
     def close(self) -> None:
         """Release the file and the spool."""
@@ -233,7 +233,7 @@ class Soundtrack:
         mix, beside = columns[:, : self.columns], columns[:, self.columns :]
         return Clip(mix, self.rate_hz, start, beside[:, 0] if beside.shape[1] else None)
 
-    def described(self, *, sha256: str = "", frames: int = 0, warnings: tuple[str, ...] = ()) -> Source:
+    def describe(self, *, sha256: str = "", frames: int = 0, warnings: tuple[str, ...] = ()) -> Source:
         """Return what is known before the sound is decoded, with what is given."""
         facts = self._track.facts
         source = Source(

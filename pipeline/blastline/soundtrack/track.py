@@ -50,7 +50,7 @@ class Track(Protocol):
     def pieces(self) -> Iterator[Samples]:
         """Yield all samples in order, shape (frames, channels)."""
 
-    def near(self, start_s: float, frames: int) -> Iterator[Samples]:
+    def read_approximately(self, start_s: float, frames: int) -> Iterator[Samples]:
         """Yield at least so many samples, if there are, from about that time on: a rough look before decoding."""
 
     def warnings(self) -> list[str]:

@@ -38,7 +38,9 @@ def listened(path: Path, tier: QualityRules, verifier: Verifier) -> Heard:
     began = time.process_time()
     with open_soundtrack(path) as track:
         blocks = track.blocks(sides=tier.channels.sides, remembered_s=LATENCY_S)
-        found = find_shots(blocks, rate_hz=track.rate_hz, tier=tier, verifier=verifier, channels=track.around)
+        found = find_shots(
+            blocks, rate_hz=track.rate_hz, tier=tier, verifier=verifier, channels=track.channels_in_space
+        )
         cpu_s = time.process_time() - began
         return Heard(found, track.rate_hz, track.source().frames, cpu_s)
 

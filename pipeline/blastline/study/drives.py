@@ -100,7 +100,7 @@ def windows_of(scene: TrueScene, setup: RenderSetup, wanted: Collection[Drive] =
     """Yield each window of a scene with those drives that are wanted."""
     for planned in scene.windows:
         span = needed_audio(planned, frames=scene.frames, filters=setup.undelayed, rules=setup.rules)
-        yield rendered(scene.track.cut(span), planned, scene.shots, setup, wanted)
+        yield rendered(scene.track.read(span), planned, scene.shots, setup, wanted)
 
 
 def rendered(
@@ -192,7 +192,7 @@ def windowed_error(scene: TrueScene, setup: RenderSetup, *, preroll_ms: float | 
     difference in any window, against the peak there.
     """
     rules = setup.rules if preroll_ms is None else msgspec.structs.replace(setup.rules, preroll_ms=preroll_ms)
-    track = np.asarray(scene.track.cut(Span(0, scene.frames)).driving, dtype=np.float64)
+    track = np.asarray(scene.track.read(Span(0, scene.frames)).driving, dtype=np.float64)
     whole = compensated(track, setup.filters)
     errors = [0.0]
     for planned in scene.windows:

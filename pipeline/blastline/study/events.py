@@ -128,5 +128,5 @@ def _write_excerpts(folder: Path, names: Sequence[str], path: Path, at_s: Sequen
             at = samples_from_s(second, rate_hz)
             start = max(0, at - samples_from_s(EXCERPT_BEFORE_S, rate_hz))
             stop = min(frames, at + samples_from_s(EXCERPT_AFTER_S, rate_hz))
-            heard = np.asarray(track.cut(Span(start, stop)).heard, np.float32)
+            heard = np.asarray(track.read(Span(start, stop)).heard, np.float32)
             soundfile.write(folder / name, excerpt(heard, at, start=start, rate_hz=rate_hz), rate_hz, subtype="PCM_16")

@@ -175,7 +175,7 @@ def _filter_and_read(scene: TrueScene, setup: RenderSetup) -> tuple[float, float
     for planned in scene.windows:
         span = needed_audio(planned, frames=scene.frames, filters=filters, rules=rules)
         inside = slice(planned.window.start - span.start, planned.window.stop - span.start)
-        sound = np.asarray(scene.track.cut(span).driving, dtype=np.float64)
+        sound = np.asarray(scene.track.read(span).driving, dtype=np.float64)
         began = time.process_time()
         settled_compensated(sound, inside, filters, rules)
         filtering += time.process_time() - began

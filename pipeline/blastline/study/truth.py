@@ -18,7 +18,7 @@ from ..units import samples_from_s
 
 @dataclass(frozen=True, eq=False)
 class TrueScene:
-    """A scene's track, heard once and ready to be cut, its true shots in order and their windows."""
+    """A scene's track, heard once and ready to be read again, its true shots in order and their windows."""
 
     name: str
     path: Path
@@ -76,4 +76,4 @@ def _has_shots(file: Path) -> bool:
 def _parted(track: Soundtrack, frames: int, onset: int, tier: QualityRules) -> Shot:
     """Return a true shot with the parts that a run finds from its onset on."""
     around = audio_around(onset, frames=frames, rate_hz=track.rate_hz, tier=tier)
-    return shot_at(onset, track.cut(around), confidence=1.0, tier=tier)
+    return shot_at(onset, track.read(around), confidence=1.0, tier=tier)
