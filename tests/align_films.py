@@ -94,7 +94,7 @@ def one_shot(seed: int, rate_hz: int, *, peak: float, tail: float = 0.1, length_
     delay = round(rng.uniform(0.02, 0.06) * rate_hz)
     sound = blast.copy()
     sound[delay:] += 0.5 * blast[: len(t) - delay]
-    rumble = dsp.run_filter(dsp.digital(dsp.band(PROFILE), rate_hz), rng.standard_normal(len(t)))
+    rumble = dsp.run_filter(dsp.discretise(dsp.band(PROFILE), rate_hz), rng.standard_normal(len(t)))
     sound += tail * rumble / np.std(rumble) * np.exp(-t / 0.08)
     return peak * sound / np.abs(sound).max(), delay
 
@@ -123,7 +123,7 @@ def make_film(
     rng = np.random.default_rng(seed)
     audio = bed * rng.standard_normal(round(seconds * rate_hz))
     if rumble:
-        felt_bed = dsp.run_filter(dsp.digital(dsp.band(PROFILE), rate_hz), rng.standard_normal(len(audio)))
+        felt_bed = dsp.run_filter(dsp.discretise(dsp.band(PROFILE), rate_hz), rng.standard_normal(len(audio)))
         audio += rumble * felt_bed / np.std(felt_bed)
     echoes = []
     for index, (onset_s, peak) in enumerate(zip(onsets_s, peaks, strict=True)):
@@ -195,13 +195,13 @@ def make_drive(
     inside = slice(window.start - start, window.stop - start)
     piece = audio[start:stop]
     if phase == "causal":
-        target = dsp.run_filter(dsp.digital(dsp.band(PROFILE), rate_hz), piece)[inside]
-        wet = dsp.run_filter(dsp.digital(dsp.compensator(PROFILE), rate_hz), piece)[inside]
+        target = dsp.run_filter(dsp.discretise(dsp.band(PROFILE), rate_hz), piece)[inside]
+        wet = dsp.run_filter(dsp.discretise(dsp.compensator(PROFILE), rate_hz), piece)[inside]
     else:
         half = dsp.half_band(PROFILE)
-        back = dsp.digital(half, rate_hz)
+        back = dsp.discretise(half, rate_hz)
         target = dsp.run_filter(back, dsp.run_filter(back, piece)[::-1])[::-1][inside]
-        first = dsp.run_filter(dsp.digital(dsp.inverse(PROFILE) * half, rate_hz), piece)
+        first = dsp.run_filter(dsp.discretise(dsp.inverse(PROFILE) * half, rate_hz), piece)
         wet = dsp.run_filter(back, first[::-1])[::-1][inside]
     if level * np.abs(wet).max() <= 1.0:
         return level * wet, "filter"
@@ -230,7 +230,7 @@ def limited(target: Samples, first: int, rate_hz: int, *, stop: int | None = Non
 
 
 def _impulse(samples: int, rate_hz: int) -> Samples:
-    return dsp.run_filter(dsp.digital(dsp.felt_response(PROFILE), rate_hz), np.eye(1, samples)[0])
+    return dsp.run_filter(dsp.discretise(dsp.felt_response(PROFILE), rate_hz), np.eye(1, samples)[0])
 
 
 def event_of(
@@ -249,9 +249,9 @@ def event_of(
     blast = Span(onset, onset + round(4e-3 * rate_hz))
     echo = Reflection(onset + delay, onset + delay + len(blast), 1000.0 * delay / rate_hz, -6.0)
     core = slice(onset - window.start, (stop or window.stop - window.fade_out_samples) - window.start)
-    felt_sections = dsp.digital(dsp.felt_response(PROFILE), rate_hz)
+    felt_sections = dsp.discretise(dsp.felt_response(PROFILE), rate_hz)
     felt, plain = (dsp.run_filter(felt_sections, s[window.start : window.stop])[core] for s in (drive, audio))
-    band = dsp.run_filter(dsp.digital(dsp.band(PROFILE), rate_hz), audio[window.start : window.stop])[core]
+    band = dsp.run_filter(dsp.discretise(dsp.band(PROFILE), rate_hz), audio[window.start : window.stop])[core]
     gain_db = 20.0 * np.log10(np.linalg.norm(felt) / np.linalg.norm(plain))
     fidelity = float(np.dot(felt, band) / (np.linalg.norm(felt) * np.linalg.norm(band)))
     peak = float(np.abs(drive[window.start : window.stop]).max())

@@ -126,7 +126,7 @@ def test_excess_phase_is_delay_and_sign(delay_s: float, sign: float) -> None:
     assert found is not None
     assert found.delay_s == pytest.approx(delay_s, abs=1e-5)
     assert found.inverted == (sign < 0.0)
-    assert found.rest_deg < 1.0
+    assert found.residual_rms_deg < 1.0
     assert excess_phase(MeasuredResponse(frequencies_hz, np.abs(turned))) is None
 
 
@@ -136,7 +136,7 @@ def test_an_all_pass_is_no_delay_and_is_told() -> None:
     turned = Seat().at(frequencies_hz) * (600.0 - s) / (600.0 + s)
     found = excess_phase(MeasuredResponse(frequencies_hz, np.abs(turned), np.angle(turned)))
     assert found is not None
-    assert found.rest_deg > 20.0
+    assert found.residual_rms_deg > 20.0
 
 
 def test_a_response_that_does_not_follow_is_refused() -> None:

@@ -55,7 +55,7 @@ def make_burst(*, gap_s: float = 0.08, shots: int = 3, foresight: bool = False, 
     first, last = events[0].window, events[-1].window
     window = Window(first.start, last.stop, first.fade_in_samples, last.fade_out_samples)
     target, wet = (
-        dsp.run_filter(dsp.digital(analogue, RATE_HZ), audio)[window.start : window.stop]
+        dsp.run_filter(dsp.discretise(analogue, RATE_HZ), audio)[window.start : window.stop]
         for analogue in (dsp.band(PROFILE), dsp.compensator(PROFILE))
     )
     starts = [event.onset_sample - round(1e-3 * RATE_HZ) for event in events]
@@ -73,7 +73,7 @@ def make_burst(*, gap_s: float = 0.08, shots: int = 3, foresight: bool = False, 
 
 def limited_in_turn(target: Samples, wet: Samples, leads: list[int]) -> Samples:
     """Return a window's drive solved from shot to shot; each piece may ring on as the compensator's drive would."""
-    felt = dsp.digital(dsp.felt_response(PROFILE), RATE_HZ)
+    felt = dsp.discretise(dsp.felt_response(PROFILE), RATE_HZ)
     drive = np.zeros(len(target))
     for start, stop in zip(leads, [*leads[1:], len(target)], strict=True):
         known = np.arange(len(target)) < stop
@@ -203,7 +203,7 @@ def test_at_whatever_level_a_drive_was_rendered_its_attack_is_checked(level_db: 
 
 def test_a_drive_that_is_nowhere_what_is_due_is_late_only_where_it_rests() -> None:
     right = loud_film()
-    wet = dsp.run_filter(dsp.digital(dsp.compensator(PROFILE), RATE_HZ), right.audio.samples)
+    wet = dsp.run_filter(dsp.discretise(dsp.compensator(PROFILE), RATE_HZ), right.audio.samples)
     drive = np.where(right.drive.samples == 0.0, 0.0, np.clip(wet, -1.0, 1.0))
     first = right.timeline.events[0]
     begun_late(drive, first.onset_sample, slice(first.window.start, first.window.stop))

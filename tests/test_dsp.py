@@ -12,7 +12,7 @@ from blastline import dsp
 from render_signals import PROFILE
 
 RATES_HZ = (8_000, 11_025, 16_000, 22_050, 32_000, 44_056, 44_100, 48_000, 88_200, 96_000, 176_400, 192_000, 384_000)
-COMPENSATOR = dsp.digital(dsp.compensator(PROFILE), 48_000)
+COMPENSATOR = dsp.discretise(dsp.compensator(PROFILE), 48_000)
 
 
 def paper_h(frequencies_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
@@ -25,7 +25,7 @@ def error_db(analogue: dsp.Analogue, rate_hz: int, up_to_hz: float, *, lean: boo
     """Return the largest complex error of the digital response, relative to the analogue peak below 2 kHz."""
     frequencies = np.unique(np.concatenate([np.geomspace(1.0, up_to_hz, 400), np.linspace(1.0, up_to_hz, 400)]))
     wanted = analogue.at(frequencies)
-    _, found = freqz_sos(dsp.digital(analogue, rate_hz, lean=lean), frequencies, fs=rate_hz)
+    _, found = freqz_sos(dsp.discretise(analogue, rate_hz, lean=lean), frequencies, fs=rate_hz)
     peak = np.max(np.abs(wanted[frequencies <= 2000.0]))
     return 20.0 * math.log10(float(np.max(np.abs(found - wanted)) / peak))
 
@@ -73,14 +73,14 @@ def test_digital_filters_follow_the_analogue_ones(rate_hz: int) -> None:
 @pytest.mark.parametrize("rate_hz", [rate_hz for rate_hz in RATES_HZ if rate_hz >= 44_000])
 def test_lean_filters_take_half_the_sections_and_are_near_enough(rate_hz: int) -> None:
     for analogue in (dsp.compensator(PROFILE), dsp.inverse(PROFILE) * dsp.half_band(PROFILE)):
-        lean, full = (dsp.digital(analogue, rate_hz, lean=lean) for lean in (True, False))
+        lean, full = (dsp.discretise(analogue, rate_hz, lean=lean) for lean in (True, False))
         assert len(lean) <= 0.65 * len(full)
         assert error_db(analogue, rate_hz, 2000.0, lean=True) <= -65.0
 
 
 @pytest.mark.parametrize("rate_hz", RATES_HZ)
 def test_compensator_does_not_gain_close_to_half_the_rate(rate_hz: int) -> None:
-    sections = dsp.digital(dsp.compensator(PROFILE), rate_hz)
+    sections = dsp.discretise(dsp.compensator(PROFILE), rate_hz)
     _, low = freqz_sos(sections, np.geomspace(1.0, 2000.0, 200), fs=rate_hz)
     _, high = freqz_sos(sections, np.linspace(0.4, 0.5, 200) * rate_hz, fs=rate_hz)
     assert np.max(np.abs(high)) <= 1.2 * np.max(np.abs(low))
@@ -89,8 +89,8 @@ def test_compensator_does_not_gain_close_to_half_the_rate(rate_hz: int) -> None:
 @pytest.mark.parametrize("rate_hz", RATES_HZ)
 def test_digital_filters_are_stable_and_pass_no_dc(rate_hz: int) -> None:
     for analogue in (dsp.felt_response(PROFILE), dsp.compensator(PROFILE), dsp.band(PROFILE)):
-        assert np.max(np.abs(sos2zpk(dsp.digital(analogue, rate_hz))[1])) < 1.0
-    _, at_dc = freqz_sos(dsp.digital(dsp.compensator(PROFILE), rate_hz), np.zeros(1))
+        assert np.max(np.abs(sos2zpk(dsp.discretise(analogue, rate_hz))[1])) < 1.0
+    _, at_dc = freqz_sos(dsp.discretise(dsp.compensator(PROFILE), rate_hz), np.zeros(1))
     assert abs(at_dc[0]) < 1e-6
 
 
@@ -100,7 +100,7 @@ def test_digital_filters_are_stable_and_pass_no_dc(rate_hz: int) -> None:
 def test_single_poles_from_very_slow_to_nearly_half_the_rate(corner_rad_s: float, bar: float) -> None:
     slow = dsp.Analogue(np.array([], complex), np.array([complex(-corner_rad_s)]), corner_rad_s)
     frequencies = np.geomspace(1e-3, 2000.0, 300)
-    _, found = freqz_sos(dsp.digital(slow, 48_000), frequencies, fs=48_000)
+    _, found = freqz_sos(dsp.discretise(slow, 48_000), frequencies, fs=48_000)
     assert np.max(np.abs(found - slow.at(frequencies))) < bar
 
 
@@ -108,7 +108,7 @@ def test_resonance_rings_as_its_analogue_does() -> None:
     pole = complex(-60.0, 2.0 * math.pi * 300.0)
     analogue = dsp.Analogue(np.array([], complex), np.array([pole, pole.conjugate()]), abs(pole) ** 2)
     rate_hz = 48_000
-    found = dsp.run_filter(dsp.digital(analogue, rate_hz), np.concatenate([[1.0], np.zeros(4799)]))
+    found = dsp.run_filter(dsp.discretise(analogue, rate_hz), np.concatenate([[1.0], np.zeros(4799)]))
     time_s = np.arange(4800) / rate_hz
     wanted = abs(pole) ** 2 / pole.imag * np.exp(pole.real * time_s) * np.sin(pole.imag * time_s) / rate_hz
     # a sampled impulse is a band-limited one: its first samples hold what the analogue response has not yet
@@ -118,7 +118,7 @@ def test_resonance_rings_as_its_analogue_does() -> None:
 
 def test_improper_filter_is_refused() -> None:
     with pytest.raises(ValueError, match="improper filter: 3 zeros over 1 poles"):
-        dsp.digital(dsp.inverse(PROFILE), 48_000)
+        dsp.discretise(dsp.inverse(PROFILE), 48_000)
 
 
 @given(st.integers(0, 200), st.integers(1, 100), st.floats(-30, 30))

@@ -82,7 +82,7 @@ def test_what_is_shown_as_felt_is_the_drive_through_the_response(phase: Phase, l
     timeline = msgspec.structs.replace(film.timeline, phase=phase, level_db=level_db)
     (event,) = timeline.events
     sound = event_sound(event, timeline, audio=film.audio, drive=film.drive, profile=PROFILE)
-    whole = dsp.run_filter(dsp.digital(dsp.felt_response(PROFILE), 48_000), film.drive.samples)
+    whole = dsp.run_filter(dsp.discretise(dsp.felt_response(PROFILE), 48_000), film.drive.samples)
     assert sound.felt_drive == pytest.approx(whole[sound.span.start : sound.span.stop], abs=1e-9)
     at_onset = int(np.argmin(np.abs(sound.times_ms)))
     assert sound.span.start + at_onset == event.onset_sample

@@ -92,7 +92,7 @@ def near(profile: ActuatorProfile, rate_hz: int, *, lean: bool) -> bool:
     )
     for analogue in (dsp.compensator(profile), dsp.inverse(profile) * dsp.half_band(profile)):
         wanted = analogue.at(frequencies)
-        _, found = freqz_sos(dsp.digital(analogue, rate_hz, lean=lean), frequencies, fs=rate_hz)
+        _, found = freqz_sos(dsp.discretise(analogue, rate_hz, lean=lean), frequencies, fs=rate_hz)
         peak = np.max(np.abs(wanted[frequencies <= 2000.0]))
         if 20.0 * np.log10(np.max(np.abs(found - wanted)) / peak) > bar_db(rate_hz):
             return False
@@ -134,14 +134,14 @@ def test_single_corners_from_very_slow_to_nearly_half_the_rate(log_corner: float
     share = (log_corner - math.log(0.01)) / (math.log(0.9 * math.pi) - math.log(0.01))
     corner_rad_s = 0.01 * (0.9 * math.pi * rate_hz / 0.01) ** share
     analogue = single_pole(corner_rad_s, times)
-    error_db = response_error_db(analogue, dsp.digital(analogue, rate_hz), rate_hz, start_hz=1e-4, points=25)
+    error_db = response_error_db(analogue, dsp.discretise(analogue, rate_hz), rate_hz, start_hz=1e-4, points=25)
     assert error_db <= bar_db(rate_hz)
 
 
 @pytest.mark.parametrize("rate_hz", [8_000, 48_000, 384_000])
 @pytest.mark.parametrize("times", [1, 2, 3, 4])
 def test_slow_poles_keep_their_gain_at_dc_after_rounding(rate_hz: int, times: int) -> None:
-    sections = dsp.digital(single_pole(0.01, times), rate_hz)
+    sections = dsp.discretise(single_pole(0.01, times), rate_hz)
     (at_dc,) = sections_response(sections, np.zeros(1), rate_hz)
     assert abs(at_dc - 1) < 1e-6
 
@@ -152,7 +152,7 @@ def test_every_high_pass_that_a_profile_may_have_is_stable_and_stops_dc(
     corner_hz: float, order: int, rate_hz: int
 ) -> None:
     band = dsp.butterworth(order, corner_hz, "highpass") * dsp.butterworth(3, 1000.0, "lowpass")
-    sections = dsp.digital(band, rate_hz)
+    sections = dsp.discretise(band, rate_hz)
     (at_dc,) = sections_response(sections, np.zeros(1), rate_hz)
     assert abs(at_dc) < 1e-8
     assert response_error_db(band, sections, rate_hz, points=10) <= bar_db(rate_hz) - 20.0
@@ -161,7 +161,7 @@ def test_every_high_pass_that_a_profile_may_have_is_stable_and_stops_dc(
 @settings(max_examples=8, derandomize=True)
 @given(RATES_HZ, st.integers(0, 99), st.floats(-30.0, 30.0))
 def test_filtered_samples_are_those_of_exact_arithmetic(rate_hz: int, seed: int, exponent: float) -> None:
-    sections = dsp.digital(dsp.compensator(PROFILE), rate_hz)
+    sections = dsp.discretise(dsp.compensator(PROFILE), rate_hz)
     samples = np.random.default_rng(seed).uniform(-1.0, 1.0, 300) * 10.0**exponent
     assert time_error_db(sections, samples) < -200.0
 
@@ -225,17 +225,17 @@ def test_a_rate_with_no_room_for_the_band_is_refused(rate_hz: int) -> None:
 @pytest.mark.parametrize("corner_rad_s", [1e-12, 1e-300])
 def test_a_pole_that_rounding_would_make_unstable_is_refused(corner_rad_s: float) -> None:
     with pytest.raises(ValueError, match="decays too slowly"):
-        dsp.digital(single_pole(corner_rad_s), 384_000)
+        dsp.discretise(single_pole(corner_rad_s), 384_000)
 
 
 def test_a_gain_beyond_floating_point_is_refused() -> None:
     with pytest.raises(ValueError, match=r"gain of .* cannot be computed"):
-        dsp.digital(dsp.Analogue(np.array([], complex), np.array([-1e3 + 0j]), 0.0), 48_000)
+        dsp.discretise(dsp.Analogue(np.array([], complex), np.array([-1e3 + 0j]), 0.0), 48_000)
 
 
 def test_roots_without_their_conjugates_are_refused() -> None:
     with pytest.raises(ValueError, match="conjugates"):
-        dsp.digital(dsp.Analogue(np.array([], complex), np.array([-1e3 - 1e3j]), 1.0), 48_000)
+        dsp.discretise(dsp.Analogue(np.array([], complex), np.array([-1e3 - 1e3j]), 1.0), 48_000)
 
 
 def test_a_marker_beyond_32_bits_is_left_to_the_timeline() -> None:

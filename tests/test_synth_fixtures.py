@@ -55,7 +55,7 @@ def test_the_edges_are_the_first_and_the_last_frame() -> None:
 def test_the_weak_shots_are_felt_at_less_than_half_in_direct_conversion() -> None:
     audio = render_scene(SCENES["weak"])
     profile, _ = load_actuator("crowson-t108sm")
-    felt, band = (dsp.digital(part(profile), audio.rate_hz) for part in (dsp.felt_response, dsp.band))
+    felt, band = (dsp.discretise(part(profile), audio.rate_hz) for part in (dsp.felt_response, dsp.band))
     truth = truth_of(audio)
     assert len(truth.shots) >= 13
     assert min(np.diff([item.onset_sample for item in truth.shots])) >= 2 * audio.rate_hz

@@ -1,7 +1,7 @@
 """The rational model that comes nearest to what was measured, of as many poles and zeros as that is worth.
 
 Models compete: eq. (2) of the paper, k (s + w1) / (s + w2)^3, and general ones of 1 to `most_poles` poles and up to as
-many zeros less one. The criterion is Schwarz's (1978),
+many zeros less one. The one with the least Bayesian information criterion (BIC; Schwarz 1978) wins,
 
     n ln(1 + mean(e^2 / (e0^2 + m^2))) + p ln n
 
@@ -39,11 +39,11 @@ _PATIENCE = 2
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A model with its weighted rms error in dB and the criterion's score (less is better)."""
+    """A model with its weighted rms error in dB and its Bayesian information criterion (less is better)."""
 
     model: Model
     error_db: float
-    score: float
+    bic: float
 
     @property
     def is_papers(self) -> bool:
@@ -76,12 +76,12 @@ def fit(target: FitTarget, *, rules: FitRules, name: str) -> FittedResponse:
 
     Raises RuleError where no model keeps the bound of the inverse, give or take 1 dB, and decays in time.
     """
-    trust = _trust(target, rules)
-    papers = _judged(_fit_papers(target, trust), target, rules)
+    inverse_variance = _inverse_variance(target, rules)
+    papers = _judged(_fit_papers(target, inverse_variance), target, rules)
     fits = [papers] if papers else []
     best_of: dict[tuple[int, int], Model] = {}
     for zeros, poles in _orders(target, rules):
-        if fits and poles > min(fits, key=_score).model.poles + _PATIENCE:
+        if fits and poles > min(fits, key=_bic).model.poles + _PATIENCE:
             break
         form = general_form(zeros, poles)
         models = [
@@ -90,12 +90,12 @@ def fit(target: FitTarget, *, rules: FitRules, name: str) -> FittedResponse:
                 start,
                 target.frequencies_hz,
                 target.target_db,
-                weights=target.weights * trust,
+                weights=target.weights * inverse_variance,
                 band_rad_s=_room(target),
             )
             for start in _starts(form, zeros, poles, target, best_of)
         ]
-        best_of[zeros, poles] = min(models, key=lambda model: _misfit(model, target, trust))
+        best_of[zeros, poles] = min(models, key=lambda model: _misfit(model, target, inverse_variance))
         judged = _judged(best_of[zeros, poles], target, rules)
         fits += [judged] if judged else []
     if not fits:
@@ -104,7 +104,7 @@ def fit(target: FitTarget, *, rules: FitRules, name: str) -> FittedResponse:
             f"{_SPARE_DB:g} dB over the bound of {rules.largest_gain_db:g} that the response was held to, "
             f"whose zeros and poles decay at {-SLOWEST_RAD_S:g} rad/s or faster; expected a smoother response"
         )
-    return FittedResponse(min(fits, key=_score), papers, target)
+    return FittedResponse(min(fits, key=_bic), papers, target)
 
 
 def octave_errors(fitted_response: FittedResponse) -> list[BandError]:
@@ -138,7 +138,7 @@ def _orders(target: FitTarget, rules: FitRules) -> Iterator[tuple[int, int]]:
                 yield zeros, poles
 
 
-def _fit_papers(target: FitTarget, trust: Values) -> Model:
+def _fit_papers(target: FitTarget, inverse_variance: Values) -> Model:
     low, high = target.band_hz
     models = [
         fitted(
@@ -146,12 +146,12 @@ def _fit_papers(target: FitTarget, trust: Values) -> Model:
             np.array([0.0, math.log(2.0 * math.pi * zero_hz), math.log(2.0 * math.pi * pole_hz)]),
             target.frequencies_hz,
             target.target_db,
-            weights=target.weights * trust,
+            weights=target.weights * inverse_variance,
             band_rad_s=_room(target),
         )
         for zero_hz, pole_hz in ((low, math.sqrt(low * high)), (math.sqrt(low * high), high), (high, low))
     ]
-    return min(models, key=lambda model: _misfit(model, target, trust))
+    return min(models, key=lambda model: _misfit(model, target, inverse_variance))
 
 
 def _starts(
@@ -177,12 +177,12 @@ def _spread(count: int, low: float, high: float) -> list[complex]:
     return pairs + [complex(-math.sqrt(low * high))] * (count % 2)
 
 
-def _score(candidate: Fit) -> float:
-    return candidate.score
+def _bic(candidate: Fit) -> float:
+    return candidate.bic
 
 
 def _judged(model: Model, target: FitTarget, rules: FitRules) -> Fit | None:
-    """Return a model with its score.
+    """Return a model with its criterion.
 
     None where its inverse exceeds the bound by more than a fit may be off, and where no profile may hold it, because a
     zero or pole rings on for too long: a slow pair costs little below what was measured, so a fit does choose one.
@@ -192,8 +192,8 @@ def _judged(model: Model, target: FitTarget, rules: FitRules) -> Fit | None:
     if inversion_db(model, target, rules=rules) > rules.largest_gain_db + _SPARE_DB:
         return None
     points, free = len(target.frequencies_hz), len(model.parameters)
-    score = points * math.log1p(_misfit(model, target, _trust(target, rules))) + free * math.log(points)
-    return Fit(model, math.sqrt(_misfit(model, target, np.ones(points))), score)
+    bic = points * math.log1p(_misfit(model, target, _inverse_variance(target, rules))) + free * math.log(points)
+    return Fit(model, math.sqrt(_misfit(model, target, np.ones(points))), bic)
 
 
 def _slowest_rad_s(model: Model) -> float:
@@ -202,13 +202,13 @@ def _slowest_rad_s(model: Model) -> float:
     return float(np.max(np.concatenate([felt.zeros, felt.poles]).real))
 
 
-def _misfit(model: Model, target: FitTarget, trust: Values) -> float:
+def _misfit(model: Model, target: FitTarget, inverse_variance: Values) -> float:
     """Return the weighted mean of the squared errors."""
     error = level_db(model, target.frequencies_hz) - target.target_db
-    return float(np.sum(target.weights * trust * error**2))
+    return float(np.sum(target.weights * inverse_variance * error**2))
 
 
-def _trust(target: FitTarget, rules: FitRules) -> Values:
+def _inverse_variance(target: FitTarget, rules: FitRules) -> Values:
     return 1.0 / (rules.negligible_db**2 + target.error_db**2)
 
 

@@ -28,7 +28,7 @@ class ExcessPhase:
 
     delay_s: float
     inverted: bool
-    rest_deg: float
+    residual_rms_deg: float
 
 
 def minimum_phase(frequencies_hz: Values, gain: Values) -> Values:
@@ -56,26 +56,26 @@ def excess_phase(measured: MeasuredResponse) -> ExcessPhase | None:
 
 def _sought(measured: MeasuredResponse, phase_rad: Values, known_s: float) -> ExcessPhase:
     without = np.exp(1j * (phase_rad + 2.0 * math.pi * known_s * measured.frequencies_hz))
-    frequencies_hz, gain, turns, weights = _thinned(measured, without)
-    turns = turns * np.exp(-1j * minimum_phase(frequencies_hz, gain))
+    frequencies_hz, gain, phasors, weights = _thinned(measured, without)
+    phasors = phasors * np.exp(-1j * minimum_phase(frequencies_hz, gain))
     step_s = 0.1 / float(frequencies_hz[-1])
     delays_s = np.arange(-_SEARCH_S, _SEARCH_S, step_s)
-    delay_s = float(delays_s[np.argmax(np.abs(_aligned(turns, frequencies_hz, delays_s, weights)))])
+    delay_s = float(delays_s[np.argmax(np.abs(_aligned(phasors, frequencies_hz, delays_s, weights)))])
     while step_s > 1e-9:
         near = delay_s + step_s * np.linspace(-1.0, 1.0, 11)
-        delay_s = float(near[np.argmax(np.abs(_aligned(turns, frequencies_hz, near, weights)))])
+        delay_s = float(near[np.argmax(np.abs(_aligned(phasors, frequencies_hz, near, weights)))])
         step_s /= 5.0
-    inverted = float(_aligned(turns, frequencies_hz, np.array([delay_s]), weights)[0].real) < 0.0
-    rest = np.angle(turns * np.exp(2j * math.pi * frequencies_hz * delay_s) * (-1.0 if inverted else 1.0))
+    inverted = float(_aligned(phasors, frequencies_hz, np.array([delay_s]), weights)[0].real) < 0.0
+    rest = np.angle(phasors * np.exp(2j * math.pi * frequencies_hz * delay_s) * (-1.0 if inverted else 1.0))
     return ExcessPhase(known_s + delay_s, inverted, float(np.degrees(np.sqrt(np.sum(weights * rest**2)))))
 
 
 def _aligned(
-    turns: NDArray[np.complex128], frequencies_hz: Values, delays_s: Values, weights: Values
+    phasors: NDArray[np.complex128], frequencies_hz: Values, delays_s: Values, weights: Values
 ) -> NDArray[np.complex128]:
-    """Return the mean turn that is left when each of the delays is taken out, of magnitude 1 where nothing is."""
+    """Return the mean phasor that is left when each of the delays is taken out, of magnitude 1 where nothing is."""
     phases = np.exp(2j * math.pi * delays_s[:, None] * frequencies_hz[None, :])
-    return np.asarray(phases @ (weights * turns), dtype=np.complex128)
+    return np.asarray(phases @ (weights * phasors), dtype=np.complex128)
 
 
 def _thinned(
@@ -86,13 +86,14 @@ def _thinned(
     inside = (measured.frequencies_hz >= low_hz) & (measured.frequencies_hz <= high_hz)
     frequencies_hz, gain, phasors = measured.frequencies_hz[inside], measured.gain[inside], phasors[inside]
     _, group = np.unique(np.floor(np.log2(frequencies_hz) * _STEPS_PER_OCTAVE), return_inverse=True)
-    trust = 1.0 / (measured.error_db[inside] ** 2 + 0.25)
-    total = np.bincount(group, trust)
-    middle_hz = np.exp(np.bincount(group, trust * np.log(frequencies_hz)) / total)
-    middle_gain = np.exp(np.bincount(group, trust * np.log(np.maximum(gain, 1e-20))) / total)
-    turns = np.bincount(group, trust * phasors.real) + 1j * np.bincount(group, trust * phasors.imag)
-    turns /= np.maximum(np.abs(turns), 1e-300)
-    return middle_hz, middle_gain, np.asarray(turns, dtype=np.complex128), total / np.sum(total)
+    inverse_variance = 1.0 / (measured.error_db[inside] ** 2 + 0.25)
+    total = np.bincount(group, inverse_variance)
+    middle_hz = np.exp(np.bincount(group, inverse_variance * np.log(frequencies_hz)) / total)
+    middle_gain = np.exp(np.bincount(group, inverse_variance * np.log(np.maximum(gain, 1e-20))) / total)
+    real, imaginary = (np.bincount(group, inverse_variance * part) for part in (phasors.real, phasors.imag))
+    means = real + 1j * imaginary
+    means /= np.maximum(np.abs(means), 1e-300)
+    return middle_hz, middle_gain, np.asarray(means, dtype=np.complex128), total / np.sum(total)
 
 
 def _edge_slope(log_f: Values, log_gain: Values) -> float:

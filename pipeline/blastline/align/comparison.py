@@ -99,7 +99,7 @@ def compare(
     """Return what the checks of every shot share."""
     rate_hz = audio.rate_hz
     response, compensator = dsp.felt_response(profile), dsp.compensator(profile)
-    felt = dsp.digital(response, rate_hz)
+    felt = dsp.discretise(response, rate_hz)
     frequencies_hz = np.geomspace(_LOWEST_HZ, rate_hz / 2.0, 2048)
     shortest_s, longest_s = _SETTLE_S
     poles = np.concatenate([response.poles, compensator.poles])
@@ -113,7 +113,7 @@ def compare(
         background,
         level_db,
         felt=felt,
-        band=dsp.digital(dsp.band(profile), rate_hz),
+        band=dsp.discretise(dsp.band(profile), rate_hz),
         band_gains=_band_gains(profile, rate_hz, phase),
         compensated=_compensation(profile, rate_hz, phase),
         step=1.0 / float(np.max(np.abs(response.at(frequencies_hz)) ** 2)),

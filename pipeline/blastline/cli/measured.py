@@ -20,8 +20,8 @@ def say_measured(made: "MadeProfile") -> None:
     measured, excess = identified.measured, identified.excess
     low_hz, high_hz = measured.band_hz
     _say("delay", f"{1000.0 * measured.delay_s:.3f} ms, taken out")
-    _say("polarity", _polarity(excess.rest_deg, inverted=excess.inverted))
-    _say("phase", f"{excess.rest_deg:.1f} degrees rms off that of the levels (minimum phase)")
+    _say("polarity", _polarity(excess.residual_rms_deg, inverted=excess.inverted))
+    _say("phase", f"{excess.residual_rms_deg:.1f} degrees rms off that of the levels (minimum phase)")
     _say(
         "usable",
         f"{low_hz:.4g} to {high_hz:.4g} Hz, by the coherence of {identified.segments} segments of "
@@ -45,7 +45,7 @@ def say_fitted(made: "MadeProfile") -> None:
     _say("felt best", f"at {made.peak_hz:.4g} Hz, {made.peak_db:+.1f} dB")
     _say("inverse", f"gains {made.inversion_db:.1f} dB more at its worst frequency than at its best")
     if made.identified is None and made.excess is not None and made.excess.inverted:
-        _say("polarity", _polarity(made.excess.rest_deg, inverted=True))
+        _say("polarity", _polarity(made.excess.residual_rms_deg, inverted=True))
     if fitted.best.error_db > _POOR_DB:
         _say("note", "the model is far from the measurement; `actuator show --picture --measured` shows where")
     if abs(made.peak_db) > _FAR_FROM_0_DB and not made.asked:
@@ -56,10 +56,10 @@ def say_fitted(made: "MadeProfile") -> None:
         typer.echo(f"{_nominal(row.centre_hz):>9} {row.level_db:8.2f} {errors}")
 
 
-def _polarity(rest_deg: float, *, inverted: bool) -> str:
+def _polarity(residual_rms_deg: float, *, inverted: bool) -> str:
     """Return what a phase tells of polarity; one that is far from minimum phase with any delay tells nothing."""
-    if rest_deg > _STRANGE_DEG:
-        return f"not known: with any delay, the phase is {rest_deg:.0f} degrees rms off that of the levels"
+    if residual_rms_deg > _STRANGE_DEG:
+        return f"not known: with any delay, the phase is {residual_rms_deg:.0f} degrees rms off that of the levels"
     return "inverted: the seat moves against the drive" if inverted else "as sent"
 
 

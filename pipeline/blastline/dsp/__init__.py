@@ -1,7 +1,7 @@
 """Filters as zeros, poles and a gain, how they become digital, and fades between what they make."""
 
 from .analogue import Analogue, band, butterworth, compensator, felt_response, half_band, inverse
-from .digital import digital, run_filter
+from .digital import discretise, run_filter
 from .fades import cross_fade, fade
 from .phase import band_sections, compensator_sections, run_backwards, run_both_ways
 from .settled import Settling, settled_state, settling
@@ -15,7 +15,7 @@ __all__ = [
     "compensator",
     "compensator_sections",
     "cross_fade",
-    "digital",
+    "discretise",
     "fade",
     "felt_response",
     "half_band",

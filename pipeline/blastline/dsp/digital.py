@@ -14,7 +14,7 @@ from .analogue import Analogue
 
 Fits = tuple[tuple[NDArray[np.complex128], int, float], ...]
 
-# How `digital` fits, in cycles per sample: chosen by its error over 8 to 384 kHz and 60 random actuators against its
+# How `discretise` fits, in cycles per sample: chosen by its error over 8 to 384 kHz and 60 random actuators against its
 # gain at half the rate. The extra poles stand where the response has to bend towards its real end.
 _UPPER_POLES = np.array([0.87, 0.975]) * np.exp(1j * math.pi * np.array([0.84, 0.83]))
 _MORE_POLES = np.concatenate([_UPPER_POLES, _UPPER_POLES.conj(), [-0.5]])
@@ -30,7 +30,7 @@ _NEAR_ONE = 1e-6  # of two real poles p, q in one section, (1 - p)(1 - q) is kno
 _RUN, _SILENT = 8_192, 1e-290  # in a longer run, most of what decays would be denormal before it is seen
 
 
-def digital(analogue: Analogue, rate_hz: int, *, lean: bool = False) -> NDArray[np.float64]:
+def discretise(analogue: Analogue, rate_hz: int, *, lean: bool = False) -> NDArray[np.float64]:
     """Return a filter as second-order sections, shape (sections, 6), whose response is near the analogue one.
 
     Poles and zeros go to exp(s T), T = 1 / rate; what that leaves of the response, its fall towards half the sample

@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 from ..model import Phase
 from ..ruleset import ActuatorProfile
 from .analogue import Analogue, band, half_band, inverse
-from .digital import digital, run_filter
+from .digital import discretise, run_filter
 
 Samples = NDArray[np.float64]
 
 
 def band_sections(profile: ActuatorProfile, rate_hz: int, phase: Phase, *, lean: bool = False) -> Samples:
-    """Return the band of vibration as second-order sections, half of it with phase "zero"; see `digital`."""
-    return digital(_shape(profile, phase), rate_hz, lean=lean)
+    """Return the band of vibration as second-order sections, half of it with phase "zero"; see `discretise`."""
+    return discretise(_shape(profile, phase), rate_hz, lean=lean)
 
 
 def compensator_sections(profile: ActuatorProfile, rate_hz: int, phase: Phase, *, lean: bool = False) -> Samples:
-    """Return the compensator in the band of vibration, or in half of it with phase "zero"; see `digital`."""
-    return digital(inverse(profile) * _shape(profile, phase), rate_hz, lean=lean)
+    """Return the compensator in the band of vibration, or in half of it with phase "zero"; see `discretise`."""
+    return discretise(inverse(profile) * _shape(profile, phase), rate_hz, lean=lean)
 
 
 def run_backwards(sections: Samples, samples: Samples) -> Samples:

@@ -1,8 +1,9 @@
 """The state in which a filter arrives at a sample, without running it up to there.
 
-A filter's state is a sum over the sound before, so it takes products of matrices, which cost a tenth of running:
+In state-space form a filter's state is a sum over the sound before, so it takes products of matrices, which cost a
+tenth of running:
 
-    state = sum_k A^(k n) G x_k     x_k the k-th last block of n samples, G what one leaves, A the filter left alone
+    state = sum_k A^(k n) G x_k     x_k the k-th last block of n samples, G from input to state, A the transition matrix
 """
 
 from dataclasses import dataclass
@@ -20,13 +21,13 @@ _AT_ONCE = 60_000  # products in a matrix product: larger ones start threads, wh
 class Settling:
     """What the state of sections is made of that have run over `lead` samples.
 
-    `left` is G, shape (1024, state), of a block; `turns` is A^(k n), what becomes of that by the end, shape
-    (blocks, state, state), the oldest block first.
+    `input_to_state` is G, shape (1024, state), of a block; `transition_powers` is A^(k n), what becomes of that by the
+    end, shape (blocks, state, state), the oldest block first.
     """
 
     lead: int
-    left: NDArray[np.float64]
-    turns: NDArray[np.float64]
+    input_to_state: NDArray[np.float64]
+    transition_powers: NDArray[np.float64]
 
 
 def settling(sections: NDArray[np.float64], lead: int) -> Settling:
@@ -42,26 +43,26 @@ def settling(sections: NDArray[np.float64], lead: int) -> Settling:
         first[1:] += second[:-1]
         responses += [first, second]
         arriving = leaving
-    turn = _left_alone(sections)
-    turns = [np.eye(len(turn))]
+    transition = _transition(sections)
+    powers = [np.eye(len(transition))]
     for _ in range(1, -(-lead // _BLOCK)):
-        turns.append(turn @ turns[-1])
-    return Settling(lead, np.stack(responses, axis=1)[::-1].copy(), np.stack(turns[::-1]))
+        powers.append(transition @ powers[-1])
+    return Settling(lead, np.stack(responses, axis=1)[::-1].copy(), np.stack(powers[::-1]))
 
 
 def settled_state(settling: Settling, before: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the state after the sound `before`, shape (sections, 2); what it lacks of the lead was silence."""
-    heard = np.zeros(len(settling.turns) * _BLOCK)
+    heard = np.zeros(len(settling.transition_powers) * _BLOCK)
     last = before[max(0, len(before) - settling.lead) :]
     heard[len(heard) - len(last) :] = last
     blocks = heard.reshape(-1, _BLOCK)
-    rows = max(1, _AT_ONCE // settling.left.size)
-    left = [blocks[start : start + rows] @ settling.left for start in range(0, len(blocks), rows)]
-    state = np.einsum("kij,kj->i", settling.turns, np.concatenate(left))
+    rows = max(1, _AT_ONCE // settling.input_to_state.size)
+    left = [blocks[start : start + rows] @ settling.input_to_state for start in range(0, len(blocks), rows)]
+    state = np.einsum("kij,kj->i", settling.transition_powers, np.concatenate(left))
     return np.asarray(state.reshape(-1, 2), dtype=np.float64)
 
 
-def _left_alone(sections: NDArray[np.float64]) -> NDArray[np.float64]:
+def _transition(sections: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return A^n: what a block of silence leaves of each state, one column for each."""
     from scipy.signal import sosfilt
 

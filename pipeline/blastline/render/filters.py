@@ -17,9 +17,9 @@ from .windows import PlannedWindow
 
 Samples = NDArray[np.float64]
 
-_LEAN = 1e-3  # of the impulse response's energy may a shorter recursion miss, as amplitude; the solver is faster by it
-_FREE = 3  # samples that a recursion has to itself before its poles ring
-_FADED = 1e-10  # an impulse response is cut where this much of it is left: far below 24-bit audio
+_RECURSION_ERROR = 1e-3  # so much of the impulse response may a shorter recursion miss: the solver is faster by it
+_FREE_SAMPLES = 3  # samples that a recursion has to itself before its poles ring
+_NEGLIGIBLE_SHARE = 1e-10  # an impulse response ends where this much of its peak is left: far below 24-bit audio
 
 _LONGEST_SUMMED_S = 2.0  # a longer pre-roll is run: with all of the film, to the bits of the whole track
 
@@ -35,7 +35,7 @@ class DriveFilters:
     """Second-order sections, float64, for one actuator at one sample rate.
 
     `band` and `compensator` run forwards. With phase "zero" they hold half of the band's roll-off each, and `band`
-    runs backwards over their output as well. After `ring` samples of silence both have faded. `felt` is H, `impulse`
+    runs backwards over their output as well. After `ring_samples` of silence both have faded. `felt` is H, `impulse`
     its impulse response until it has faded, and `recursion` H for the solver: of the actuator's own poles alone where
     that is close enough, else of all that the sections have.
     """
@@ -44,7 +44,7 @@ class DriveFilters:
     phase: Phase
     band: Samples
     compensator: Samples
-    ring: int
+    ring_samples: int
     felt: Samples
     impulse: Samples
     recursion: Recursion
@@ -60,9 +60,9 @@ def drive_filters(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Drive
     check_stable(profile, profile.name)
     _check_gain(profile, rate_hz)
     felt = dsp.felt_response(profile)
-    sections = dsp.digital(felt, rate_hz)
+    sections = dsp.discretise(felt, rate_hz)
     # twice, since poles that lie together fade later than one; the sections' own may be slower than a fast actuator's
-    impulse = _until_faded(dsp.run_filter(sections, np.concatenate([[1.0], np.zeros(2 * _ring(sections))])))
+    impulse = _until_faded(dsp.run_filter(sections, np.concatenate([[1.0], np.zeros(2 * _ring_samples(sections))])))
     band = dsp.band_sections(profile, rate_hz, phase, lean=True)
     compensator = dsp.compensator_sections(profile, rate_hz, phase, lean=True)
     return DriveFilters(
@@ -70,7 +70,7 @@ def drive_filters(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Drive
         phase,
         band=band,
         compensator=compensator,
-        ring=max(_ring(band), _ring(compensator)),
+        ring_samples=max(_ring_samples(band), _ring_samples(compensator)),
         felt=sections,
         impulse=impulse,
         recursion=_recursion(np.exp(felt.poles / rate_hz), sections, impulse),
@@ -79,7 +79,7 @@ def drive_filters(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Drive
 
 def preroll(filters: DriveFilters, rules: RenderRules) -> int:
     """Return the samples before a window from which the filters start, so that they have settled when it begins."""
-    slowest_s = filters.ring / filters.rate_hz / -math.log(_FADED)
+    slowest_s = filters.ring_samples / filters.rate_hz / -math.log(_NEGLIGIBLE_SHARE)
     return samples_from_ms(rules.preroll_ms * max(1.0, slowest_s / PREROLL_FOR_S), filters.rate_hz)
 
 
@@ -121,7 +121,7 @@ def _both_ways(sections: Samples, samples: Samples, filters: DriveFilters) -> Sa
     """Return the samples through sections and, where the phase is zero, backwards through the band."""
     if filters.phase == "causal":
         return dsp.run_filter(sections, samples)
-    ended = _ringing_on(samples, filters.ring)
+    ended = _ringing_on(samples, filters.ring_samples)
     return dsp.run_both_ways(sections, ended, backwards=filters.band)[: len(samples)]
 
 
@@ -132,7 +132,7 @@ def _inside(sections: Samples, samples: Samples, inside: slice, filters: DriveFi
     """
     if filters.phase == "causal":
         return _settled(sections, samples, inside.start, filters, roll)[: inside.stop - inside.start]
-    ended = _ringing_on(samples, min(filters.ring, max(0, roll - (len(samples) - inside.stop))))
+    ended = _ringing_on(samples, min(filters.ring_samples, max(0, roll - (len(samples) - inside.stop))))
     forwards = _settled(sections, ended, inside.start, filters, roll)
     return _settled(filters.band, forwards[::-1], len(ended) - inside.stop, filters, roll)[::-1]
 
@@ -156,10 +156,10 @@ def _settlings(filters: DriveFilters, roll: int) -> tuple[dsp.Settling, dsp.Sett
     return dsp.settling(filters.band, roll), dsp.settling(filters.compensator, roll)
 
 
-def _ring(sections: Samples) -> int:
+def _ring_samples(sections: Samples) -> int:
     """Return the samples after which what sections ring is negligible."""
     slowest = min(float(np.max(np.abs(_poles(sections)))), _SLOWEST)
-    return math.ceil(math.log(_FADED) / math.log(slowest))
+    return math.ceil(math.log(_NEGLIGIBLE_SHARE) / math.log(slowest))
 
 
 def _poles(sections: Samples) -> NDArray[np.complex128]:
@@ -170,17 +170,17 @@ def _poles(sections: Samples) -> NDArray[np.complex128]:
 
 def _until_faded(response: Samples) -> Samples:
     """Return an impulse response up to the last sample that is not negligible against its peak."""
-    heard = np.flatnonzero(np.abs(response) > _FADED * np.max(np.abs(response)))
+    heard = np.flatnonzero(np.abs(response) > _NEGLIGIBLE_SHARE * np.max(np.abs(response)))
     return response[: int(heard[-1]) + 1]
 
 
 def _recursion(poles: NDArray[np.complex128], sections: Samples, impulse: Samples) -> Recursion:
     """Return a recursive filter of an impulse response: of these poles if it comes close, else of all the sections'."""
-    fitted = np.concatenate([impulse[:_FREE], _ringing_in(poles, impulse[_FREE:])])
-    if np.linalg.norm(fitted - impulse) <= _LEAN * np.linalg.norm(impulse):
-        return Recursion(poles, fitted, _FREE)
+    fitted = np.concatenate([impulse[:_FREE_SAMPLES], _ringing_in(poles, impulse[_FREE_SAMPLES:])])
+    if np.linalg.norm(fitted - impulse) <= _RECURSION_ERROR * np.linalg.norm(impulse):
+        return Recursion(poles, fitted, _FREE_SAMPLES)
     every = _poles(sections)
-    return Recursion(every, impulse, max(_FREE, 2 * len(sections) + 1 - len(every)))
+    return Recursion(every, impulse, max(_FREE_SAMPLES, 2 * len(sections) + 1 - len(every)))
 
 
 def _ringing_in(poles: NDArray[np.complex128], response: Samples) -> Samples:

@@ -57,7 +57,7 @@ def event_sound(
     kept = slice(shown.start - whole.start, shown.stop - whole.start)
     sound = np.asarray(audio.read(whole, sides=event.made_of != "mains").driving_of(event.made_of), dtype=np.float64)
     driving = np.asarray(drive.read(whole).driving, dtype=np.float64)
-    felt = dsp.digital(dsp.felt_response(profile), rate_hz)
+    felt = dsp.discretise(dsp.felt_response(profile), rate_hz)
     gain = gain_from_db(timeline.level_db + event.gain_db)
     return EventSound(
         event,

@@ -120,40 +120,40 @@ def single_pole(corner_rad_s: float, times: int = 1) -> dsp.Analogue:
 def _compensator_rows(profile: ActuatorProfile, rate_hz: int) -> Iterator[Bar]:
     halves = {"causal": dsp.compensator(profile), "zero-phase": dsp.inverse(profile) * dsp.half_band(profile)}
     for phase, analogue in halves.items():
-        error_db = response_error_db(analogue, dsp.digital(analogue, rate_hz, lean=True), rate_hz)
+        error_db = response_error_db(analogue, dsp.discretise(analogue, rate_hz, lean=True), rate_hz)
         yield Bar(f"compensator, {phase}, {rate_hz} Hz", error_db, bar_db(rate_hz), "dB")
 
 
 def _corner_row(name: str, analogue: dsp.Analogue, rate_hz: int) -> Bar:
-    error_db = response_error_db(analogue, dsp.digital(analogue, rate_hz), rate_hz, start_hz=1e-4)
+    error_db = response_error_db(analogue, dsp.discretise(analogue, rate_hz), rate_hz, start_hz=1e-4)
     return Bar(name, error_db, bar_db(rate_hz), "dB")
 
 
 def _unit_circle_rows() -> Iterator[Bar]:
     """Yield what rounding does to the slowest poles at the highest rate: their exact place is their gain at DC."""
-    slow = dsp.digital(single_pole(0.01, 3), 384_000)
+    slow = dsp.discretise(single_pole(0.01, 3), 384_000)
     (at_dc,) = sections_response(slow, np.zeros(1), 384_000)
     error_db = 20.0 * math.log10(max(float(abs(at_dc - 1)), 1e-30))
     yield Bar("three poles at 0.01 rad/s, 384 kHz: gain at DC", error_db, -120.0, "dB")
     for order in (1, 2, 3, 4):
         band = dsp.butterworth(order, 1.0, "highpass") * dsp.butterworth(3, 1000.0, "lowpass")
-        error_db = response_error_db(band, dsp.digital(band, 384_000), 384_000)
+        error_db = response_error_db(band, dsp.discretise(band, 384_000), 384_000)
         yield Bar(f"high-pass at 1 Hz, order {order}, 384 kHz", error_db, -120.0, "dB")
     sharp = complex(-math.pi, 2000.0 * math.pi)
     ringing = dsp.Analogue(np.array([], np.complex128), np.array([sharp, sharp.conjugate()]), abs(sharp) ** 2)
-    error_db = response_error_db(ringing, dsp.digital(ringing, 384_000), 384_000)
+    error_db = response_error_db(ringing, dsp.discretise(ringing, 384_000), 384_000)
     yield Bar("resonance of Q 1000 at 1 kHz, 384 kHz", error_db, -60.0, "dB")
 
 
 def _time_rows(profile: ActuatorProfile) -> Iterator[Bar]:
     """Yield the rounding of the filters on samples: a square at full scale, and noise at the highest rate."""
     square = np.where(np.arange(1500) // 40 % 2 == 0, 1.0, -1.0)
-    sections = dsp.digital(dsp.compensator(profile), 48_000)
+    sections = dsp.discretise(dsp.compensator(profile), 48_000)
     yield Bar("compensator on a full-scale square, 48 kHz", time_error_db(sections, square), -200.0, "dB")
     noise = np.random.default_rng(0).uniform(-1.0, 1.0, 1500)
-    sections = dsp.digital(dsp.compensator(profile), 384_000)
+    sections = dsp.discretise(dsp.compensator(profile), 384_000)
     yield Bar("compensator on noise, 384 kHz", time_error_db(sections, noise), -180.0, "dB")
-    slow = dsp.digital(single_pole(0.01, 3), 384_000)
+    slow = dsp.discretise(single_pole(0.01, 3), 384_000)
     yield Bar("three poles at 0.01 rad/s on noise, 384 kHz", time_error_db(slow, noise), -180.0, "dB")
     stuck = np.flatnonzero(dsp.run_filter(sections, np.zeros(100_000)))
     yield exact("compensator on digital silence", len(stuck))
