@@ -18,24 +18,28 @@ SPEEDS = (1.0, 25.0 / 24.0, 24.0 / 25.0)
 
 SPEED_STEP = 0.004
 _OTHER_SPEEDS = tuple(float(speed) for speed in np.round(np.arange(0.9, 1.1001, SPEED_STEP), 3))
-"""Tried where less than `_SETTLED` of the film is found: a fingerprint of 8 s stands 0.4 % either way."""
+"""Tried where less than `_SETTLED_SHARE` of the film is found: a fingerprint of 8 s stands 0.4 % either way."""
 
-_SETTLED = 0.3
-_IN_A_ROW = 4
-_PROBES = 24
+_SETTLED_SHARE = 0.3  # of the old film: where so much is found at the usual speeds, no others are tried
+_MIN_ROW_HITS = 4  # fewer on one line are not counted as found: a few may lie on one by chance
+_PROBE_COUNT = 24  # segments that are tried at the other speeds: each is searched for at every one of these
 
 _SEGMENTS_S = ((8.0, 4.0), (3.0, 1.5))
 """Length and spacing of the segments: long ones first, shorter ones where those found nothing."""
 
-_FOLLOWS = 0.6
-_LEAST = 0.35
-_SURE = 0.6
-_KEPT = 3
-_RECENT = 4
-_NEAR = 8
-_LEAST_ENERGY = 0.2
-_TOLERANCE_S, _DRIFT = 0.04, 0.002
-_LONGEST_GAP_S = 120.0
+_FOLLOW_CORRELATION = 0.6  # so much alike where an earlier line goes on, a segment is not searched for elsewhere
+_MIN_CORRELATION = 0.35  # what is less alike in a search of the whole film is taken for chance
+_SURE_CORRELATION = 0.6  # a hit that is so much alike is believed without others on its line
+_MAX_PLACES = 3  # kept of a search: a scene or its music may come again
+_MAX_FOLLOWED = 4  # a segment is looked for where so many lines go on, the latest first
+_FOLLOW_FRAMES = 8  # how far to either side of there, in frames of the fingerprint
+_MIN_ENERGY_SHARE = 0.2  # of the segment's: against silence, chance alone correlates
+
+_LINE_TOLERANCE_S, _LINE_DRIFT = 0.04, 0.002
+"""How far off a line a hit may lie, and how much more for each second of distance from the hit before."""
+
+_MAX_GAP_S = 120.0  # over a longer gap a line is not continued
+
 FITTED_S = 30.0
 """From here on the slope of a run of segments tells its speed better than the speeds that were tried."""
 
@@ -64,17 +68,17 @@ def find_lines(old: Fingerprint, new: Fingerprint, tell: Callable[[int, int], No
     hay = Haystack(new, longest_s * 1.1 + 0.1)
     speeds: tuple[float, ...] = SPEEDS
     hits = _hits(old, new, hay, _segments(old, *_SEGMENTS_S[0]), _SEGMENTS_S[0][0], speeds, tell)
-    if _share(hits, old) < _SETTLED:
+    if _share(hits, old) < _SETTLED_SHARE:
         length_s = _SEGMENTS_S[0][0]
         probes = [at for at in _segments(old, length_s, length_s) if _lively(old, at, length_s)]
-        probes = probes[:: max(1, len(probes) // _PROBES)]
+        probes = probes[:: max(1, len(probes) // _PROBE_COUNT)]
         tried = _at_best_speeds(_hits(old, new, hay, probes, length_s, _OTHER_SPEEDS))
-        sure = [hit for hit in tried if hit.score >= _SURE]
+        sure = [hit for hit in tried if hit.score >= _SURE_CORRELATION]
         others = {1.0 / hit.scale for hit in sure}
         if others:
             speeds = tuple(sorted(others))
             hits += _hits(old, new, hay, _segments(old, *_SEGMENTS_S[0]), length_s, speeds, tell)
-    found = [1.0 / hit.scale for hit in hits if hit.score >= _SURE]
+    found = [1.0 / hit.scale for hit in hits if hit.score >= _SURE_CORRELATION]
     used = tuple(speed for speed in speeds if found.count(speed) >= 2) or speeds
     length_s, spacing_s = _SEGMENTS_S[1]
     left = [at for at in _segments(old, length_s, spacing_s) if not _covered(at, hits)]
@@ -126,8 +130,8 @@ def _hits(
         if not here:
             here = _everywhere(old, hay, centre_s, length_s, speeds)
         hits += here
-        recent = [*here, *(hit for hit in recent if centre_s - hit.old_s < _LONGEST_GAP_S)]
-        recent = _distinct(recent)[:_RECENT]
+        recent = [*here, *(hit for hit in recent if centre_s - hit.old_s < _MAX_GAP_S)]
+        recent = _distinct(recent)[:_MAX_FOLLOWED]
     return hits
 
 
@@ -135,7 +139,7 @@ def _follow(old: Fingerprint, new: Fingerprint, last: Hit, centre_s: float, leng
     """Return the hit near where the last one goes on; None where the films are not alike there."""
     pattern, before_s = _pattern(old, centre_s, length_s, last.scale)
     expected = round((last.new_s + last.scale * (centre_s - last.old_s) - before_s) * FRAME_HZ)
-    first, stop = max(0, expected - _NEAR), min(expected + _NEAR, len(new) - len(pattern)) + 1
+    first, stop = max(0, expected - _FOLLOW_FRAMES), min(expected + _FOLLOW_FRAMES, len(new) - len(pattern)) + 1
     if first >= stop:
         return None
     there = new.frames[first : stop - 1 + len(pattern)]
@@ -143,9 +147,9 @@ def _follow(old: Fingerprint, new: Fingerprint, last: Hit, centre_s: float, leng
     sums = np.concatenate([[0.0], np.cumsum(powers)])
     energy = sums[len(pattern) :] - sums[: -len(pattern)]
     product = np.array([np.vdot(pattern, there[n : n + len(pattern)]) for n in range(stop - first)])
-    score = np.where(energy > _LEAST_ENERGY * own, product / np.sqrt(np.maximum(own * energy, 1e-12)), 0.0)
+    score = np.where(energy > _MIN_ENERGY_SHARE * own, product / np.sqrt(np.maximum(own * energy, 1e-12)), 0.0)
     at, best = first + int(np.argmax(score)), float(np.max(score))
-    return Hit(centre_s, at / FRAME_HZ + before_s, last.scale, best) if best >= _FOLLOWS else None
+    return Hit(centre_s, at / FRAME_HZ + before_s, last.scale, best) if best >= _FOLLOW_CORRELATION else None
 
 
 def _everywhere(
@@ -154,10 +158,10 @@ def _everywhere(
     found = []
     for speed in speeds:
         pattern, before_s = _pattern(old, centre_s, length_s, 1.0 / speed)
-        for start, score in hay.best(pattern, _KEPT):
+        for start, score in hay.best(pattern, _MAX_PLACES):
             found.append(Hit(centre_s, start / FRAME_HZ + before_s, 1.0 / speed, score))
     found.sort(key=lambda hit: -hit.score)
-    return [hit for hit in _distinct(found)[:_KEPT] if hit.score >= max(_LEAST, 0.7 * found[0].score)]
+    return [hit for hit in _distinct(found)[:_MAX_PLACES] if hit.score >= max(_MIN_CORRELATION, 0.7 * found[0].score)]
 
 
 def _distinct(hits: Iterable[Hit]) -> list[Hit]:
@@ -172,8 +176,8 @@ def _distinct(hits: Iterable[Hit]) -> list[Hit]:
 def _follows(one: Hit, other: Hit) -> bool:
     gap_s = other.old_s - one.old_s
     expected = one.new_s + one.scale * gap_s
-    near = abs(expected - other.new_s) <= _TOLERANCE_S + _DRIFT * abs(gap_s)
-    return near and abs(one.scale / other.scale - 1.0) < _DRIFT
+    near = abs(expected - other.new_s) <= _LINE_TOLERANCE_S + _LINE_DRIFT * abs(gap_s)
+    return near and abs(one.scale / other.scale - 1.0) < _LINE_DRIFT
 
 
 def _at_best_speeds(hits: Iterable[Hit]) -> list[Hit]:
@@ -181,7 +185,7 @@ def _at_best_speeds(hits: Iterable[Hit]) -> list[Hit]:
     kept: dict[float, list[Hit]] = {}
     for hit in sorted(hits, key=lambda hit: -hit.score):
         others = kept.setdefault(hit.old_s, [])
-        near = (other for other in others if abs(other.new_s - hit.new_s) <= _TOLERANCE_S)
+        near = (other for other in others if abs(other.new_s - hit.new_s) <= _LINE_TOLERANCE_S)
         if not any(abs(other.scale / hit.scale - 1.0) < 1.5 * SPEED_STEP for other in near):
             others.append(hit)
     return [hit for hits in kept.values() for hit in hits]
@@ -192,7 +196,7 @@ def _runs(hits: Sequence[Hit]) -> list[list[Hit]]:
     runs: list[list[Hit]] = []
     active: list[list[Hit]] = []
     for hit in sorted(hits, key=lambda hit: hit.old_s):
-        active = [run for run in active if hit.old_s - run[-1].old_s <= _LONGEST_GAP_S]
+        active = [run for run in active if hit.old_s - run[-1].old_s <= _MAX_GAP_S]
         mine = [run for run in active if _follows(run[-1], hit)]
         if mine:
             min(mine, key=lambda run: abs(run[-1].new_s + hit.scale * (hit.old_s - run[-1].old_s) - hit.new_s)).append(
@@ -205,7 +209,7 @@ def _runs(hits: Sequence[Hit]) -> list[list[Hit]]:
 
 
 def _credible(run: Sequence[Hit]) -> bool:
-    return max(hit.score for hit in run) >= _SURE or sum(hit.score - 0.2 for hit in run) >= 0.5
+    return max(hit.score for hit in run) >= _SURE_CORRELATION or sum(hit.score - 0.2 for hit in run) >= 0.5
 
 
 def _fitted(run: Sequence[Hit]) -> Line:
@@ -219,8 +223,8 @@ def _fitted(run: Sequence[Hit]) -> Line:
 
 def _share(hits: Sequence[Hit], old: Fingerprint) -> float:
     """Return the share of the old film whose segments follow each other in the new one, at least four in a row."""
-    rows = [run for run in _runs(hits) if len(run) >= _IN_A_ROW]
-    found = {hit.old_s for run in rows for hit in run if hit.score >= _SURE}
+    rows = [run for run in _runs(hits) if len(run) >= _MIN_ROW_HITS]
+    found = {hit.old_s for run in rows for hit in run if hit.score >= _SURE_CORRELATION}
     lively = [at for at in _segments(old, *_SEGMENTS_S[0]) if _lively(old, at, _SEGMENTS_S[0][0])]
     return len(found) / max(1, len(lively))
 

@@ -18,15 +18,27 @@ from .states import NO_LINE, best_states
 STEP = 10
 """Frames between two steps of the path: a tenth of a second. Cuts are put to the millisecond afterwards."""
 
-_AROUND_S = 1.0
-_CHANCE = 0.35
+_LIKENESS_WINDOW_S = 1.0
+"""How alike the films are at a step is told over so much around it."""
+
+_CHANCE_LIKENESS = 0.35
+"""How alike two films are by chance: a line gains only what it is more."""
+
 _CUT_COST_S = 0.8
-_REACH_S = 60.0
-_SHARED_S = 0.5
+"""What a cut costs, as seconds of a gain of 1: a path changes lines only where that gains more."""
+
+_LANE_MARGIN_S = 60.0
+"""So far before and after where it was found a line may be followed."""
+
+_TOLERATED_OVERLAP_S = 0.5
+"""Segments may share so much of the new film: their ends are put to the millisecond afterwards."""
+
 _AS_GOOD_S = 0.1
 """Places to part two segments whose likeness differs by no more than so much of a full second are as good."""
 
-_ROUNDS = 20
+_MAX_ROUNDS = 20
+"""So often the path is sought anew, each time without what had to give way; what still does is left out."""
+
 _FORBIDDEN = -10.0
 """A gain that no path bears: to leave a line and to come back costs less."""
 
@@ -67,7 +79,7 @@ class Lane:
     @property
     def gain(self) -> NDArray[np.float32]:
         """Return how much more alike than by chance the films are."""
-        return self.likeness - np.float32(_CHANCE)
+        return self.likeness - np.float32(_CHANCE_LIKENESS)
 
 
 def find_path(old: Fingerprint, new: Fingerprint, lines: Sequence[Line]) -> list[MatchedSegment]:
@@ -77,7 +89,7 @@ def find_path(old: Fingerprint, new: Fingerprint, lines: Sequence[Line]) -> list
         return []
     steps = -(-len(old) // STEP)
     gains = [lane.gain for lane in lanes]
-    for _ in range(_ROUNDS):
+    for _ in range(_MAX_ROUNDS):
         segments = _segments(
             best_states([lane.first for lane in lanes], gains, steps, cost=_CUT_COST_S * FRAME_HZ / STEP), lanes
         )
@@ -108,12 +120,12 @@ def _worthwhile(old: Fingerprint, new: Fingerprint, lines: Sequence[Line]) -> It
 def _lane(old: Fingerprint, new: Fingerprint, line: Line) -> Lane:
     """Return how alike the films are along a line at every step, not far from where the line was found."""
     count = -(-len(old) // STEP)
-    first = max(0, int((line.first_s - _REACH_S) * FRAME_HZ) // STEP)
-    stop = min(count, int((line.last_s + _REACH_S) * FRAME_HZ) // STEP + 1)
+    first = max(0, int((line.first_s - _LANE_MARGIN_S) * FRAME_HZ) // STEP)
+    stop = min(count, int((line.last_s + _LANE_MARGIN_S) * FRAME_HZ) // STEP + 1)
     frames = np.arange(first * STEP, min(stop * STEP, len(old)))
     ours = old.frames[first * STEP : min(stop * STEP, len(old))]
     theirs = new.at(line.scale * frames / FRAME_HZ + line.offset_s)
-    size = round(_AROUND_S * FRAME_HZ)
+    size = round(_LIKENESS_WINDOW_S * FRAME_HZ)
     product = summed_around(np.sum(ours * theirs, axis=1), size)
     energy = summed_around(np.sum(ours**2, axis=1), size), summed_around(np.sum(theirs**2, axis=1), size)
     product, mine, yours = product[::STEP], energy[0][::STEP], energy[1][::STEP]
@@ -123,7 +135,7 @@ def _lane(old: Fingerprint, new: Fingerprint, line: Line) -> Lane:
     both_silent = (mine < least) & (yours < least)
     alike = np.where(scale > 0.0, product / np.where(scale > 0.0, scale, 1.0), 0.0)
     uneven = np.minimum(mine, yours) < 0.1 * np.maximum(mine, yours)
-    return Lane(line, first, np.where(both_silent, _CHANCE, np.where(uneven, 0.0, alike)).astype(np.float32))
+    return Lane(line, first, np.where(both_silent, _CHANCE_LIKENESS, np.where(uneven, 0.0, alike)).astype(np.float32))
 
 
 def _segments(states: NDArray[np.int16], lanes: Sequence[Lane]) -> list[MatchedSegment]:
@@ -156,7 +168,7 @@ def _losers(segments: Sequence[MatchedSegment], lanes: Sequence[Lane]) -> list[t
         for other in order[:place]:
             low, high = segments[other].new_span_s
             first, last = max(start, low), min(stop, high)
-            if last - first <= _SHARED_S:
+            if last - first <= _TOLERATED_OVERLAP_S:
                 continue
             parts = [(index, first, last)]
             if index in chain:
