@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from blastline.actuator import Recording, recorded
+from blastline.actuator import Recording, record
 from blastline.model import Clip, Span
 
 Samples = NDArray[np.float64]
@@ -78,4 +78,4 @@ def run_of(
 
 
 def recording(name: str, samples: Samples, rate_hz: int) -> Recording:
-    return recorded(name, Held(samples, rate_hz))
+    return record(name, Held(samples, rate_hz))

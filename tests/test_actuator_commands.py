@@ -14,7 +14,7 @@ from scipy.signal import chirp
 from actuator_signals import Seat, noise, run_through
 from blastline.dsp import felt_response
 from blastline.ruleset import load_actuator
-from blastline.run import actuator_picture
+from blastline.run import draw_bode
 from commands import BELIEVE, Ended, blastline, write_film
 
 RATE_HZ = 16_000
@@ -263,7 +263,7 @@ def test_a_large_table_without_phase_is_drawn_in_little_room(tmp_path: Path) -> 
     rows = [f"{hz:.4f},{level:.3f}" for hz, level in zip(frequencies_hz, SEAT.level_db(frequencies_hz), strict=True)]
     (tmp_path / "big.csv").write_text("\n".join(["frequency_hz,gain_db", *rows]))
     tracemalloc.start()
-    actuator_picture("crowson-t108sm", tmp_path / "big.svg", measured=tmp_path / "big.csv")
+    draw_bode("crowson-t108sm", tmp_path / "big.svg", measured=tmp_path / "big.csv")
     _, most = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert most < 200e6

@@ -22,7 +22,7 @@ from blastline.actuator import (
     octave_errors,
     sensitivity_db,
 )
-from blastline.actuator.rational import PAPER_FORM, fitted, general_form, start_from_roots
+from blastline.actuator.rational import PAPER_FORM, fit_form, general_form, start_from_roots
 from blastline.dsp import compensator, felt_response
 from blastline.errors import RuleError
 from blastline.ruleset import (
@@ -197,7 +197,7 @@ def test_a_fit_ends_where_it_began_when_that_is_exact() -> None:
     levels = level_db(Model(form, wanted), GRID_HZ)
     weights = np.full(len(GRID_HZ), 1.0 / len(GRID_HZ))
     off = wanted + np.array([0.0, 0.3, -0.2, 0.4, 0.1])
-    found = fitted(form, off, GRID_HZ, levels, weights=weights, band_rad_s=(1.0, 2e4))
+    found = fit_form(form, off, GRID_HZ, levels, weights=weights, band_rad_s=(1.0, 2e4))
     np.testing.assert_allclose(found.parameters, wanted, atol=1e-4)
 
 

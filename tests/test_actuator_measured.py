@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from blastline.actuator import MeasuredResponse, read_measured, written
+from blastline.actuator import MeasuredResponse, measured_csv, read_measured
 from blastline.actuator.measured import unbiased
 from blastline.errors import RuleError
 from blastline.ruleset import load_perception
@@ -43,7 +43,7 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
         delay_s=0.0123,
         band_hz=(5.0, 40.0),
     )
-    again = read_measured(table(tmp_path, written(measured, "a test, with a comma")))
+    again = read_measured(table(tmp_path, measured_csv(measured, "a test, with a comma")))
     np.testing.assert_allclose(again.frequencies_hz, measured.frequencies_hz)
     np.testing.assert_allclose(again.gain, measured.gain, rtol=1e-5)
     assert measured.phase_rad is not None

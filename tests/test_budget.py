@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 
 from blastline.errors import RuleError
 from blastline.model import Quality, Timeline
-from blastline.run.budget import BEST_FIRST, RESERVE, Allowance, allowance, chosen, pick, within
+from blastline.run.budget import BEST_FIRST, RESERVE, Allowance, allowance, choose_quality, chosen, pick
 from blastline.run.costs import FilmCost
 from blastline.run.options import RenderOptions
-from blastline.run.sampling import EXCERPT_FRAMES, counted_s, sampled, timed_s
+from blastline.run.sampling import EXCERPT_FRAMES, counted_s, sample_film, timed_s
 from blastline.soundtrack import open_soundtrack
 from blastline.study.codecs import encode
 from commands import RATE_HZ, blastline, write_film
@@ -173,7 +173,7 @@ def test_what_was_given_up_is_named() -> None:
 
 def test_an_edited_timeline_has_no_budget(film: Path) -> None:
     with pytest.raises(RuleError, match=r"--budget 9s with --timeline cut\.csv: nothing is detected"):
-        within(film, Allowance("--budget 9s", cpu_s=9.0), RenderOptions(timeline=Path("cut.csv")))
+        choose_quality(film, Allowance("--budget 9s", cpu_s=9.0), RenderOptions(timeline=Path("cut.csv")))
 
 
 def tones(seconds: int) -> np.ndarray:
@@ -208,7 +208,7 @@ def test_a_sample_is_taken_from_all_over_the_film(tmp_path: Path) -> None:
     quiet[60 * RATE_HZ :] = 0.25
     soundfile.write(film, quiet, RATE_HZ, subtype="PCM_16")
     with open_soundtrack(film) as track:
-        sample = sampled(film, track, tmp_path / "sample.wav", counted=False)
+        sample = sample_film(film, track, tmp_path / "sample.wav", counted=False)
     taken, _ = soundfile.read(sample.path)
     assert sample.film_s == pytest.approx(100.0)
     assert taken.size == round(sample.seconds * RATE_HZ)
@@ -222,7 +222,7 @@ def test_a_sample_joins_without_a_step_and_knows_its_loudest_frame(tmp_path: Pat
     even[71 * RATE_HZ : 71 * RATE_HZ + 4] = 0.9  # may be in it or not
     soundfile.write(film, even, RATE_HZ, subtype="PCM_16")
     with open_soundtrack(film) as track:
-        sample = sampled(film, track, tmp_path / "sample.wav", counted=False)
+        sample = sample_film(film, track, tmp_path / "sample.wav", counted=False)
     taken, _ = soundfile.read(sample.path)
     assert abs(taken[sample.loudest]) == np.abs(taken).max()
     assert np.abs(np.diff(taken[np.abs(taken) < 0.5])).max() < 0.01
@@ -234,7 +234,7 @@ def test_a_sample_is_heard_as_the_film_is_with_its_centre_and_without(tmp_path: 
     channels = np.random.default_rng(11).uniform(-0.1, 0.1, (9 * RATE_HZ, 6))
     soundfile.write(film, channels, RATE_HZ, subtype="PCM_24")
     with open_soundtrack(film) as track:
-        sample = sampled(film, track, tmp_path / "sample.wav", counted=True)
+        sample = sample_film(film, track, tmp_path / "sample.wav", counted=True)
     assert sample.seconds == pytest.approx(9.0)
     with open_soundtrack(film) as there, open_soundtrack(sample.path) as here:
         for one, other in zip(there.blocks(sides=True), here.blocks(sides=True), strict=True):
@@ -249,7 +249,7 @@ def test_a_sample_is_in_memory_a_stretch_at_a_time(tmp_path: Path) -> None:
     soundfile.write(film, np.zeros(20 * 60 * rate_hz, np.int16), rate_hz, subtype="PCM_16")
     with open_soundtrack(film) as track:
         tracemalloc.start()
-        sample = sampled(film, track, tmp_path / "sample.wav", counted=True)
+        sample = sample_film(film, track, tmp_path / "sample.wav", counted=True)
         _, most = tracemalloc.get_traced_memory()
         tracemalloc.stop()
     assert sample.seconds == pytest.approx(20 * 60, rel=0.05)

@@ -7,7 +7,7 @@ import pytest
 from align_films import PROFILE, make_film
 from blastline import dsp
 from blastline.model import Check, Event, Phase
-from blastline.report.choice import MOST_PICTURES, pictured
+from blastline.report.choice import MAX_FIGURES, pictured
 from blastline.report.figures import ShotPictures
 from blastline.report.overview import Overview
 from blastline.report.sounds import envelope, event_sound, spectrum_db
@@ -27,7 +27,7 @@ def many(count: int) -> tuple[Event, ...]:
 
 
 def test_few_shots_are_all_shown() -> None:
-    events = many(MOST_PICTURES)
+    events = many(MAX_FIGURES)
     assert list(pictured(events, ())) == [event.id for event in events]
 
 
@@ -36,7 +36,7 @@ def test_of_many_the_failed_the_unsure_and_the_strongest_are_shown() -> None:
     events[17] = msgspec.structs.replace(events[17], confidence=0.51)
     checks = (Check("peak", "s100", False, 2.0, 1.0, ""), Check("peak", "s200", True, 0.5, 1.0, ""))
     why = pictured(events, checks)
-    assert len(why) == MOST_PICTURES
+    assert len(why) == MAX_FIGURES
     assert why["s100"] == "a check failed"
     assert why["s017"] == "among the least sure"
     assert why["s299"] == "among the strongest"
@@ -47,7 +47,7 @@ def test_failures_everywhere_still_leave_room_for_the_others() -> None:
     events = many(300)
     why = pictured(events, tuple(Check("peak", event.id, False, 2.0, 1.0, "") for event in events))
     assert set(why.values()) == {"a check failed", "among the least sure", "among the strongest"}
-    assert len(why) == MOST_PICTURES
+    assert len(why) == MAX_FIGURES
 
 
 @pytest.mark.parametrize("length", [1, 2, 50, 999, 1_259, 20_000])

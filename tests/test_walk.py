@@ -50,8 +50,8 @@ def test_formats_have_the_same_names_everywhere() -> None:
     assert re.findall(r"\w+", re.sub(r"Timeline files to write:|from the drive:|`blastline.*", "", said)) == list(ALL)
     table = re.findall(r"^\| `(\w+)` \| ([^|]*) \|", (DOCS / "formats.md").read_text(), re.MULTILINE)
     assert [name for name, _ in table] == list(ALL)
-    assert [row.name for row in run.exports()] == list(ALL)
-    for row, (_, files) in zip(run.exports(), table, strict=True):
+    assert [row.name for row in run.export_rows()] == list(ALL)
+    for row, (_, files) in zip(run.export_rows(), table, strict=True):
         assert set(re.findall(r"`([^`]+)`", files)) == set(row.files)
 
 

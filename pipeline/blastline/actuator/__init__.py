@@ -8,11 +8,11 @@ thresholds ─► H_m = (1/T)^2 ────────────────
 from .fit import BandError, Fit, FittedResponse, fit, octave_errors
 from .identify import Identified, identify
 from .inverse import inversion_db, peak
-from .measured import MeasuredResponse, read_measured, written
+from .measured import MeasuredResponse, measured_csv, read_measured
 from .phase import ExcessPhase, excess_phase, minimum_phase
 from .profile import fitted_profile, profile_text
 from .rational import Model, analogue, level_db
-from .recording import Recording, recorded
+from .recording import Recording, record
 from .target import FitTarget, fit_target
 from .thresholds import sensitivity_db
 
@@ -34,12 +34,12 @@ __all__ = [
     "identify",
     "inversion_db",
     "level_db",
+    "measured_csv",
     "minimum_phase",
     "octave_errors",
     "peak",
     "profile_text",
     "read_measured",
-    "recorded",
+    "record",
     "sensitivity_db",
-    "written",
 ]

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from ..errors import RuleError
 from ..ruleset import SLOWEST_RAD_S, FitRules
 from .inverse import inversion_db
-from .rational import PAPER_FORM, Form, Model, analogue, fitted, general_form, level_db, start_from_roots
+from .rational import PAPER_FORM, Form, Model, analogue, fit_form, general_form, level_db, start_from_roots
 from .target import FitTarget
 
 Values = NDArray[np.float64]
@@ -85,7 +85,7 @@ def fit(target: FitTarget, *, rules: FitRules, name: str) -> FittedResponse:
             break
         form = general_form(zeros, poles)
         models = [
-            fitted(
+            fit_form(
                 form,
                 start,
                 target.frequencies_hz,
@@ -141,7 +141,7 @@ def _orders(target: FitTarget, rules: FitRules) -> Iterator[tuple[int, int]]:
 def _fit_papers(target: FitTarget, inverse_variance: Values) -> Model:
     low, high = target.band_hz
     models = [
-        fitted(
+        fit_form(
             PAPER_FORM,
             np.array([0.0, math.log(2.0 * math.pi * zero_hz), math.log(2.0 * math.pi * pole_hz)]),
             target.frequencies_hz,

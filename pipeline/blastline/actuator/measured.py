@@ -92,9 +92,9 @@ def standard_error_db(coherence: Values, averages: float) -> Values:
 def read_measured(path: Path) -> MeasuredResponse:
     """Read a response from a CSV file with the columns `frequency_hz, gain_db [, phase_deg] [, coherence]`.
 
-    Notes before the table may give `# delay_s: ...`, `# averages: ...` and `# band_hz: LOW HIGH`, as `written` does.
-    Raises RuleError with one line for a file that holds no measurement: empty, too few rows, not ascending, NaN, out
-    of range, or less than an octave.
+    Notes before the table may give `# delay_s: ...`, `# averages: ...` and `# band_hz: LOW HIGH`, as `measured_csv`
+    does. Raises RuleError with one line for a file that holds no measurement: empty, too few rows, not ascending, NaN,
+    out of range, or less than an octave.
     """
     read = read_columns(path, needed=(FREQUENCY, "gain_db"), optional=("phase_deg", "coherence"))
     frequencies_hz, gain_db = read.values[FREQUENCY], read.values["gain_db"]
@@ -118,7 +118,7 @@ def read_measured(path: Path) -> MeasuredResponse:
     )
 
 
-def written(measured: MeasuredResponse, source: str) -> str:
+def measured_csv(measured: MeasuredResponse, source: str) -> str:
     """Return the text of a CSV file that `read_measured` reads."""
     low_hz, high_hz = measured.band_hz
     notes = {"source": source, "delay_s": f"{measured.delay_s:.9f}", "band_hz": f"{low_hz:.6g} {high_hz:.6g}"}

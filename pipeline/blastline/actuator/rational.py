@@ -81,7 +81,7 @@ def analogue(model: Model) -> Analogue:
     return Analogue(np.array(zeros, np.complex128), np.array(poles, np.complex128), gain)
 
 
-def fitted(
+def fit_form(
     form: Form,
     start: Values,
     frequencies_hz: Values,

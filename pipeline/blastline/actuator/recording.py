@@ -42,7 +42,7 @@ class Recording:
         return samples
 
 
-def recorded(name: str, track: SoundFile) -> Recording:
+def record(name: str, track: SoundFile) -> Recording:
     """Hear a track to its end and return it as a recording.
 
     Raises SoundtrackError where it is silent: a constant, or nothing above 1e-7 of full scale.

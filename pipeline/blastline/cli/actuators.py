@@ -111,7 +111,7 @@ def show(
         raise typer.BadParameter("--measured and --perception are drawn: expected --picture FILE as well")
     profile, digest = load_actuator(name, rules)
     if picture is not None:
-        run.actuator_picture(name, picture, measured=measured, perception=perception, rules=rules, overwrite=overwrite)
+        run.draw_bode(name, picture, measured=measured, perception=perception, rules=rules, overwrite=overwrite)
     low, high = profile.lowpass, profile.highpass
     typer.echo(f"name    {profile.name}\nsource  {profile.source}\ndigest  {digest}")
     typer.echo(f"band    {high.corner_hz:g} Hz (order {high.order}) to {low.corner_hz:g} Hz (order {low.order})\n")

@@ -174,7 +174,7 @@ def _within(
     from .. import run
 
     with shown_progress(quiet=quiet) as progress:
-        fitted = run.within(film, allowed, options, drives=drives, since_cpu_s=0.0, progress=progress)
+        fitted = run.choose_quality(film, allowed, options, drives=drives, since_cpu_s=0.0, progress=progress)
     if fitted.budget is not None and not quiet:
         typer.echo(fitted.budget.note, err=True)
     return fitted

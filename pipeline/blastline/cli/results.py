@@ -126,5 +126,5 @@ def formats() -> None:
     """
     from .. import run
 
-    for row in run.exports():
+    for row in run.export_rows():
         typer.echo(f"{row.name:<9} {', '.join(row.files):<24} {row.exactness}\n{'':<9} {row.tool}: {row.how}")

@@ -5,13 +5,13 @@ only sort and filter the table of shots.
 """
 
 from .bode import BodeCurve, write_bode
-from .choice import MOST_PICTURES
+from .choice import MAX_FIGURES
 from .exports import ExportRow
 from .overview import Overview, OverviewMeter
 from .page import write_report
 
 __all__ = [
-    "MOST_PICTURES",
+    "MAX_FIGURES",
     "BodeCurve",
     "ExportRow",
     "Overview",

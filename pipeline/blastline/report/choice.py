@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from ..model import Check, Event
 from .words import safe
 
-MOST_PICTURES = 24
+MAX_FIGURES = 24
 _FAILED_SHARE, _UNSURE_SHARE = 12, 6
 
 
 def pictured(events: Sequence[Event], checks: Sequence[Check]) -> dict[str, str]:
     """Return why each chosen shot is shown, by its id, in the order of the film; all of them where they are few."""
-    if len(events) <= MOST_PICTURES:
+    if len(events) <= MAX_FIGURES:
         return {event.id: "" for event in events}
     failed = failures(checks)
     worst = sorted((e for e in events if failed.get(e.id)), key=lambda e: (-failed[e.id], e.onset_sample))
@@ -22,14 +22,14 @@ def pictured(events: Sequence[Event], checks: Sequence[Check]) -> dict[str, str]
     loud = sorted(events, key=lambda e: (-e.peak_dbfs, e.onset_sample))
     why: dict[str, str] = {event.id: "a check failed" for event in worst[:_FAILED_SHARE]}
     _add(why, unsure, "among the least sure", len(why) + _UNSURE_SHARE)
-    _add(why, loud, "among the strongest", MOST_PICTURES)
+    _add(why, loud, "among the strongest", MAX_FIGURES)
     return {event.id: why[event.id] for event in events if event.id in why}
 
 
 def rule() -> str:
     """Return the rule in words."""
     return (
-        f"A film with many shots shows {MOST_PICTURES} of them: up to {_FAILED_SHARE} in which a check failed, "
+        f"A film with many shots shows {MAX_FIGURES} of them: up to {_FAILED_SHARE} in which a check failed, "
         f"the {_UNSURE_SHARE} of which detection was least sure, and the strongest."
     )
 

@@ -6,7 +6,7 @@ from typing import Final
 
 from ..model import Check, Event, MadeOf, RandomAccessSound, Timeline
 from ..ruleset import ActuatorProfile
-from .choice import MOST_PICTURES, failures, pictured, reasons, rule
+from .choice import MAX_FIGURES, failures, pictured, reasons, rule
 from .exports import ExportRow, exports_table
 from .figures import ShotPictures
 from .overview import Overview
@@ -137,7 +137,7 @@ def _pictures(timeline: Timeline, pictures: Iterable[str]) -> Iterator[str]:
         ("reflection", "area", "reflection"),
         ("window", "area", "window and its fades"),
     )
-    note = rule() if len(timeline.events) > MOST_PICTURES else "Every shot is shown."
+    note = rule() if len(timeline.events) > MAX_FIGURES else "Every shot is shown."
     yield f'<p class="note">{note}</p>{legend}'
     yield from pictures
 

@@ -10,15 +10,15 @@ from .actuators import (
     fit_actuator,
     identify_actuator,
 )
-from .budget import Allowance, allowance, within
+from .bode_plots import draw_bode
+from .budget import Allowance, allowance, choose_quality
 from .checking import check
 from .conforming import Conformed, conform
-from .exports import exports
+from .exports import export_rows
 from .files import export, synthesise
 from .listening import detect
 from .names import DRIVE
 from .options import RenderOptions
-from .pictures import actuator_picture
 from .progress import Progress, no_progress
 from .rendering import render, require_place
 from .rulefiles import check_rules
@@ -31,20 +31,20 @@ __all__ = [
     "MadeProfile",
     "Progress",
     "RenderOptions",
-    "actuator_picture",
     "actuator_table",
     "allowance",
     "check",
     "check_rules",
+    "choose_quality",
     "conform",
     "detect",
+    "draw_bode",
     "export",
-    "exports",
+    "export_rows",
     "fit_actuator",
     "identify_actuator",
     "no_progress",
     "render",
     "require_place",
     "synthesise",
-    "within",
 ]

@@ -1,5 +1,6 @@
 """An actuator's figures, its measurement, and the profile that comes of it."""
 
+from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,12 +20,12 @@ from ..actuator import (
     fitted_profile,
     identify,
     inversion_db,
+    measured_csv,
     octave_errors,
     peak,
     profile_text,
     read_measured,
-    recorded,
-    written,
+    record,
 )
 from ..dsp import compensator, felt_response
 from ..errors import OutputError, SoundtrackError
@@ -38,7 +39,7 @@ from ..ruleset import (
 from ..soundtrack import Soundtrack, open_soundtrack
 from ..staging import require_free, staged
 from ..units import levels_db
-from .pictures import NO_PERCEPTION, perception_curve
+from .bode_plots import NO_PERCEPTION, perception_curve
 from .progress import Progress, no_progress
 
 _TABLE_HZ = (1.0, 3.18, 10.0, 20.0, 31.5, 50.0, 80.0, 100.0, 150.0, 200.0, 292.0, 400.0, 500.0, 700.0, 1000.0, 2000.0)
@@ -116,7 +117,7 @@ def identify_actuator(
         progress("hearing", 0, None)
         excitation_track = open_files.enter_context(_open_channel(excitation, channels[0], "excitation"))
         response_track = open_files.enter_context(_open_channel(response, channels[1], "response"))
-        heard = recorded(str(excitation), excitation_track), recorded(str(response), response_track)
+        heard = record(str(excitation), excitation_track), record(str(response), response_track)
         warnings = tuple(
             f"{path}: {each}"
             for path, track in ((excitation, excitation_track), (response, response_track))
@@ -153,25 +154,40 @@ def _fit_and_write(
     if options.largest_gain_db is not None:
         rules = msgspec.structs.replace(rules, largest_gain_db=options.largest_gain_db)
     curve = perception_curve(options.perception, options.rules)
-    texts = {} if csv is None else {csv: written(measured, origin)}
+    progress("fitting", 0, None)
+    fitted = fit(fit_target(measured, curve, rules=rules, name=origin), rules=rules, name=origin)
+    profile = fitted_profile(
+        fitted,
+        name=options.name or output.stem,
+        source=_source(fitted, origin, curve, rules),
+        origin="fitted in dB, minimum phase",
+        rules=rules,
+        peak_db=options.peak_db,
+    )
+    texts = {} if csv is None else {csv: measured_csv(measured, origin)}
+    _write({**texts, output: profile_text(profile)}, overwrite=options.overwrite)
+    return replace(_made(profile, fitted, measured, rules, options.peak_db), identified=identified)
+
+
+def _write(texts: Mapping[Path, str], *, overwrite: bool) -> None:
+    """Write files all together, or none where one cannot be written."""
     with ExitStack() as places:
-        progress("fitting", 0, None)
-        target = fit_target(measured, curve, rules=rules, name=origin)
-        fitted = fit(target, rules=rules, name=origin)
-        profile = fitted_profile(
-            fitted,
-            name=options.name or output.stem,
-            source=_source(fitted, origin, curve, rules),
-            origin="fitted in dB, minimum phase",
-            rules=rules,
-            peak_db=options.peak_db,
-        )
-        texts[output] = profile_text(profile)
         for path, text in texts.items():
-            hidden = places.enter_context(staged(path.parent, names=[path.name], overwrite=options.overwrite))
+            hidden = places.enter_context(staged(path.parent, names=[path.name], overwrite=overwrite))
             (hidden / path.name).write_text(text, encoding="utf-8")
+
+
+def _made(
+    profile: ActuatorProfile,
+    fitted: FittedResponse,
+    measured: MeasuredResponse,
+    rules: FitRules,
+    asked_peak_db: float | None,
+) -> MadeProfile:
+    """Return a profile with its fit, whose levels are raised to the peak that was asked for."""
+    target = fitted.target
     peak_hz, fitted_peak_db = peak(fitted.best.model, target.band_hz)
-    peak_db = fitted_peak_db if options.peak_db is None else options.peak_db
+    peak_db = fitted_peak_db if asked_peak_db is None else asked_peak_db
     raised_db = peak_db - fitted_peak_db
     return MadeProfile(
         profile,
@@ -181,9 +197,8 @@ def _fit_and_write(
         inversion_db=inversion_db(fitted.best.model, target, rules=rules),
         peak_hz=peak_hz,
         peak_db=peak_db,
-        asked=options.peak_db is not None,
+        asked=asked_peak_db is not None,
         excess=excess_phase(measured),
-        identified=identified,
     )
 
 

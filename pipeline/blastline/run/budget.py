@@ -72,7 +72,7 @@ def _seconds(text: str) -> float:
     return seconds
 
 
-def within(
+def choose_quality(
     film: Path,
     allowed: Allowance,
     options: RenderOptions,

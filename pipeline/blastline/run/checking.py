@@ -15,7 +15,7 @@ from . import names
 from .belonging import profile_of, require_length, require_same_film
 from .driving import open_drive
 from .listening import BLOCK
-from .progress import Note, Progress, no_note, no_progress, told
+from .progress import Note, Progress, no_note, no_progress, report_progress
 
 
 def check(
@@ -48,7 +48,7 @@ def check(
     heard = timeline.source.stream if stream is None else stream
     with open_soundtrack(film, stream=heard, mix=timeline.source.mix) as track:
         _require_sides(timeline, film, track)
-        for _ in told(track.blocks(BLOCK, sides=True), progress, track.expected_frames):
+        for _ in report_progress(track.blocks(BLOCK, sides=True), progress, track.expected_frames):
             pass
         found = track.source()
         if audio is None:

@@ -38,7 +38,7 @@ from ..timecode import timecode_at
 from ..units import samples_from_ms, samples_from_s
 from . import names
 from .listening import BLOCK
-from .progress import Progress, no_progress, told
+from .progress import Progress, no_progress, report_progress
 
 _SHORTEST_S = 1.0
 
@@ -94,7 +94,7 @@ def conform(
 
 def _heard(track: Soundtrack, path: Path, stage: str, progress: Progress) -> Film:
     """Decode a film once. Raises SoundtrackError where there is too little to recognise it by."""
-    film = hear(track, told(track.blocks(BLOCK, sides=True), progress, track.expected_frames, stage=stage))
+    film = hear(track, report_progress(track.blocks(BLOCK, sides=True), progress, track.expected_frames, stage=stage))
     if film.duration_s < _SHORTEST_S:
         raise SoundtrackError(f"{path}: lasts {film.duration_s:.3f} s; expected at least {_SHORTEST_S:g} s of film")
     if not film.fingerprint.frames.any():

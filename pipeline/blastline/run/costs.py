@@ -18,17 +18,17 @@ import msgspec
 from ..detect import Detection, audio_around, find_shots, load_verifier, shot_at
 from ..model import Quality, Shot
 from ..render import plan_windows
-from ..report import MOST_PICTURES, OverviewMeter
+from ..report import MAX_FIGURES, OverviewMeter
 from ..ruleset import Rules, rules_path
 from ..soundtrack import Soundtrack, open_soundtrack
 from . import names
 from .checking import checked
 from .driving import open_drive, write_drive_of
-from .listening import Listened, Mark, assemble, event_id, listen
+from .listening import HeardFilm, Mark, assemble, event_id, listen
 from .options import RenderOptions, Setup, set_up
 from .progress import Progress, no_note, no_progress
 from .rendering import write_formats, write_report_of
-from .sampling import Sampled, room_for_samples, sampled, shorter_sample
+from .sampling import FilmSample, room_for_samples, sample_film, shorter_sample
 
 FEW_SHOTS, FEW_PICTURES = 6, 3
 """About so many shots of the sample are rendered in each tier, from all over it, and so many pictures drawn.
@@ -50,7 +50,7 @@ class FilmCost:
     def of(self, film_s: float) -> float:
         """Return the CPU seconds for a film of so many seconds."""
         shots = self.shots_per_s * film_s
-        pictures = min(shots, MOST_PICTURES)
+        pictures = min(shots, MAX_FIGURES)
         return self.fixed_s + self.per_second * film_s + self.per_shot * shots + self.per_picture * pictures
 
 
@@ -75,7 +75,7 @@ class _Known:
     The first picture takes `axes_s` more than the others.
     """
 
-    heard: Listened
+    heard: HeardFilm
     empty: _After
     axes_s: float
     picture_s: float
@@ -84,7 +84,7 @@ class _Known:
 class Gauge:
     """Predicts what each tier takes for one film."""
 
-    def __init__(self, sample: Sampled, track: Soundtrack, options: RenderOptions, *, drives: bool) -> None:
+    def __init__(self, sample: FilmSample, track: Soundtrack, options: RenderOptions, *, drives: bool) -> None:
         """Take over the sample and its open track; `drives` says whether there will be a drive."""
         self._sample, self._track, self._options, self._drives = sample, track, options, drives
         self._meter = OverviewMeter(track.rate_hz) if drives and options.report else None
@@ -167,7 +167,7 @@ class Gauge:
         find_shots(blocks, rate_hz=rate_hz, tier=rules.tier, verifier=verifier)
         return verifier_s, (process_time() - began) / (timed[-1].span.stop / rate_hz)
 
-    def _shots(self, heard: Listened, rules: Rules, most: int) -> Sequence[Shot]:
+    def _shots(self, heard: HeardFilm, rules: Rules, most: int) -> Sequence[Shot]:
         """Return the shots of windows from all over the sample, `most` or a few more; else its loudest moment."""
         windows = heard.windows
         if windows:
@@ -179,7 +179,7 @@ class Gauge:
         sound = self._track.read(audio_around(at, frames=heard.source.frames, rate_hz=rate_hz, tier=rules.tier))
         return [shot_at(at, sound, confidence=1.0, tier=rules.tier)]
 
-    def _typical(self, heard: Listened, rules: Rules) -> Sequence[Shot]:
+    def _typical(self, heard: HeardFilm, rules: Rules) -> Sequence[Shot]:
         """Return the first shots of the windows whose lengths are nearest to the mean, `FEW_PICTURES` of them."""
         if not heard.windows:
             return self._shots(heard, rules, 1)
@@ -187,7 +187,7 @@ class Gauge:
         nearest = sorted(heard.windows, key=lambda planned: abs(len(planned.window.span) - mean))
         return [heard.found.shots[index] for index in sorted(each.shots[0] for each in nearest[:FEW_PICTURES])]
 
-    def _after(self, heard: Listened, setup: Setup, *, report: bool) -> _After:
+    def _after(self, heard: HeardFilm, setup: Setup, *, report: bool) -> _After:
         """Do all that follows detection and return what it took."""
         with tempfile.TemporaryDirectory(prefix="blastline-") as place:
             folder, began = Path(place), process_time()
@@ -218,7 +218,7 @@ def open_gauge(
     progress("measuring", 0, None)
     with room_for_samples() as folder:
         with open_soundtrack(film, stream=options.stream, mix=options.mix, timebase=options.timebase) as track:
-            sample = sampled(film, track, folder / "sample.wav", counted=drives)
+            sample = sample_film(film, track, folder / "sample.wav", counted=drives)
         try:
             with open_soundtrack(sample.path) as heard:
                 yield Gauge(sample, heard, options, drives=drives)
@@ -226,17 +226,17 @@ def open_gauge(
             gc.unfreeze()
 
 
-def _audible(heard: Listened, rules: Rules) -> int:
+def _audible(heard: HeardFilm, rules: Rules) -> int:
     """Return how many of the shots a tier can find: those of the sides only where it listens to them."""
     return sum(rules.tier.channels.sides or shot.heard_in == "mains" for shot in heard.found.shots)
 
 
-def _windows_s(heard: Listened) -> float:
+def _windows_s(heard: HeardFilm) -> float:
     """Return how long all windows are together, in seconds."""
     return sum(len(planned.window.span) for planned in heard.windows) / heard.source.sample_rate_hz
 
 
-def _with_shots(heard: Listened, shots: Sequence[Shot], rules: Rules) -> Listened:
+def _with_shots(heard: HeardFilm, shots: Sequence[Shot], rules: Rules) -> HeardFilm:
     """Return what was heard as if these shots had been found in it."""
     source = heard.source
     windows = plan_windows(shots, frames=source.frames, rate_hz=source.sample_rate_hz, rules=rules.tier.windows)

@@ -20,16 +20,16 @@ from ..render import (
     render_window,
 )
 from ..soundtrack import Cue, Soundtrack, open_soundtrack, write_drive
-from .listening import BLOCK, Listened
+from .listening import BLOCK, HeardFilm
 from .options import Setup
 
 
-def write_drive_of(heard: Listened, path: Path, setup: Setup) -> dict[int, DriveInfo]:
+def write_drive_of(heard: HeardFilm, path: Path, setup: Setup) -> dict[int, DriveInfo]:
     """Render every window into the drive's file and return what was done for each shot, by its index."""
     drives: dict[int, DriveInfo] = {}
 
     def noted() -> Iterator[RenderedWindow]:
-        for number, done in enumerate(_rendered(heard, setup), start=1):
+        for number, done in enumerate(_render_windows(heard, setup), start=1):
             drives.update(zip(done.planned.shots, done.drives, strict=True))
             yield done
             setup.progress("rendering", number, len(heard.windows))
@@ -61,7 +61,7 @@ def open_drive(path: Path) -> Soundtrack:
     return drive
 
 
-def _rendered(heard: Listened, setup: Setup) -> Iterator[RenderedWindow]:
+def _render_windows(heard: HeardFilm, setup: Setup) -> Iterator[RenderedWindow]:
     options, render_rules = setup.options, setup.rules.tier.render
     filters = drive_filters(setup.profile, heard.source.sample_rate_hz, options.phase)
     for planned in heard.windows:

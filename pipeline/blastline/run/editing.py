@@ -5,7 +5,6 @@ edited file, original timeline ──► what is wanted ──► measured in th
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice
 from pathlib import Path
 
 import msgspec
@@ -30,13 +29,13 @@ from ..soundtrack import Soundtrack, heard_mix, open_soundtrack
 from ..timebase import Timebase, recalled
 from ..units import ms_from_samples, samples_from_ms
 from . import names
+from .edit_summary import summarise_edits
 from .editing_windows import DELETED, settled_windows
-from .listening import BLOCK, Listened, Mark
-from .progress import Progress, told
+from .listening import BLOCK, HeardFilm, Mark
+from .progress import Progress, report_progress
 
 _MEND = "re-time the timeline with `blastline conform`, or give the film that it is of"
 _SURE = 1.0  # who sets an event by hand has no doubt
-_MOST_NAMED = 10
 _REGAINED_MS = 25.0  # a rejection so near to an added event is that event
 
 
@@ -88,7 +87,7 @@ def timebase_of(film: Path, editing: Editing, *, said: Timebase, stream: int | N
 
 def hear_edited(
     track: Soundtrack, rules: Rules, editing: Editing, *, progress: Progress, meter: OverviewMeter | None
-) -> tuple[Listened, Edits]:
+) -> tuple[HeardFilm, Edits]:
     """Decode the film once and return the shots that an edited file wants of it, and how many were edited in which way.
 
     Raises TimelineError where the film is not the one that the timeline is of, or ends before an event.
@@ -99,7 +98,7 @@ def hear_edited(
             f"{editing.named_by}: is of {_named(editing.source)}, but the film has {track.rate_hz} Hz; {_MEND}"
         )
     wanted = match(edited, editing.original, rate_hz=track.rate_hz)
-    blocks = told(track.blocks(BLOCK, kept_sides=True), progress, track.expected_frames)
+    blocks = report_progress(track.blocks(BLOCK, kept_sides=True), progress, track.expected_frames)
     for _ in meter.watch(blocks) if meter else blocks:
         pass
     source = track.source()
@@ -117,7 +116,9 @@ def hear_edited(
     found = Detection(shots, _rejections(editing, wanted, source.sample_rate_hz))
     marks = tuple(Mark(wish.id, wish.origin, wish.gain_db, _decided(wish)) for wish in wishes)
     windows = with_gains(windows, shots, [wish.gain_db for wish in wishes])
-    return Listened(track, source, found, windows, marks), _counted(editing, wanted)
+    return HeardFilm(track, source, found, windows, marks), summarise_edits(
+        edited, wanted, has_original=editing.original is not None, is_named=editing.named_by is not None
+    )
 
 
 def _named(source: Source) -> str:
@@ -213,57 +214,3 @@ def _rejections(editing: Editing, wanted: Wanted, rate_hz: int) -> tuple[Rejecti
     still = [r for r in editing.rejections if all(abs(r.at_sample - onset) > near for onset in placed_anew)]
     deleted = [Rejection(e.onset_sample, DELETED, {"probability": e.confidence}) for e in wanted.deleted]
     return tuple(sorted([*still, *deleted], key=lambda r: r.at_sample))
-
-
-def _counted(editing: Editing, wanted: Wanted) -> Edits:
-    notes = list(editing.edited.notes)
-    if editing.named_by is None:
-        notes.append(
-            f"no {names.TIMELINE} beside the file and none given with --original: nothing tells what was edited, so "
-            "that every event is measured anew"
-        )
-    if editing.original is None and editing.edited.own:
-        notes.append(
-            f"no other {names.TIMELINE} beside the file and none given with --original: the file tells where its shots "
-            "were, but not which were deleted, which are still felt in the windows that they shared, and not which "
-            "gains, ends and confidences somebody has changed; they hold as they stand"
-        )
-        notes += _gaps(editing.edited)
-    if not wanted.wishes:
-        notes.append("no events: the drive is silent")
-    ways = [_way(wish, known=editing.original is not None or bool(editing.edited.own)) for wish in wanted.wishes]
-    return Edits(
-        file=editing.edited.path.name,
-        kept=ways.count("kept"),
-        moved=ways.count("moved"),
-        changed=ways.count("changed"),
-        added=ways.count("added"),
-        deleted=len(wanted.deleted),
-        notes=tuple(notes),
-    )
-
-
-def _gaps(edited: EditedFile) -> list[str]:
-    """Return a note for the shots that are missing in the bursts, which are numbered without gaps."""
-    if len(edited.own) < len(edited.edits):
-        return []  # what is missing may be one of the events that say no more than their onset
-    shots: dict[int, set[int]] = {}
-    for event in edited.own.values():
-        if event.burst is not None and event.shot_in_burst is not None:
-            shots.setdefault(event.burst, set()).add(event.shot_in_burst)
-    missing = [
-        f"{burst}.{number}"
-        for burst, there in sorted(shots.items())
-        for number in islice((n for n in range(1, max(there)) if n not in there), _MOST_NAMED)
-    ]
-    if not missing:
-        return []
-    more = " and more" if len(missing) > _MOST_NAMED else ""
-    return [f"missing in its burst: shot {', '.join(missing[:_MOST_NAMED])}{more}; give the original with --original"]
-
-
-def _way(wish: Wish, *, known: bool) -> str:
-    """Return in which way an event was edited, as far as the file tells where there is no original."""
-    if wish.was is None:
-        return "added" if known or wish.origin == "added" else "moved" if wish.origin == "moved" else "kept"
-    return "changed" if wish.changed else "kept" if wish.unmoved else "moved"

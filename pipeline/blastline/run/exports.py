@@ -7,7 +7,7 @@ from ..export import FORMATS, HAPTIC_FORMATS, known_formats, resolution
 from ..report import ExportRow
 
 
-def exports(*, written: Collection[str] = ()) -> tuple[ExportRow, ...]:
+def export_rows(*, written: Collection[str] = ()) -> tuple[ExportRow, ...]:
     """Return every format: its files, the tool that opens them and how, and how exact its times are.
 
     `written` are the names of files that were written; a format of which none was has the names that they would have.

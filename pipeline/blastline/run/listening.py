@@ -15,7 +15,7 @@ from ..ruleset import Rules, load_rules, rules_path
 from ..soundtrack import Soundtrack, open_soundtrack
 from ..timebase import AS_FILMED, Timebase
 from ..timecode import timecode_at
-from .progress import Progress, no_progress, told
+from .progress import Progress, no_progress, report_progress
 
 BLOCK = 65_536
 """Frames that are read at a time; nothing in a result depends on it."""
@@ -32,7 +32,7 @@ class Mark:
 
 
 @dataclass(frozen=True, eq=False)
-class Listened:
+class HeardFilm:
     """A film that has been heard: its track, ready to be read again, and what was found in it.
 
     `marks` say of each shot what no ear hears: its name, where its onset comes from, how strong it is wanted.
@@ -67,13 +67,13 @@ def detect(
     return msgspec.structs.replace(found, budget=budget)
 
 
-def listen(track: Soundtrack, rules: Rules, progress: Progress, meter: OverviewMeter | None = None) -> Listened:
+def listen(track: Soundtrack, rules: Rules, progress: Progress, meter: OverviewMeter | None = None) -> HeardFilm:
     """Decode the film once and return its shots and their windows; `meter` watches as it goes by."""
     verifier = load_verifier(
         rules_path(f"verifier/{rules.tier.verify.model}", rules.overlay), networks=rules.tier.verify.networks
     )
     decoded = track.blocks(BLOCK, sides=rules.tier.channels.sides, remembered_s=LATENCY_S)
-    blocks = told(decoded, progress, track.expected_frames)
+    blocks = report_progress(decoded, progress, track.expected_frames)
     heard = meter.watch(blocks) if meter else blocks
     found = find_shots(
         heard, rate_hz=track.rate_hz, tier=rules.tier, verifier=verifier, channels=track.channels_in_space
@@ -81,10 +81,10 @@ def listen(track: Soundtrack, rules: Rules, progress: Progress, meter: OverviewM
     track.release_recent()
     source = track.source()
     windows = plan_windows(found.shots, frames=source.frames, rate_hz=source.sample_rate_hz, rules=rules.tier.windows)
-    return Listened(track, source, found, windows, tuple(Mark(event_id(index)) for index in range(len(found.shots))))
+    return HeardFilm(track, source, found, windows, tuple(Mark(event_id(index)) for index in range(len(found.shots))))
 
 
-def assemble(heard: Listened, rules: Rules, drives: Mapping[int, DriveInfo], actuator: ActuatorRef | None) -> Timeline:
+def assemble(heard: HeardFilm, rules: Rules, drives: Mapping[int, DriveInfo], actuator: ActuatorRef | None) -> Timeline:
     """Return the timeline of what was found, without checks; `drives` and `actuator` where there is a drive."""
     source = heard.source
     window_of = {index: planned.window for planned in heard.windows for index in planned.shots}

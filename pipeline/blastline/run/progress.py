@@ -12,7 +12,9 @@ def no_progress(stage: str, done: int, total: int | None) -> None:
     """Tell nobody."""
 
 
-def told(blocks: Iterable[Clip], progress: Progress, total: int | None, *, stage: str = "listening") -> Iterator[Clip]:
+def report_progress(
+    blocks: Iterable[Clip], progress: Progress, total: int | None, *, stage: str = "listening"
+) -> Iterator[Clip]:
     """Yield the blocks and tell of each when it has been dealt with."""
     for block in blocks:
         yield block

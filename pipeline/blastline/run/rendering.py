@@ -18,9 +18,9 @@ from . import names
 from .checking import checked
 from .driving import open_drive, write_drive_of
 from .editing import Editing, hear_edited, read_editing, timebase_of
-from .exports import exports
+from .exports import export_rows
 from .haptics import rounding_notes, tell_silent, track_of
-from .listening import Listened, assemble, listen
+from .listening import HeardFilm, assemble, listen
 from .options import RenderOptions, Setup, set_up
 from .progress import Note, Progress, no_note, no_progress
 
@@ -104,7 +104,7 @@ def _driven(
 
 def _heard(
     track: Soundtrack, setup: Setup, editing: Editing | None, meter: OverviewMeter | None
-) -> tuple[Listened, Edits | None]:
+) -> tuple[HeardFilm, Edits | None]:
     """Return the film with its shots, found or named by an edited timeline, and what was edited."""
     if editing is None:
         return listen(track, setup.rules, setup.progress, meter), None
@@ -140,7 +140,7 @@ def write_report_of(
         audio=track,
         drive=drive,
         profile=setup.profile,
-        exports=exports(written=[file.name for file in written]),
+        exports=export_rows(written=[file.name for file in written]),
         options={
             "drive": options.drive,
             "phase": options.phase,

@@ -38,7 +38,7 @@ _HASHED_BYTES = 8 << 20
 
 
 @dataclass(frozen=True)
-class Sampled:
+class FilmSample:
     """A sample of a film of `film_s` seconds: excerpts of it in one file of so many `seconds`.
 
     Every `stride`th few seconds of it make a shorter sample. `source` is the film's; `loudest` the sample's loudest
@@ -101,7 +101,7 @@ def room_for_samples() -> Iterator[Path]:
         ) from error
 
 
-def sampled(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> Sampled:
+def sample_film(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> FilmSample:
     """Take excerpts from the middle of equal parts of the film, enough to time or also to count, and write them.
 
     One channel, or where the film has sides, three whose mains and sides are heard as the film's are.
@@ -121,7 +121,7 @@ def sampled(film: Path, track: Soundtrack, path: Path, *, counted: bool) -> Samp
     if not written:
         raise SoundtrackError(f"{film}: no sound could be read at any of {parts} places; give a --quality")
     seconds = written / track.rate_hz
-    return Sampled(
+    return FilmSample(
         path,
         seconds,
         stride=max(1, round(seconds / timed_s(film_s))),

@@ -21,7 +21,7 @@ from ..actuator import (
     fitted_profile,
     identify,
     read_measured,
-    recorded,
+    record,
 )
 from ..ruleset import MeasuringRules, load_measuring
 from ..soundtrack import open_soundtrack
@@ -137,7 +137,7 @@ def _identified(path: Path, sent: Samples, came: Samples, rules: MeasuringRules)
     for file, samples in ((other, sent), (path, came)):
         soundfile.write(file, samples, RATE_HZ, subtype="FLOAT")
     with open_soundtrack(other) as excitation, open_soundtrack(path) as response:
-        found = identify(recorded(other.name, excitation), recorded(path.name, response), rules=rules.identify)
+        found = identify(record(other.name, excitation), record(path.name, response), rules=rules.identify)
         return fit_target(found.measured, None, rules=rules.fit, name=path.name)
 
 

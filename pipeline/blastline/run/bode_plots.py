@@ -18,7 +18,7 @@ _PICTURES = (".png", ".svg", ".pdf")
 _POINTS_PER_OCTAVE = 48
 
 
-def actuator_picture(
+def draw_bode(
     name: str,
     picture: Path,
     *,

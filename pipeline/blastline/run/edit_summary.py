@@ -1,0 +1,67 @@
+"""What somebody has edited of a timeline, counted and in words."""
+
+from itertools import islice
+
+from ..export.edits import EditedFile, Wanted, Wish
+from ..model import Edits
+from . import names
+
+_MOST_NAMED = 10
+
+
+def summarise_edits(edited: EditedFile, wanted: Wanted, *, has_original: bool, is_named: bool) -> Edits:
+    """Return how many events an edited file keeps, moves, changes, adds and deletes, with what a user has to know.
+
+    `has_original` says whether the original timeline is known, `is_named` whether anything names the film.
+    """
+    notes = list(edited.notes)
+    if not is_named:
+        notes.append(
+            f"no {names.TIMELINE} beside the file and none given with --original: nothing tells what was edited, so "
+            "that every event is measured anew"
+        )
+    if not has_original and edited.own:
+        notes.append(
+            f"no other {names.TIMELINE} beside the file and none given with --original: the file tells where its shots "
+            "were, but not which were deleted, which are still felt in the windows that they shared, and not which "
+            "gains, ends and confidences somebody has changed; they hold as they stand"
+        )
+        notes += _gaps(edited)
+    if not wanted.wishes:
+        notes.append("no events: the drive is silent")
+    ways = [_way(wish, known=has_original or bool(edited.own)) for wish in wanted.wishes]
+    return Edits(
+        file=edited.path.name,
+        kept=ways.count("kept"),
+        moved=ways.count("moved"),
+        changed=ways.count("changed"),
+        added=ways.count("added"),
+        deleted=len(wanted.deleted),
+        notes=tuple(notes),
+    )
+
+
+def _gaps(edited: EditedFile) -> list[str]:
+    """Return a note for the shots that are missing in the bursts, which are numbered without gaps."""
+    if len(edited.own) < len(edited.edits):
+        return []  # what is missing may be one of the events that say no more than their onset
+    shots: dict[int, set[int]] = {}
+    for event in edited.own.values():
+        if event.burst is not None and event.shot_in_burst is not None:
+            shots.setdefault(event.burst, set()).add(event.shot_in_burst)
+    missing = [
+        f"{burst}.{number}"
+        for burst, there in sorted(shots.items())
+        for number in islice((n for n in range(1, max(there)) if n not in there), _MOST_NAMED)
+    ]
+    if not missing:
+        return []
+    more = " and more" if len(missing) > _MOST_NAMED else ""
+    return [f"missing in its burst: shot {', '.join(missing[:_MOST_NAMED])}{more}; give the original with --original"]
+
+
+def _way(wish: Wish, *, known: bool) -> str:
+    """Return in which way an event was edited, as far as the file tells where there is no original."""
+    if wish.was is None:
+        return "added" if known or wish.origin == "added" else "moved" if wish.origin == "moved" else "kept"
+    return "changed" if wish.changed else "kept" if wish.unmoved else "moved"
