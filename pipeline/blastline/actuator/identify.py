@@ -83,7 +83,7 @@ def identify(excitation: Recording, response: Recording, *, rules: IdentifyRules
 def coarse_delay(excitation: Recording, response: Recording, *, rules: IdentifyRules) -> int:
     """Return by how many samples the response is late, to within the actuator's own ringing.
 
-    It is the peak of the correlation over at most eight stretches of the recordings; of peaks alike, as a periodic
+    It is the peak of the correlation over at most eight pieces of the recordings; of peaks alike, as a periodic
     excitation has them, the one nearest to no delay.
     """
     from scipy.fft import irfft, rfft

@@ -82,7 +82,7 @@ def preecho(
 
 
 def _running_energy(samples: Samples, length: int) -> Samples:
-    """Return the energy of every stretch of so many samples."""
+    """Return the energy of every run of so many samples."""
     sums = np.cumsum(np.concatenate([[0.0], samples**2]))
     return np.asarray(sums[length:] - sums[:-length], dtype=np.float64)
 

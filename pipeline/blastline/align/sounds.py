@@ -1,4 +1,4 @@
-"""What the checks read: stretches of soundtrack and drive, at any place and rate."""
+"""What the checks read: spans of soundtrack and drive, at any place and rate."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -93,7 +93,7 @@ def envelope(values: Samples, columns: int) -> tuple[Samples, Samples]:
 
 
 def spectrum_db(samples: Samples, rate_hz: int, bands_hz: Samples) -> Samples:
-    """Return the level of a stretch of sound between neighbouring frequencies of `bands_hz`, in decibels.
+    """Return the level of a piece of sound between neighbouring frequencies of `bands_hz`, in decibels.
 
     The magnitude of the Fourier transform in seconds, full scale being 1, root mean square over each band; where a
     band lies between two bins, interpolated.

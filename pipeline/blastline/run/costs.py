@@ -1,6 +1,6 @@
 """What a film will cost on this machine: a sample of it goes through the real stages, timed by the CPU.
 
-    film ──► stretches here and there ──► one short file ──► listen ──► render ──► check ──► report
+    film ──► excerpts here and there ──► one short file ──► listen ──► render ──► check ──► report
 
 What a tier takes is then a fixed amount, so much for each second of film, so much for each shot, and for each picture.
 """

@@ -125,7 +125,7 @@ class Soundtrack:
         return self._track.facts.guessed_s if self.expected_frames is None else self.expected_frames / self.rate_hz
 
     def read_approximately(self, start_s: float, length_s: float, *, sides: bool = False) -> Samples:
-        """Return the mixed sound of at least about that stretch, for a rough look before the track is decoded.
+        """Return the mixed sound of at least about that time, for a rough look before the track is decoded.
 
         With `sides`, a film that has any has them as one column more. A film has to be opened anew to be decoded.
         Raises SoundtrackError where it cannot be read there.
