@@ -1,6 +1,7 @@
 """What `render` makes of a timeline passes its checks; what somebody else did to the drive fails, without a crash."""
 
 import json
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -9,9 +10,12 @@ import numpy as np
 import pytest
 import soundfile
 from numpy.typing import NDArray
+from scipy.signal import resample_poly
 
 from blastline import run
-from blastline.model import Phase, Timeline
+from blastline.errors import RuleError
+from blastline.model import DriveChoice, Phase, Timeline
+from blastline.ruleset import load_actuator, rules_path
 from blastline.run import RenderOptions
 
 Samples = NDArray[np.float64]
@@ -65,6 +69,55 @@ def test_a_direct_drive_that_is_raised_into_the_limit_passes(tmp_path: Path, pha
     path = film(tmp_path / "film.wav", onsets, [0.6] * 3, seed=seed)
     options = RenderOptions(report=False, drive="direct", level_db=12.0, phase=phase)
     assert failures(rendered(path, onsets, options)) == []
+
+
+@pytest.mark.parametrize("drive", ["direct", "filter", "constrained"])
+@pytest.mark.parametrize("share", [0.9, 0.5])
+def test_a_clipped_drive_fails_by_as_much_as_its_peak_lacks(tmp_path: Path, drive: DriveChoice, share: float) -> None:
+    onsets = [14_400, 26_400, 40_000]
+    path = film(tmp_path / "film.wav", onsets, [0.5, 0.3, 0.1])
+    made = rendered(path, onsets, RenderOptions(report=False, drive=drive))
+    assert failures(made) == []
+    out = tmp_path / "out"
+    samples, _ = soundfile.read(out / "drive.wav")
+    peaks = [event.drive.peak for event in made.events if event.drive]
+    limit = share * max(peaks)
+    soundfile.write(tmp_path / "clipped.wav", np.clip(samples, -limit, limit), RATE_HZ, subtype="PCM_24")
+    checked = run.check(out / "timeline.json", audio=path, drive=tmp_path / "clipped.wav")
+    measured = {check.event: check for check in checked.checks if check.name == "peak_as_rendered"}
+    for event, peak in zip(made.events, peaks, strict=True):
+        assert measured[event.id].measured == pytest.approx(20.0 * np.log10(min(1.0, limit / peak)), abs=0.01)
+        assert measured[event.id].passed == (limit >= 0.944 * peak)
+
+
+@pytest.mark.parametrize("rate_hz", [96_000, 192_000])
+def test_a_coarse_drive_passes_at_any_rate(tmp_path: Path, rate_hz: int) -> None:
+    onsets = [round(at * rate_hz / RATE_HZ) for at in (14_400, 26_400, 40_000)]
+    path = film(tmp_path / "film.wav", [14_400, 26_400, 40_000], [0.9] * 3)
+    samples, _ = soundfile.read(path)
+    soundfile.write(path, resample_poly(0.9 * samples, rate_hz // RATE_HZ, 1), rate_hz, subtype="PCM_24")
+    options = RenderOptions(report=False, quality="draft", drive="constrained", phase="zero")
+    assert failures(rendered(path, onsets, options)) == []
+
+
+def test_a_seat_whose_name_is_no_line_is_refused(tmp_path: Path) -> None:
+    shipped = rules_path("actuators/crowson-t108sm.toml").read_text(encoding="utf-8")
+    seat = tmp_path / "mine.toml"
+    seat.write_text(shipped.replace('"crowson-t108sm"', '"a\\nb"'), encoding="utf-8")
+    with pytest.raises(RuleError, match=r"mine\.toml: name = 'a\\nb': expected printable characters alone"):
+        load_actuator(str(seat))
+
+
+def test_a_seat_that_fits_no_film_of_this_rate_is_named_before_the_film_is_heard(tmp_path: Path) -> None:
+    shipped = (rules_path("actuators/crowson-t108sm.toml")).read_text(encoding="utf-8")
+    seat = tmp_path / "mine.toml"
+    seat.write_text(re.sub(r"(\[lowpass\][^\[]*corner_hz = )[\d.]+", r"\g<1>30000.0", shipped), encoding="utf-8")
+    path = film(tmp_path / "film.wav", [14_400], [0.9])
+    heard: list[str] = []
+    with pytest.raises(RuleError, match=r"mine\.toml: crowson-t108sm: lowpass\.corner_hz: 30000 Hz: expected"):
+        run.render(path, tmp_path / "out", RenderOptions(actuator=str(seat)), lambda stage, *_: heard.append(stage))
+    assert heard == []
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("phase", ["causal", "zero"])

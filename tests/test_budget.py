@@ -2,7 +2,7 @@
 
 import tracemalloc
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 import msgspec
 import numpy as np
@@ -13,7 +13,9 @@ from hypothesis import strategies as st
 
 from blastline.errors import RuleError
 from blastline.model import Quality, Timeline
+from blastline.run import costs
 from blastline.run.budget import BEST_FIRST, RESERVE, Allowance, allowance, choose_quality, chosen, pick
+from blastline.run.checking import checked
 from blastline.run.costs import FilmCost
 from blastline.run.options import RenderOptions
 from blastline.run.sampling import EXCERPT_FRAMES, counted_s, sample_film, timed_s
@@ -91,6 +93,19 @@ def test_a_cost_is_per_second_of_film() -> None:
     assert allowed is not None
     assert allowed.of(7200.0) == pytest.approx(72.0)
     assert allowance(budget=None, max_cost=None, quality="draft") is None
+
+
+def test_what_is_measured_is_checked_as_the_run_will_be(film: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[Timeline] = []
+
+    def spied(timeline: Timeline, *rest: Any, **options: Any) -> Timeline:
+        seen.append(timeline)
+        return checked(timeline, *rest, **options)
+
+    monkeypatch.setattr(costs, "checked", spied)
+    options = RenderOptions(phase="zero", background="direct", level_db=-6.0, report=False)
+    choose_quality(film, Allowance("--budget 1h", cpu_s=3600.0), options, drives=True, since_cpu_s=0.0)
+    assert {(made.phase, made.background, made.level_db) for made in seen} == {("zero", "direct", -6.0)}
 
 
 @given(SECONDS, SECONDS, st.booleans())

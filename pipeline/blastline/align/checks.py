@@ -7,7 +7,7 @@ import msgspec
 
 from ..model import Background, Check, Event, Phase, RandomAccessSound, SoundFile, Span, Timeline
 from ..ruleset import ActuatorProfile, AlignRules
-from ..units import ms_from_samples, samples_from_ms
+from ..units import db_from_gain, ms_from_samples, samples_from_ms
 from .comparable import is_comparable
 from .comparison import Comparison, compare
 from .hearing import is_direct, is_solved
@@ -16,6 +16,8 @@ from .shots import ShotFigures, likeness_limit, parts_of
 from .sounds import Sound, read_padded
 from .timing import Timing, time_film
 from .whole_drive import DriveFigures, gaps, scan
+
+_STEP = 2.0**-15
 
 
 def check_files(
@@ -26,14 +28,16 @@ def check_files(
     profile: ActuatorProfile,
     rules: AlignRules,
     lead_ms: float,
+    corner_ms: float,
     phase: Phase,
     background: Background,
 ) -> tuple[Check, ...]:
     """Return the checks of a drive as it was written, first of the film, then of each shot in order.
 
     `audio` has been decoded and has the timeline's number of frames; `drive` is decoded here, once. A drive may begin
-    `lead_ms` before its shot's onset. Figures are None where there is nothing to measure: a drive in which no shot is
-    found has failed, a film without shots has not.
+    `lead_ms` before its shot's onset, and a solved one is made of straight lines between corners `corner_ms` apart.
+    Figures are None where there is nothing to measure: a drive in which no shot is found has failed, a film without
+    shots has not.
     """
     heard = Sound(audio, timeline.source.frames)
     film = _scan(timeline, heard, drive, background)
@@ -46,6 +50,7 @@ def check_files(
         phase=phase,
         background=background,
         level_db=timeline.level_db,
+        corner_ms=corner_ms,
     )
     checks = [*_file_checks(timeline, shared, film, drive.damaged_samples), *_order_check(timeline)]
     if not timeline.events:
@@ -123,7 +128,8 @@ def _timing_checks(shared: Comparison, events: Sequence[Event], timing: Timing |
         yield Check("drive_shift", None, True, None, rules.shift_samples, "samples")
         return
     bend = 0.0 if timing.exact else shared.bend
-    shift_limit, drift_limit = max(rules.shift_samples, bend), max(rules.drift_samples, 2.0 * bend)
+    shift_limit = max(rules.shift_samples * shared.coarseness, bend)
+    drift_limit = max(rules.drift_samples * shared.coarseness, 2.0 * bend)
     time_map, first, last = timing.time_map, events[0].onset_sample, events[-1].onset_sample
     drift = time_map.lag(last) - time_map.lag(first) if time_map else None
     steady = _within(drift, drift_limit)
@@ -148,7 +154,9 @@ def _shot_checks(shared: Comparison, event: Event, figures: ShotFigures | None, 
     """
     rules, rate_hz = shared.rules, shared.rate_hz
     subject = "drive" if is_direct(event) else "felt"
-    allowed_ms = rules.lag_causal_ms if shared.phase == "causal" else ms_from_samples(rules.lag_zero_samples, rate_hz)
+    allowed_ms = rules.lag_causal_ms
+    if shared.phase == "zero":
+        allowed_ms = ms_from_samples(rules.lag_zero_samples * shared.coarseness, rate_hz)
     late_ms = None if lag is None or figures is None else ms_from_samples(lag + figures.delay, rate_hz)
     delay_ms = 0.0 if figures is None else ms_from_samples(figures.delay, rate_hz)
     if late_ms is not None and delay_ms > allowed_ms and abs(late_ms - delay_ms) <= shared.bend_ms:
@@ -198,9 +206,14 @@ def _onset_check(shared: Comparison, event: Event, figures: ShotFigures, lag: fl
 def _level_check(shared: Comparison, event: Event, figures: ShotFigures) -> Iterator[Check]:
     if event.drive is None:
         return
-    limit_db = shared.rules.level_error_db
+    rules = shared.rules
     error_db = figures.level_db - event.drive.perceived_gain_db
-    yield Check("level_as_rendered", event.id, abs(error_db) <= limit_db, error_db, limit_db, "dB")
+    yield Check(
+        "level_as_rendered", event.id, abs(error_db) <= rules.level_error_db, error_db, rules.level_error_db, "dB"
+    )
+    # what is clipped keeps most of its level; a step of 16 bits is no difference
+    error_db = db_from_gain((figures.own_peak + _STEP) / (event.drive.peak + _STEP))
+    yield Check("peak_as_rendered", event.id, abs(error_db) <= rules.peak_error_db, error_db, rules.peak_error_db, "dB")
 
 
 def _within(figure: float | None, limit: float) -> bool:

@@ -2,7 +2,7 @@
 
 from ..model import Event
 from .comparison import Comparison
-from .hearing import Part
+from .hearing import Part, is_direct
 from .sanity import audio_rise_db
 from .sounds import TimeMap, drive_at, read_padded
 
@@ -18,11 +18,16 @@ def is_comparable(shared: Comparison, event: Event, part: Part) -> bool:
 
     A shot cannot be that is all but over before the next begins, or that was muted beside a louder one; nor one that
     only other channels play; nor one set by hand where nothing begins: in a tone or in silence one place sounds like
-    the next, and so nothing tells whether the drive is in its own.
+    the next, and so nothing tells whether the drive is in its own; nor one whose drive was never to follow its sound,
+    on a seat that cannot.
     """
     if len(part.span) < shared.samples(_LEAST_MS[shared.phase]) or part.before_db > _SOFTER_DB:
         return False
-    if event.origin != "found" and audio_rise_db(event, shared.audio) < shared.rules.hand_rise_db:
+    rules = shared.rules
+    follows = rules.least_correlation + rules.correlation_loss
+    if event.drive is not None and not is_direct(event) and event.drive.fidelity < follows:
+        return False
+    if event.origin != "found" and audio_rise_db(event, shared.audio) < rules.hand_rise_db:
         return False
     return not _is_still(shared, event)
 

@@ -33,6 +33,9 @@ _BEND_AT_HZ = 1000.0
 48 kHz was the most seen, without delay 5.7. A band that ends lower swings more slowly; one up to 80 Hz was bent by
 0.5 ms."""
 
+_SET_AT_HZ, _COARSE_MS = 48_000, 0.25
+"""Drives with corners 0.25 ms apart were felt up to 15 us aside, a sample at 96 kHz; a third as far apart 0.3 us."""
+
 _LOWEST_HZ = 1.0
 """Where the search for the greatest response begins."""
 
@@ -41,7 +44,8 @@ _LOWEST_HZ = 1.0
 class Comparison:
     """Films, rules, and the actuator's filters at the soundtrack's rate.
 
-    `level_db` is how much stronger than usual every shot was asked to be. `compensated` makes of a sound the drive
+    `level_db` is how much stronger than usual every shot was asked to be, `corner_ms` how far apart the corners are of
+    the straight lines that a solved drive is made of. `compensated` makes of a sound the drive
     that is felt like it where nothing limits it. `step` is 1 / max |H|^2: so long a step down the slope of
     |H u - t|^2 / 2 never overshoots. `settle` is how many samples the filters run before what is compared, `memory` how
     many H remembers. `bend_ms` is by how much the limit alone may displace what is felt.
@@ -54,6 +58,7 @@ class Comparison:
     phase: Phase
     background: Background
     level_db: float
+    corner_ms: float
     felt: Samples
     band: Samples
     band_gains: Callable[[int], Samples]
@@ -67,6 +72,14 @@ class Comparison:
     def rate_hz(self) -> int:
         """Return the rate at which everything is compared, the soundtrack's."""
         return self.audio.rate_hz
+
+    @property
+    def coarseness(self) -> float:
+        """Return by how much limits in samples, set at 48 kHz, grow for a drive of straight lines between corners.
+
+        What such a drive is felt aside is a time, of more samples at a higher rate.
+        """
+        return max(1.0, self.rate_hz / _SET_AT_HZ * min(1.0, (self.corner_ms / _COARSE_MS) ** 2))
 
     @property
     def bend(self) -> float:
@@ -95,6 +108,7 @@ def compare(
     phase: Phase,
     background: Background,
     level_db: float,
+    corner_ms: float,
 ) -> Comparison:
     """Return what the checks of every shot share."""
     rate_hz = audio.rate_hz
@@ -112,6 +126,7 @@ def compare(
         phase,
         background,
         level_db,
+        corner_ms,
         felt=felt,
         band=dsp.discretise(dsp.band(profile), rate_hz),
         band_gains=_band_gains(profile, rate_hz, phase),

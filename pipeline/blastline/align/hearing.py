@@ -20,7 +20,7 @@ _AT_LIMIT = 0.995
 
 @dataclass(frozen=True)
 class Part:
-    """What belongs to a shot alone.
+    """What belongs to a shot alone: `span` of its sound, and `driven`, where the drive is its own.
 
     `opens` says that the shot is the first of its window, `followed` that it is not the last. `since` is from where on
     the drive before it is known, by the window or by the shot before, which was asked to be `before_db` stronger.
@@ -30,6 +30,7 @@ class Part:
     opens: bool
     followed: bool
     since: int
+    driven: Span
     before_db: float = 0.0
 
 
@@ -146,6 +147,12 @@ def feel(shared: Comparison, event: Event, span: Span, *, time_map: TimeMap) -> 
     following = _without_delay(shared, drive)[kept] if is_direct(event) else vibration
     free = np.abs(drive[kept]) < _AT_LIMIT * shared.rules.peak
     return Felt(drive[kept], vibration, own, following, free, float(np.abs(written).max(initial=0.0)))
+
+
+def peak_in(shared: Comparison, span: Span, *, time_map: TimeMap) -> float:
+    """Return the largest magnitude of the drive's own samples over a span of the film."""
+    _, written = drive_at(shared.drive, span, rate_hz=shared.rate_hz, time_map=time_map)
+    return float(np.abs(written).max(initial=0.0))
 
 
 def _of_window(samples: Samples, event: Event, start: int) -> Samples:

@@ -12,7 +12,7 @@ from ..units import db_from_gain
 from .attack import late_start, preecho
 from .comparison import Comparison, Samples
 from .due import Adjoints, adjoints_of, due_drives
-from .hearing import Felt, Heard, Part, feel, hear, is_direct
+from .hearing import Felt, Heard, Part, feel, hear, is_direct, peak_in
 from .sounds import TimeMap
 
 _EXACT = 0.999
@@ -28,6 +28,7 @@ _LEAST_MS = 5.0
 class ShotFigures:
     """What was measured of a shot: lags in samples, levels in decibels.
 
+    `peak` is the largest of all that was compared, `own_peak` of the drive that is the shot's own.
     `match` is against the sound with the delay that the drive is meant to have; `delay` is that delay. `exact` says
     that the actuator's limit has no part in the lag. The others are measured where the match is, or in the shot's own
     place where the match is too poor to be believed.
@@ -37,6 +38,7 @@ class ShotFigures:
     exact: bool
     delay: float
     peak: float
+    own_peak: float
     late_start: float | None
     level_db: float
     preecho_db: float | None
@@ -58,7 +60,9 @@ def parts_of(events: Sequence[Event], *, lead: int) -> tuple[Part, ...]:
         opens = before is None or before.window != event.window
         since = event.window.start if before is None or opens else before.onset_sample - lead
         before_db = 0.0 if before is None or opens else before.gain_db - event.gain_db
-        parts.append(Part(Span(event.onset_sample, stop), opens, stop < whole, since, before_db))
+        begins = event.window.start if opens else max(event.window.start, event.onset_sample - lead)
+        driven = Span(begins, max(begins + 1, stop if stop < whole else event.window.stop))
+        parts.append(Part(Span(event.onset_sample, stop), opens, stop < whole, since, driven, before_db))
     return tuple(parts)
 
 
@@ -96,6 +100,7 @@ def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap) 
         exact=exact,
         delay=_delay(heard, pattern, search),
         peak=felt.peak,
+        own_peak=peak_in(shared, part.driven, time_map=time_map),
         late_start=late_start(shared, heard, felt, due),
         level_db=db_from_gain(_rms(felt.own[core])) - db_from_gain(_rms(heard.direct[core])),
         preecho_db=early_db,

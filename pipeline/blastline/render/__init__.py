@@ -7,7 +7,7 @@ compose                                             the film's drive
 """
 
 from .drive import RenderedWindow, measure, render_window
-from .filters import DriveFilters, drive_filters, needed_audio, preroll
+from .filters import DriveFilters, drive_filters, needed_audio, preroll, require_renderable
 from .heard import HeardWindow, hear_window
 from .made_of import choose_made_of, is_lacking
 from .mix import compose
@@ -28,6 +28,7 @@ __all__ = [
     "plan_windows",
     "preroll",
     "render_window",
+    "require_renderable",
     "window_between",
     "with_gains",
 ]

@@ -51,14 +51,8 @@ class DriveFilters:
 
 
 def drive_filters(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> DriveFilters:
-    """Return the filters that make the drive for an actuator.
-
-    Raises RuleError where a corner of the profile does not lie below half the sample rate, or where the profile is
-    none that can be compensated.
-    """
-    _check_corners(profile, rate_hz)
-    check_stable(profile, profile.name)
-    _check_gain(profile, rate_hz)
+    """Return the filters that make the drive for an actuator; RuleError as `require_renderable`."""
+    require_renderable(profile, rate_hz)
     felt = dsp.felt_response(profile)
     sections = dsp.discretise(felt, rate_hz)
     # twice, since poles that lie together fade later than one; the sections' own may be slower than a fast actuator's
@@ -75,6 +69,13 @@ def drive_filters(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Drive
         impulse=impulse,
         recursion=_recursion(np.exp(felt.poles / rate_hz), sections, impulse),
     )
+
+
+def require_renderable(profile: ActuatorProfile, rate_hz: int) -> None:
+    """Raise RuleError where a corner of the profile is not below half the sample rate, or nothing can compensate it."""
+    _check_corners(profile, rate_hz)
+    check_stable(profile, profile.name)
+    _check_gain(profile, rate_hz)
 
 
 def preroll(filters: DriveFilters, rules: RenderRules) -> int:

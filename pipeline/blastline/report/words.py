@@ -27,6 +27,7 @@ CHECKS = {
     "drive_correlation": "The drive follows the sound",
     "drive_onset": "The drive's attack begins with the heard one",
     "level_as_rendered": "The level is the one that was rendered",
+    "peak_as_rendered": "The peak is the one that was rendered",
     "pre_echo": "Nothing is felt before the bang",
     "peak": "The shot's drive keeps to the limit",
     "audio_rise": "The sound rises at the onset",

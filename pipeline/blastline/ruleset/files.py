@@ -106,7 +106,7 @@ def actuator_names(overlay: Path | None = None) -> list[str]:
 def load_actuator(name: str, overlay: Path | None = None) -> tuple[ActuatorProfile, str]:
     """Return a profile, by name or by the path of its file, and its digest.
 
-    Raises RuleError where it does not exist, does not fit, or describes an unstable actuator.
+    Raises RuleError where it does not exist, does not fit, has a name that is no line of text, or is unstable.
     """
     require_folder(overlay)
     path = Path(name) if name.endswith(".toml") else rules_path(f"actuators/{name}.toml", overlay)
@@ -114,6 +114,8 @@ def load_actuator(name: str, overlay: Path | None = None) -> tuple[ActuatorProfi
         known = ", ".join(actuator_names(overlay))
         raise RuleError(f"{name}: no such actuator profile; expected a .toml file or one of: {known}")
     profile = convert(read_toml(path), ActuatorProfile, path)
+    if not profile.name.isprintable():
+        raise RuleError(f"{path}: name = {profile.name!r}: expected printable characters alone")
     check_stable(profile, path)
     return profile, hashlib.sha256(msgspec.json.encode(profile)).hexdigest()
 

@@ -24,10 +24,10 @@ from ..soundtrack import Soundtrack, open_soundtrack
 from . import names
 from .checking import checked
 from .driving import open_drive, write_drive_of
-from .listening import HeardFilm, Mark, assemble, event_id, listen
+from .listening import HeardFilm, Mark, event_id, listen
 from .options import RenderOptions, Setup, set_up
 from .progress import Progress, no_note, no_progress
-from .rendering import write_formats, write_report_of
+from .rendering import driven_timeline, write_formats, write_report_of
 from .sampling import FilmSample, room_for_samples, sample_film, shorter_sample
 
 FEW_SHOTS, FEW_PICTURES = 6, 3
@@ -194,7 +194,7 @@ class Gauge:
             drives = write_drive_of(heard, folder / names.DRIVE, setup)
             driven = process_time()
             source = msgspec.structs.replace(self._sample.source, frames=heard.source.frames)
-            timeline = assemble(replace(heard, source=source), setup.rules, drives, setup.actuator)
+            timeline = driven_timeline(replace(heard, source=source), drives, setup)
             with open_drive(folder / names.DRIVE) as drive:
                 profile, read, track = setup.profile, setup.rules, self._track
                 timeline = checked(timeline, track, drive, profile=profile, rules=read, progress=no_progress)

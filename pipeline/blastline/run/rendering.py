@@ -9,8 +9,10 @@ from pathlib import Path
 
 import msgspec
 
+from ..errors import RuleError
 from ..export import FORMATS, HAPTIC_FORMATS, export_timeline, known_formats, needs_drive, require_frame_rate, rounding
-from ..model import Edits, Timeline
+from ..model import DriveInfo, Edits, Timeline
+from ..render import require_renderable
 from ..report import OverviewMeter, write_report
 from ..soundtrack import Soundtrack, open_soundtrack
 from ..staging import require_free, require_utf_8, staged
@@ -45,6 +47,7 @@ def render(
         open_soundtrack(film, stream=options.stream, mix=options.mix, spool_folder=hidden, timebase=timebase) as track,
     ):
         require_frame_rate(options.formats, track.describe())
+        _require_seat(setup, track.rate_hz)
         meter = OverviewMeter(track.rate_hz) if options.report else None
         timeline = _driven(track, hidden, setup, editing, meter)
         with open_drive(hidden / names.DRIVE) as drive:
@@ -86,19 +89,31 @@ def _place(film: Path, folder: Path, options: RenderOptions) -> AbstractContextM
     )
 
 
+def _require_seat(setup: Setup, rate_hz: int) -> None:
+    """Raise RuleError, which names the profile as the user did, where it cannot drive a film at this rate."""
+    named = setup.options.actuator
+    try:
+        require_renderable(setup.profile, rate_hz)
+    except RuleError as error:
+        raise (error if named == setup.profile.name else RuleError(f"{named}: {error}")) from error
+
+
 def _driven(
     track: Soundtrack, folder: Path, setup: Setup, editing: Editing | None, meter: OverviewMeter | None
 ) -> Timeline:
     """Write the drive of a film and return its timeline, without checks."""
     heard, edits = _heard(track, setup, editing, meter)
-    drives = write_drive_of(heard, folder / names.DRIVE, setup)
+    timeline = driven_timeline(heard, write_drive_of(heard, folder / names.DRIVE, setup), setup)
+    return msgspec.structs.replace(timeline, edits=edits, budget=setup.options.budget)
+
+
+def driven_timeline(heard: HeardFilm, drives: dict[int, DriveInfo], setup: Setup) -> Timeline:
+    """Return the timeline of a film whose drive was rendered as asked for, without checks."""
     return msgspec.structs.replace(
         assemble(heard, setup.rules, drives, setup.actuator),
         phase=setup.options.phase,
         background=setup.options.background,
         level_db=setup.rules.tier.render.level_db,
-        edits=edits,
-        budget=setup.options.budget,
     )
 
 
