@@ -262,6 +262,18 @@ def test_the_actuators_limit_does_not_bend_the_lag() -> None:
     assert figure(by_one, "drive_shift") == pytest.approx(1.0, abs=0.02)
 
 
+@pytest.mark.parametrize(("below", "held"), [(-0.01, False), (0.01, True)])
+def test_only_a_drive_that_was_to_follow_its_sound_is_held_to_it(below: float, held: bool) -> None:
+    loud = make_film(onsets_s=(0.5,), peaks=(0.95,), seconds=1.0, seed=7)
+    (event,) = loud.timeline.events
+    assert event.drive is not None
+    drive = msgspec.structs.replace(event.drive, fidelity=RULES.least_fidelity + below)
+    told = loud.with_events(msgspec.structs.replace(event, drive=drive))
+    late = np.roll(loud.drive.samples, round(0.005 * RATE_HZ))
+    assert ("felt_lag" in failed(checks_of(told.with_drive(late)))) is held
+    assert failed(checks_of(told)) == set()
+
+
 def test_a_single_shot_has_no_drift() -> None:
     single = make_film(onsets_s=(0.5,), peaks=(0.4,), seconds=1.0)
     checks = checks_of(single.with_drive(np.roll(single.drive.samples, 1)))
