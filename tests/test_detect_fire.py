@@ -93,6 +93,15 @@ def test_no_sound_is_in_two_rows_and_a_delay_or_gain_changes_none() -> None:
     assert rows([at_ms + 123.0 for at_ms in places_ms], (peaks_dbfs - 40.0).tolist()) == found
 
 
+def test_a_row_without_an_end_is_taken_in_pieces_that_leave_no_sound_out() -> None:
+    count = 2_000
+    jitter_ms = np.random.default_rng(3).uniform(-0.01, 0.01, count) * FAST_MS
+    found = rows((np.arange(count) * FAST_MS + jitter_ms + 1.0).tolist())
+    assert sorted(place for row in found for place in row) == list(range(count))
+    assert len(found) < count / 100
+    assert all(np.all(np.diff(row) == 1) for row in found)
+
+
 def taken_together(by_networks: float, by_screen: float) -> float:
     """Return the probability that two networks of one mind and the screen give."""
     (odds,) = combined_log_odds(np.array([2.0 * by_networks]), 2, np.array([by_screen]))

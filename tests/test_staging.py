@@ -2,6 +2,7 @@
 
 import errno
 import os
+import re
 import subprocess
 import sys
 import threading
@@ -132,6 +133,16 @@ def test_a_full_disk_is_told_with_the_files_final_name(tmp_path: Path) -> None:
 
     with pytest.raises(OutputError, match=r"out/a\.wav: cannot write: No space left on device$"):
         full()
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_a_name_that_is_too_long_is_told_before_the_work_begins(tmp_path: Path) -> None:
+    name = "x" * 300
+    with (
+        pytest.raises(OutputError, match=f"^{re.escape(str(tmp_path / name))}: cannot write: .*[Tt]oo long"),
+        staged(tmp_path, names=["a.wav", name], overwrite=True),
+    ):
+        pytest.fail("the work began")
     assert [*tmp_path.iterdir()] == []
 
 

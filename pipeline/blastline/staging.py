@@ -65,6 +65,7 @@ def staged(
         held = hold(hidden)
         try:
             clear_abandoned(folder)
+            _require_nameable(hidden, names)
             yield hidden
             heed_interruption()
             with _alone_in(folder):
@@ -104,6 +105,13 @@ def _hidden_folder(folder: Path) -> Path:
         return Path(tempfile.mkdtemp(prefix=HIDDEN, dir=folder))
     except OSError as error:
         raise OutputError(f"{folder}: cannot write here: {error.strerror}") from error
+
+
+def _require_nameable(hidden: Path, names: Collection[str]) -> None:
+    """Raise OSError for a name that the file system does not take: better now than when all the work is done."""
+    for name in names:
+        with suppress(FileNotFoundError):
+            (hidden / name).lstat()
 
 
 @contextmanager

@@ -21,6 +21,9 @@ from ..ruleset import BurstRules, QualityRules, VerifyRules
 from ..units import samples_from_ms
 from .verify import LogOdds, log_odds_of
 
+_MOST_IN_ROW = 256
+"""A longer row is taken in pieces, which say as much: hours of a machine take no longer than they are long."""
+
 
 @dataclass(frozen=True, eq=False)
 class ScoredCandidates:
@@ -78,7 +81,7 @@ def rows_at(
             if (first, second) not in told:
                 row = _row_on(at, loud_db, first, second, gaps=(shortest, longest), pace=pace)
                 told.update(pairwise(row))
-                rows.append(row)
+                rows.append(row[:_MOST_IN_ROW])
     free = np.ones(onsets.size, bool)
     chosen = []
     for row in sorted(rows, key=len, reverse=True):
@@ -93,18 +96,19 @@ def _row_on(
 ) -> list[int]:
     """Return the row that goes on from two sounds at their pace, each next one where it is due, if it is as loud.
 
-    No gap is shorter or longer than `gaps` allow.
+    No gap is shorter or longer than `gaps` allow. Of a row that is taken in pieces, the next one's first sound is last.
     """
     row, due, late = [first], at[second], 0.0
-    while True:
+    while len(row) <= _MOST_IN_ROW:
         earliest, latest = (at[row[-1]] + gap for gap in gaps)
         near = range(bisect_left(at, max(due - late, earliest)), bisect_right(at, min(due + late, latest)))
         alike = [place for place in near if abs(loud_db[place] - loud_db[first]) <= pace.within_db]
         if not alike:
-            return row
+            break
         row.append(min(alike, key=lambda place: abs(at[place] - due)))
         gap = at[row[-1]] - at[row[-2]]
         due, late = at[row[-1]] + gap, pace.unevenness * gap
+    return row
 
 
 def even_rows(scored: ScoredCandidates, *, rate_hz: int, tier: QualityRules) -> list[EvenRow | None]:
