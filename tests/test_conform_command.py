@@ -10,7 +10,19 @@ import numpy as np
 import pytest
 
 from blastline.export import read_timeline
-from blastline.model import SCHEMA, Decision, DriveInfo, Event, Reflection, Source, Span, Timeline, Window, encode
+from blastline.model import (
+    SCHEMA,
+    Decision,
+    DriveInfo,
+    Event,
+    Reflection,
+    Rejection,
+    Source,
+    Span,
+    Timeline,
+    Window,
+    encode,
+)
 from blastline.ruleset import load_rules
 from blastline.study.conforming import made_film, score_one
 from blastline.study.cuts import CASES
@@ -140,6 +152,64 @@ def test_no_window_ends_later_than_the_old_one_did(
         lasts_ms = (each.window.stop - each.onset_sample) / made.source.sample_rate_hz * 1000.0
         assert lasts_ms == pytest.approx(length_ms * (0.96 if faster else 1.0), abs=0.05)
         assert each.window.fits_fades
+
+
+def test_what_the_old_timeline_turned_down_moves_with_its_scene(films: tuple[Path, Path, Path], tmp_path: Path) -> None:
+    timeline, old, new = films
+    places_s = {"deleted by hand": 5.0, "in no new scene": 12.5, "does not sound like a shot": 20.0}
+    turned_down = tuple(Rejection(round(at_s * RATE_HZ), why, {"probability": 0.4}) for why, at_s in places_s.items())
+    timeline.write_bytes(encode(msgspec.structs.replace(read_timeline(timeline), rejections=turned_down)))
+    blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
+    made = read_timeline(tmp_path / "out" / "timeline.json").rejections
+    assert [each.at_sample for each in made] == sorted(each.at_sample for each in made)
+    moved = {each.reason: each for each in made if each.reason in places_s}
+    assert {why: each.at_sample / RATE_HZ for why, each in moved.items()} == pytest.approx(
+        {"deleted by hand": 2.0, "does not sound like a shot": 13.0}, abs=1e-4
+    )
+    assert all(each.evidence == {"probability": 0.4} for each in moved.values())
+
+
+@pytest.mark.parametrize("lead_ms", [0, 2, 30])
+@pytest.mark.parametrize("faster", [False, True])
+def test_a_window_begins_where_somebody_has_set_its_start(
+    films: tuple[Path, Path, Path], tmp_path: Path, lead_ms: int, faster: bool
+) -> None:
+    import soxr
+
+    timeline, old, new = films
+    found = read_timeline(timeline)
+    lead = lead_ms * RATE_HZ // 1000
+    begun = [
+        msgspec.structs.replace(
+            each, window=Window(each.onset_sample - lead, each.onset_sample + 4_800, min(80, lead // 2), 640)
+        )
+        for each in found.events
+    ]
+    timeline.write_bytes(encode(msgspec.structs.replace(found, events=tuple(begun))))
+    if faster:
+        new = write(tmp_path / "pal.wav", soxr.resample(OLD, RATE_HZ * 25 / 24, 48_000), 48_000)
+    blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
+    made = read_timeline(tmp_path / "out" / "timeline.json")
+    assert len(made.events) >= len(EXPECTED)
+    for each in made.events:
+        before_ms = (each.onset_sample - each.window.start) / made.source.sample_rate_hz * 1000.0
+        assert before_ms == pytest.approx(lead_ms * (0.96 if faster else 1.0), abs=0.05)
+
+
+def test_a_start_that_somebody_has_set_does_not_reach_out_of_its_scene(
+    films: tuple[Path, Path, Path], tmp_path: Path
+) -> None:
+    timeline, old, new = films
+    found = read_timeline(timeline)
+    (fourth,) = (each for each in found.events if each.id == "shot-4")  # two seconds into its scene
+    early = msgspec.structs.replace(
+        fourth, window=Window(fourth.onset_sample - 3 * RATE_HZ, fourth.window.stop, 80, 640)
+    )
+    events = tuple(early if each.id == early.id else each for each in found.events)
+    timeline.write_bytes(encode(msgspec.structs.replace(found, events=events)))
+    blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
+    made = {each.id: each for each in read_timeline(tmp_path / "out" / "timeline.json").events}
+    assert made["shot-4"].window.start == pytest.approx(7.0 * RATE_HZ, abs=RATE_HZ // 50)
 
 
 def test_a_moved_timeline_names_the_rules_that_its_windows_are_planned_by(

@@ -9,7 +9,7 @@ from .courses import Course, measured
 from .ends import with_exact_ends
 from .film import Film, hear
 from .path import find_segments
-from .place import Loss, Lost, Placed, place
+from .place import Loss, Lost, Placed, moment, place
 from .report import write_events, write_segments
 from .retime import Retimed, retimed
 
@@ -23,6 +23,7 @@ __all__ = [
     "find_segments",
     "hear",
     "measured",
+    "moment",
     "place",
     "retimed",
     "with_exact_ends",

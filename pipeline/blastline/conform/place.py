@@ -55,6 +55,12 @@ def place(
     return _without_doubles(onsets_s, found, courses)
 
 
+def moment(old_s: float, courses: Sequence[Course]) -> float | None:
+    """Return when a moment of the old film comes in the new one, by its course alone; None where its scene does not."""
+    holds = (course for course in courses if _distance(old_s, course) == 0.0)
+    return next((course.segment.line.at(old_s) for course in holds), None)
+
+
 def _place(
     onset_s: float, room_s: float, courses: Sequence[Course], old: Film, new: Film, rules: ConformRules
 ) -> Placed | Lost:

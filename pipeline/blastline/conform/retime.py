@@ -15,9 +15,10 @@ _PEAK_MS = 50.0
 
 @dataclass(frozen=True)
 class Retimed:
-    """A shot of the new film, and the sample at which its old window ends there: none of its own ends later."""
+    """A shot of the new film, and where its old window begins and ends there: none of its own ends later."""
 
     shot: Shot
+    start: int
     stop: int
 
 
@@ -32,6 +33,7 @@ def retimed(event: Event, placed: Placed, course: Course, old: Film, new: Film) 
     rate = course.segment.line.scale * new.rate_hz / old.rate_hz
     room = max(0.0, course.segment.stop_s * old.rate_hz - event.onset_sample) * rate
     stop = min(new.frames, onset + max(1, round(room)))
+    lead = max(0.0, event.onset_sample - max(event.window.start, course.segment.start_s * old.rate_hz)) * rate
 
     def moved(sample: int) -> int:
         return min(max(onset, onset + round((sample - event.onset_sample) * rate)), new.frames)
@@ -56,7 +58,7 @@ def retimed(event: Event, placed: Placed, course: Course, old: Film, new: Film) 
         ),
         span=Span(onset, max(onset + 1, blast.stop, sounding)),
     )
-    return Retimed(shot, max(onset + 1, moved(event.window.stop)))
+    return Retimed(shot, max(0, onset - round(lead)), max(onset + 1, moved(event.window.stop)))
 
 
 def _level_dbfs(event: Event, onset: int, old: Film, new: Film) -> float:

@@ -4,7 +4,7 @@ old film ─► fingerprint ┐
 new film ─► fingerprint ┴► segments ─► each event's place ─► windows planned anew ─► timeline, tables
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,6 +20,7 @@ from ..conform import (
     find_segments,
     hear,
     measured,
+    moment,
     place,
     retimed,
     with_exact_ends,
@@ -132,14 +133,15 @@ def _conformed(
     shots.sort(key=lambda pair: pair[1].shot.onset)
     bursts = group_bursts([each.shot for _, each in shots], rate_hz=new.rate_hz, rules=rules.tier.bursts)
     shots = [(event, replace(each, shot=shot)) for (event, each), shot in zip(shots, bursts, strict=True)]
+    rejections = (*_rejections(timeline, courses, old, new), *_missing(events, places, new))
     made = msgspec.structs.replace(
         timeline,
         version=__version__,
         rules_digest=rules.digest,
         source=source,
         actuator=None,
-        events=_events(shots, source, rules),
-        rejections=tuple(_rejections(events, places, new)),
+        events=_events(shots, _begun_by_hand(events, old.rate_hz, rules.tier.windows), source, rules),
+        rejections=tuple(sorted(rejections, key=lambda each: each.at_sample)),
         checks=(),
         edits=None,
         budget=None,
@@ -147,14 +149,16 @@ def _conformed(
     return Conformed(made, events, tuple(places), tuple(courses))
 
 
-def _events(shots: Sequence[tuple[Event, Retimed]], source: Source, rules: Rules) -> tuple[Event, ...]:
+def _events(
+    shots: Sequence[tuple[Event, Retimed]], begun: Collection[str], source: Source, rules: Rules
+) -> tuple[Event, ...]:
     """Return the shots as events of the new film, each under its old id, in windows that are planned anew."""
     planned = plan_windows(
         [each.shot for _, each in shots],
         frames=source.frames,
         rate_hz=source.sample_rate_hz,
         rules=rules.tier.windows,
-        given=_cut_short([each for _, each in shots], source, rules.tier.windows),
+        given=_kept_ends(shots, begun, source, rules.tier.windows),
     )
     window_of = {index: each.window for each in planned for index in each.shots}
     return tuple(
@@ -176,21 +180,45 @@ def _events(shots: Sequence[tuple[Event, Retimed]], source: Source, rules: Rules
     )
 
 
-def _cut_short(shots: Sequence[Retimed], source: Source, rules: WindowRules) -> dict[int, Window]:
-    """Return the windows, by the shot's index, that would end later than the old ones did.
+def _kept_ends(
+    shots: Sequence[tuple[Event, Retimed]], begun: Collection[str], source: Source, rules: WindowRules
+) -> dict[int, Window]:
+    """Return the windows, by the shot's index, that somebody has `begun` elsewhere or that would end later than before.
 
     Somebody has set their ends, or their fade-outs are shorter than those of the rules.
     """
     rate_hz = source.sample_rate_hz
     fade_out = samples_from_ms(rules.fade_out_ms, rate_hz)
-    return {
-        index: window_between(each.shot, start=None, stop=each.stop, frames=source.frames, rate_hz=rate_hz, rules=rules)
-        for index, each in enumerate(shots)
-        if each.stop < min(each.shot.span.stop + fade_out, source.frames)
-    }
+    given = {}
+    for index, (event, each) in enumerate(shots):
+        start = each.start if event.id in begun else None
+        stop = each.stop if each.stop < min(each.shot.span.stop + fade_out, source.frames) else None
+        if start is not None or stop is not None:
+            given[index] = window_between(
+                each.shot, start=start, stop=stop, frames=source.frames, rate_hz=rate_hz, rules=rules
+            )
+    return given
 
 
-def _rejections(events: Sequence[Event], places: Sequence[Placed | Lost], new: Film) -> Iterator[Rejection]:
+def _begun_by_hand(events: Sequence[Event], rate_hz: int, rules: WindowRules) -> set[str]:
+    """Return the ids of the events, in order of time, that are first in a window which begins as no rule plans it."""
+    lead = samples_from_ms(rules.guard_ms, rate_hz) + samples_from_ms(rules.fade_in_ms, rate_hz)
+    first: dict[Window, Event] = {}
+    for event in events:
+        first.setdefault(event.window, event)
+    return {each.id for each in first.values() if each.window.start != max(0, each.onset_sample - lead)}
+
+
+def _rejections(timeline: Timeline, courses: Sequence[Course], old: Film, new: Film) -> Iterator[Rejection]:
+    """Yield what the old film's timeline turned down, where the new film has its moment."""
+    for each in timeline.rejections:
+        new_s = moment(each.at_sample / old.rate_hz, courses)
+        if new_s is not None and 0.0 <= new_s < new.duration_s:
+            at = min(samples_from_s(new_s, new.rate_hz), new.frames - 1)
+            yield msgspec.structs.replace(each, at_sample=at)
+
+
+def _missing(events: Sequence[Event], places: Sequence[Placed | Lost], new: Film) -> Iterator[Rejection]:
     """Yield each event that was not placed, at the moment of the new film at which it is missing."""
     for event, each in zip(events, places, strict=True):
         if isinstance(each, Lost):
