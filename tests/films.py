@@ -69,6 +69,7 @@ def film(
     name: str = "film.mkv",
     offset_s: float = 0.0,
     rate_hz: int = 48_000,
+    has_picture: bool = True,
 ) -> Timeline:
     """Return the timeline of a film with a shot at each onset."""
     events = [shot(number, onset, burst=1 if number in (3, 4, 5) else None) for number, onset in enumerate(onsets, 1)]
@@ -82,5 +83,6 @@ def film(
         start_timecode=counting.start,
         frame_rate=counting.rate,
         start_offset_s=offset_s,
+        has_picture=has_picture,
     )
     return msgspec.structs.replace(whole, source=source, events=tuple(events) if onsets else ())

@@ -275,7 +275,7 @@ def test_markers_keep_to_the_sound_of_a_clip_that_begins_between_two_frames(
     tmp_path: Path, start: str, rate: str
 ) -> None:
     counting = Counting(rate, start)
-    timeline = film(counting, onsets=range(0, 96_000, 1_777), name="mix.wav")
+    timeline = film(counting, onsets=range(0, 96_000, 1_777), name="mix.wav", has_picture=False)
     found = fcpxml_markers(written(timeline, tmp_path, "fcpxml"), counting)
     assert_each_event_is_there(found, timeline, counting)
     for name in ("otio", "fcp7"):
@@ -403,9 +403,9 @@ def test_a_film_without_shots_can_be_opened(tmp_path: Path, name: str) -> None:
         assert len(list(pycmx.parse_cmx3600(io.StringIO(file.read_text("utf-8"))).events)) == 1
 
 
-@pytest.mark.parametrize("name", ["mix.wav", "MIX.AIFC", "stem.bwf", "take 1.oga", "reel.mov.wave"])
+@pytest.mark.parametrize("name", ["mix.wav", "take 1.oga", "sound.mov", "stem.mxf"])
 def test_sound_alone_has_no_picture_track(tmp_path: Path, name: str) -> None:
-    timeline = film(name=name)
+    timeline = film(name=name, has_picture=False)
     sequence = otio.adapters.read_from_file(str(written(timeline, tmp_path, "otio")))
     [track] = sequence.tracks
     assert track.kind == "Audio"

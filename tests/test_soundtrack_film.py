@@ -519,3 +519,13 @@ def test_nothing_stays_in_the_spool_folder(tmp_path: Path) -> None:
     with open_soundtrack(path, spool_folder=spool) as track:
         next(track.blocks())  # and leave in the middle
     assert not list(spool.iterdir())
+
+
+@pytest.mark.parametrize(("codec", "extension"), [("flac", "mkv"), ("aac", "mp4"), ("pcm_s16le", "mov")])
+@pytest.mark.parametrize("picture_rate", [None, Fraction(25)])
+def test_a_container_tells_whether_it_holds_a_picture(
+    tmp_path: Path, codec: str, extension: str, picture_rate: Fraction | None
+) -> None:
+    path = write_media(tmp_path / f"it.{extension}", [impulses(9_000, [100])], codec=codec, picture_rate=picture_rate)
+    with open_soundtrack(path) as track:
+        assert track.describe().has_picture == (picture_rate is not None)

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 from ..model import Timeline
-from .frames import frame_markers, has_picture
+from .frames import frame_markers
 from .words import framed_label, one_line
 
 
@@ -19,7 +19,7 @@ def write_cmx3600(timeline: Timeline, path: Path) -> None:
     film, name = frame_markers(timeline, format_name="cmx3600"), one_line(timeline.source.name)
     scale = film.scale
     span = f"{scale.label(film.start)} {scale.label(film.stop)}"
-    track = "V" if has_picture(timeline.source) else "A"
+    track = "V" if timeline.source.has_picture else "A"
     lines = [
         f"TITLE: {name}",
         f"FCM: {'DROP FRAME' if scale.drop_frame else 'NON-DROP FRAME'}",

@@ -10,7 +10,7 @@ from urllib.parse import quote
 
 from ..model import Timeline
 from ..timecode import FrameScale
-from .frames import FrameMarkers, Marker, frame_markers, has_picture
+from .frames import FrameMarkers, Marker, frame_markers
 from .words import label, note, one_line
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def _sequence(timeline: Timeline, film: FrameMarkers, media_start: int) -> "otio
     name = one_line(timeline.source.name)
     displayed = {"timecode": {"displayformat": "DF" if film.scale.drop_frame else "NDF"}}
     sequence = schema.Timeline(name=name, global_start_time=_time(film.start, film.scale), metadata={_FCP7: displayed})
-    kinds = [*([schema.TrackKind.Video] if has_picture(timeline.source) else []), schema.TrackKind.Audio]
+    kinds = [*([schema.TrackKind.Video] if timeline.source.has_picture else []), schema.TrackKind.Audio]
     for kind in kinds:
         track = schema.Track(name=kind, kind=kind)
         before = film.scale.first_frame - film.start

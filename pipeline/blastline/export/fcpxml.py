@@ -7,7 +7,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from ..model import Source, Timeline
 from ..timecode import FrameScale
-from .frames import FrameMarkers, frame_markers, has_picture
+from .frames import FrameMarkers, frame_markers
 from .words import label, note, one_line
 
 VERSION = "1.9"
@@ -71,7 +71,7 @@ def _resources(resources: Element, source: Source, film: FrameMarkers) -> None:
         audioChannels=str(source.channels),
         audioRate=str(source.sample_rate_hz),
     )
-    if has_picture(source):
+    if source.has_picture:
         asset.set("hasVideo", "1")
         asset.set("format", _FORMAT)
     SubElement(asset, "media-rep", kind="original-media", src=quote(source.name))

@@ -1,10 +1,8 @@
 """Events as markers on the film's frames, for formats that count frames."""
 
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from pathlib import PurePath
 
 from ..errors import RuleError
 from ..model import Event, Source, Timeline
@@ -18,12 +16,6 @@ CLIP_FORMATS = frozenset({"fcp7", "otio", "fcpxml"})
 """Formats that hold the film itself as a clip, which begins on a frame even where the film's start is between two."""
 
 _FCP7_MOST_FRAMES = 60
-# a name such as .mxf or .mkv does not tell, and a timeline does not either
-_SOUND_ONLY = re.compile(
-    r"\.(aac|ac3|adts|aif|aifc|aiff|amr|ape|au|bwf|caf|dts|dtshd|eac3|ec3|flac|m2a|m4a|m4b|mka|mlp|mp2|mp3|mpa|oga|ogg"
-    r"|opus|rf64|sd2|snd|spx|thd|truehd|tta|w64|wav|wave|weba|wma|wv)",
-    re.IGNORECASE,
-)
 
 
 @dataclass(frozen=True)
@@ -98,8 +90,3 @@ def require_frame_rate(formats: Iterable[str], source: Source) -> None:
         if name == "fcp7" and scale is not None and scale.nominal > _FCP7_MOST_FRAMES:
             found = f"{float(scale.rate):.6g} frames a second"
             raise RuleError(f"--format {name}: {source.name} has {found}; this format holds up to {_FCP7_MOST_FRAMES}")
-
-
-def has_picture(source: Source) -> bool:
-    """Return whether the source is a film, by its name, rather than sound alone."""
-    return _SOUND_ONLY.fullmatch(PurePath(source.name).suffix) is None

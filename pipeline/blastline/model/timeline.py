@@ -22,8 +22,9 @@ Question = Literal["verifier", "reflections", "window"]
 class Source(msgspec.Struct, frozen=True):
     """The track that was read.
 
-    `start_timecode` and `frame_rate` are None where the file has none. `start_offset_s` is how much later than the
-    picture the first sample plays. `warnings` say what the reader had to mend (damage, NaN, a missing tail).
+    `has_picture` tells a film from sound alone. `start_timecode` and `frame_rate` are None where the file has none.
+    `start_offset_s` is how much later than the picture the first sample plays. `warnings` say what the reader had to
+    mend (damage, NaN, a missing tail).
     """
 
     name: str
@@ -36,6 +37,7 @@ class Source(msgspec.Struct, frozen=True):
     start_offset_s: float = 0.0
     stream: Index = 0
     mix: str = "mains"
+    has_picture: bool = False
     warnings: tuple[str, ...] = ()
 
 

@@ -68,6 +68,7 @@ def film_facts(
         length="counted" if is_counted else "rounded",
         stream=index,
         start_timecode=timecode,
+        has_picture=picture is not None,
         frame_rate=None if picture is None else _frame_rate(picture),
         start_offset_s=float(_offset(picture, origin)),
         time_reference=reference,

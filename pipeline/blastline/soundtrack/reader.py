@@ -243,6 +243,7 @@ class Soundtrack:
             frames=frames,
             channels=facts.channels,
             start_timecode=facts.start_timecode,
+            has_picture=facts.has_picture,
             frame_rate=facts.frame_rate,
             start_offset_s=facts.start_offset_s,
             stream=facts.stream,

@@ -35,6 +35,7 @@ class TrackFacts:
     stream: int = 0
     is_integer: bool = False
     start_timecode: str | None = None
+    has_picture: bool = False
     frame_rate: str | None = None
     start_offset_s: float = 0.0
     time_reference: int | None = None
