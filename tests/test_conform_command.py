@@ -159,7 +159,8 @@ def test_what_the_old_timeline_turned_down_moves_with_its_scene(films: tuple[Pat
     places_s = {"deleted by hand": 5.0, "in no new scene": 12.5, "does not sound like a shot": 20.0}
     turned_down = tuple(Rejection(round(at_s * RATE_HZ), why, {"probability": 0.4}) for why, at_s in places_s.items())
     timeline.write_bytes(encode(msgspec.structs.replace(read_timeline(timeline), rejections=turned_down)))
-    blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
+    ended = blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
+    assert (ended.code, ended.err.count("not placed: ")) == (0, 2), ended
     made = read_timeline(tmp_path / "out" / "timeline.json").rejections
     assert [each.at_sample for each in made] == sorted(each.at_sample for each in made)
     moved = {each.reason: each for each in made if each.reason in places_s}

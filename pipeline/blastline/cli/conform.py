@@ -62,10 +62,12 @@ def conform(
 
 def _say_lost(done: "Conformed") -> None:
     """List on stderr what was not placed."""
-    lost = done.timeline.rejections
-    for each in lost[:_MOST_LISTED]:
-        old_s = each.evidence["old_onset_s"]
-        typer.echo(f"not placed: {each.reason} (old time {_clock(old_s)})", err=True)
+    from ..conform import Lost
+
+    pairs = zip(done.events, done.places, strict=True)
+    lost = [(event, place.reason) for event, place in pairs if isinstance(place, Lost)]
+    for event, reason in lost[:_MOST_LISTED]:
+        typer.echo(f"not placed: {event.id}: {reason.value} (old time {_clock(event.onset_s)})", err=True)
     if len(lost) > _MOST_LISTED:
         typer.echo(f"not placed: {len(lost) - _MOST_LISTED} more, in conform.csv", err=True)
 
