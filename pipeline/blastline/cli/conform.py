@@ -62,12 +62,9 @@ def conform(
 
 def _say_lost(done: "Conformed") -> None:
     """List on stderr what was not placed."""
-    from ..conform import Lost
-
-    pairs = zip(done.events, done.places, strict=True)
-    lost = [(event, place.reason) for event, place in pairs if isinstance(place, Lost)]
-    for event, reason in lost[:_MOST_LISTED]:
-        typer.echo(f"not placed: {event.id}: {reason.value} (old time {_clock(event.onset_s)})", err=True)
+    lost = done.lost
+    for event, place in lost[:_MOST_LISTED]:
+        typer.echo(f"not placed: {event.id}: {place.reason.value} (old time {_clock(event.onset_s)})", err=True)
     if len(lost) > _MOST_LISTED:
         typer.echo(f"not placed: {len(lost) - _MOST_LISTED} more, in conform.csv", err=True)
 

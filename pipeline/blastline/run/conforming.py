@@ -53,6 +53,12 @@ class Conformed:
     places: tuple[Placed | Lost, ...]
     courses: tuple[Course, ...]
 
+    @property
+    def lost(self) -> tuple[tuple[Event, Lost], ...]:
+        """Return the events that were not placed, each with why."""
+        pairs = zip(self.events, self.places, strict=True)
+        return tuple((event, place) for event, place in pairs if isinstance(place, Lost))
+
 
 def conform(
     timeline: Path,
