@@ -267,11 +267,10 @@ def test_only_a_drive_that_was_to_follow_its_sound_is_held_to_it(below: float, h
     loud = make_film(onsets_s=(0.5,), peaks=(0.95,), seconds=1.0, seed=7)
     (event,) = loud.timeline.events
     assert event.drive is not None
-    drive = msgspec.structs.replace(event.drive, fidelity=RULES.least_fidelity + below)
+    drive = msgspec.structs.replace(event.drive, fidelity=RULES.least_correlation + below)
     told = loud.with_events(msgspec.structs.replace(event, drive=drive))
     late = np.roll(loud.drive.samples, round(0.005 * RATE_HZ))
     assert ("felt_lag" in failed(checks_of(told.with_drive(late)))) is held
-    assert failed(checks_of(told)) == set()
 
 
 def test_a_single_shot_has_no_drift() -> None:

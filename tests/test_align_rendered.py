@@ -100,6 +100,51 @@ def test_a_coarse_drive_passes_at_any_rate(tmp_path: Path, rate_hz: int) -> None
     assert failures(rendered(path, onsets, options)) == []
 
 
+RINGING_SEAT = """
+schema = 1
+name = "rings"
+source = "a seat that rings at 60 Hz, behind the skin's thresholds"
+[response]
+source = "a fit"
+gain = 4222.0
+zeros_rad_s = [[-46.3, 0.0], [-85.5, 93.9], [-85.5, -93.9], [-140.2, 0.0], [-162.2, 3240.0], [-162.2, -3240.0]]
+poles_rad_s = [
+    [-11.6, 378.4], [-11.6, -378.4], [-256.6, 813.6], [-256.6, -813.6],
+    [-240.2, 1333.0], [-240.2, -1333.0], [-270.5, 1967.0], [-270.5, -1967.0],
+]
+[lowpass]
+source = "where the fit ends"
+corner_hz = 523.5
+order = 3
+[highpass]
+source = "where the fit begins"
+corner_hz = 21.0
+order = 2
+"""
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_on_a_seat_that_rings_through_a_burst_a_right_drive_passes_and_a_wrong_one_fails(
+    tmp_path: Path, seed: int
+) -> None:
+    """There a shot's drive may be more like the sound elsewhere than at its place, where it is as like as predicted."""
+    seat = tmp_path / "rings.toml"
+    seat.write_text(RINGING_SEAT, encoding="utf-8")
+    onsets = [14_400 + number * 85 * 48 for number in range(5)]
+    path = film(tmp_path / "film.wav", onsets, [0.9, 0.8, 0.9, 0.7, 0.9], decay_s=0.02, seed=seed)
+    made = rendered(path, onsets, RenderOptions(report=False, actuator=str(seat)))
+    assert failures(made) == []
+    assert all(event.drive is not None and event.drive.fidelity < 0.7 for event in made.events)
+    drive, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    third = slice(onsets[2] - 48, onsets[3] - 48)
+    for wrong in (np.roll(drive[third], 96), np.zeros_like(drive[third]), drive[third][::-1]):
+        changed = drive.copy()
+        changed[third] = wrong
+        soundfile.write(tmp_path / "wrong.wav", changed, RATE_HZ, subtype="PCM_24")
+        checked = run.check(tmp_path / "out", audio=path, drive=tmp_path / "wrong.wav", actuator=str(seat))
+        assert "shot-0003" in {event for _, event, _ in failures(checked)}
+
+
 def test_a_seat_whose_name_is_no_line_is_refused(tmp_path: Path) -> None:
     shipped = rules_path("actuators/crowson-t108sm.toml").read_text(encoding="utf-8")
     seat = tmp_path / "mine.toml"

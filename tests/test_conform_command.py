@@ -3,6 +3,7 @@
 import csv
 import hashlib
 import wave
+from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
@@ -72,6 +73,20 @@ def timeline_of(film_path: Path, frames: int) -> Path:
     return path
 
 
+def with_windows(timeline: Path, window_of: Callable[[Event], Window]) -> None:
+    """Give each event of a timeline another window."""
+    found = read_timeline(timeline)
+    events = tuple(msgspec.structs.replace(each, window=window_of(each)) for each in found.events)
+    timeline.write_bytes(encode(msgspec.structs.replace(found, events=events)))
+
+
+def in_pal(path: Path) -> Path:
+    """Write the old film at 25 frames for 24."""
+    import soxr
+
+    return write(path, soxr.resample(OLD, RATE_HZ * 25 / 24, 48_000), 48_000)
+
+
 @pytest.fixture
 def films(tmp_path: Path) -> tuple[Path, Path, Path]:
     old = write(tmp_path / "old.wav", OLD)
@@ -131,20 +146,10 @@ def test_no_window_ends_later_than_the_old_one_did(
     films: tuple[Path, Path, Path], tmp_path: Path, length_ms: int, faster: bool
 ) -> None:
     """Who has set an end keeps it, also where it leaves less room than the rules' fade-out, or than the blast."""
-    import soxr
-
     timeline, old, new = films
-    found = read_timeline(timeline)
     length = length_ms * RATE_HZ // 1000
-    cut = [
-        msgspec.structs.replace(
-            each, window=Window(each.onset_sample - 96, each.onset_sample + length, 80, min(640, length // 2))
-        )
-        for each in found.events
-    ]
-    timeline.write_bytes(encode(msgspec.structs.replace(found, events=tuple(cut))))
-    if faster:
-        new = write(tmp_path / "pal.wav", soxr.resample(OLD, RATE_HZ * 25 / 24, 48_000), 48_000)
+    with_windows(timeline, lambda e: Window(e.onset_sample - 96, e.onset_sample + length, 80, min(640, length // 2)))
+    new = in_pal(tmp_path / "pal.wav") if faster else new
     blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
     made = read_timeline(tmp_path / "out" / "timeline.json")
     assert len(made.events) >= len(EXPECTED)
@@ -175,23 +180,13 @@ def test_what_the_old_timeline_turned_down_moves_with_its_scene(films: tuple[Pat
 def test_a_window_begins_where_somebody_has_set_its_start(
     films: tuple[Path, Path, Path], tmp_path: Path, lead_ms: int, faster: bool
 ) -> None:
-    import soxr
-
     timeline, old, new = films
-    found = read_timeline(timeline)
     lead = lead_ms * RATE_HZ // 1000
-    begun = [
-        msgspec.structs.replace(
-            each, window=Window(each.onset_sample - lead, each.onset_sample + 4_800, min(80, lead // 2), 640)
-        )
-        for each in found.events
-    ]
-    timeline.write_bytes(encode(msgspec.structs.replace(found, events=tuple(begun))))
-    if faster:
-        new = write(tmp_path / "pal.wav", soxr.resample(OLD, RATE_HZ * 25 / 24, 48_000), 48_000)
+    with_windows(timeline, lambda e: Window(e.onset_sample - lead, e.onset_sample + 4_800, min(80, lead // 2), 640))
+    new = in_pal(tmp_path / "pal.wav") if faster else new
     blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
     made = read_timeline(tmp_path / "out" / "timeline.json")
-    assert len(made.events) >= len(EXPECTED)
+    assert {each.id for each in made.events} >= set(EXPECTED)
     for each in made.events:
         before_ms = (each.onset_sample - each.window.start) / made.source.sample_rate_hz * 1000.0
         assert before_ms == pytest.approx(lead_ms * (0.96 if faster else 1.0), abs=0.05)
@@ -201,13 +196,10 @@ def test_a_start_that_somebody_has_set_does_not_reach_out_of_its_scene(
     films: tuple[Path, Path, Path], tmp_path: Path
 ) -> None:
     timeline, old, new = films
-    found = read_timeline(timeline)
-    (fourth,) = (each for each in found.events if each.id == "shot-4")  # two seconds into its scene
-    early = msgspec.structs.replace(
-        fourth, window=Window(fourth.onset_sample - 3 * RATE_HZ, fourth.window.stop, 80, 640)
+    early = 3 * RATE_HZ  # the fourth shot is two seconds into its scene
+    with_windows(
+        timeline, lambda e: Window(e.onset_sample - early, e.window.stop, 80, 640) if e.id == "shot-4" else e.window
     )
-    events = tuple(early if each.id == early.id else each for each in found.events)
-    timeline.write_bytes(encode(msgspec.structs.replace(found, events=events)))
     blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
     made = {each.id: each for each in read_timeline(tmp_path / "out" / "timeline.json").events}
     assert made["shot-4"].window.start == pytest.approx(7.0 * RATE_HZ, abs=RATE_HZ // 50)

@@ -24,7 +24,7 @@ def is_comparable(shared: Comparison, event: Event, part: Part) -> bool:
     if len(part.span) < shared.samples(_LEAST_MS[shared.phase]) or part.before_db > _SOFTER_DB:
         return False
     rules = shared.rules
-    if event.drive is not None and not is_direct(event) and event.drive.fidelity < rules.least_fidelity:
+    if event.drive is not None and not is_direct(event) and event.drive.fidelity < rules.least_correlation:
         return False
     if event.origin != "found" and audio_rise_db(event, shared.audio) < rules.hand_rise_db:
         return False

@@ -87,7 +87,7 @@ def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap) 
     core = heard.core
     pattern = slice(core.start, min(core.stop, core.start + shared.samples(shared.rules.longest_ms)))
     felt = feel(shared, event, heard.span, time_map=time_map)
-    match = match_template(heard.intended[pattern], felt.following[pattern.start - search : pattern.stop + search])
+    match = _match(shared, event, heard, felt, pattern)
     if math.isnan(match.lag):
         return None
     match, exact, felt, adjoints = _refined(
@@ -115,6 +115,24 @@ def locate(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap, s
     heard = hear(shared, event, short, margin=0)
     felt = feel(shared, event, Span(start - search, short.span.stop + search), time_map=time_map)
     return match_template(heard.intended, felt.following)
+
+
+def _match(shared: Comparison, event: Event, heard: Heard, felt: Felt, pattern: slice) -> Match:
+    """Return where the drive is most like the sound; its own place, if it is as like there as was predicted."""
+
+    def within(reach: int) -> Match:
+        return match_template(heard.intended[pattern], felt.following[pattern.start - reach : pattern.stop + reach])
+
+    if event.drive is not None and not is_direct(event):
+        own = within(_reach(shared))
+        if own.correlation >= event.drive.fidelity - shared.rules.fidelity_error:
+            return own
+    return within(shared.samples(shared.rules.search_ms))
+
+
+def _reach(shared: Comparison) -> int:
+    """Return within how many samples of its place the actuator's limit alone leaves a shot."""
+    return max(4, shared.samples(shared.bend_ms))
 
 
 def _refined(
@@ -162,7 +180,7 @@ def _bend(shared: Comparison, adjoints: Adjoints, felt: Felt, pattern: slice) ->
     H'(H u - t) = 0. So H'H u and H't are one and the same at these samples, and only at the right lag. The pattern
     ends before H is asked for what the drive does not know or do: the next shot, and what follows the film's end.
     """
-    reach = max(4, shared.samples(shared.bend_ms))
+    reach = _reach(shared)
     if pattern.stop - pattern.start < shared.samples(_LEAST_MS):
         return None
     around = slice(pattern.start - reach, pattern.stop + reach)
