@@ -146,6 +146,23 @@ def test_a_chunk_of_odd_length_does_not_hide_the_missing_end(tmp_path: Path) -> 
     assert source.warnings == ("the file declares 1.000 s of sound but only 0.500 s could be read: the end is missing",)
 
 
+@pytest.mark.parametrize("second", [0, 100, 4_800])
+@pytest.mark.parametrize(("container", "name"), [("WAV", "data"), ("AIFF", "SSND"), ("CAF", "data")])
+def test_sound_in_two_places_is_refused(tmp_path: Path, container: str, name: str, second: int) -> None:
+    """No format allows it, and decoders silently take the last chunk for the whole."""
+    path = tmp_path / "film.sound"
+    soundfile.write(path, noise(4_800), RATE_HZ, subtype="PCM_16", format=container)
+    whole = path.read_bytes()
+    place = whole.index(name.encode())
+    head = struct.pack(">q" if container == "CAF" else ">I" if container == "AIFF" else "<I", 8 + 2 * second)
+    path.write_bytes(whole + name.encode() + head + bytes(8 + 2 * second))
+    with pytest.raises(SoundtrackError) as caught:
+        open_soundtrack(path)
+    assert str(caught.value) == (
+        f"{path}: has a second {name} chunk at byte {len(whole)}; expected one, at byte {place}"
+    )
+
+
 @pytest.mark.parametrize("container", ["WAV", "RF64", "W64", "AIFF", "CAF"])
 def test_a_missing_end_is_noticed(tmp_path: Path, container: str) -> None:
     path = tmp_path / "film.sound"

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
+from ..errors import SoundtrackError
 from .core_audio import named_channels
 from .forms import FORMS, Form
 from .overflow import more_follows
@@ -68,7 +69,10 @@ def overflow_warning(table: ChunkTable, *, is_read: bool = True) -> str:
 
 
 def chunk_table(path: Path) -> ChunkTable | None:
-    """Return what the header declares, or None where the file is of another kind or its table is broken."""
+    """Return what the header declares, or None where the file is of another kind or its table is broken.
+
+    Raises SoundtrackError where it has sound in more places than one.
+    """
     with path.open("rb") as file:
         form = FORMS.get(file.read(4))
         return None if form is None else _read_table(file, form, path.stat().st_size)
@@ -78,11 +82,15 @@ def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | Non
     kept: dict[bytes, bytes] = {}
     data: tuple[int | None, int] | None = None
     goes_on = False
-    place = form.first
+    place = data_place = form.first
     while (chunk := form.chunk_at(file, place, file_bytes)) is not None:
         name, body, declared = chunk
         size: int | None = declared
         if name == form.data_name:
+            if data is not None:  # decoders take the last one, or none at all
+                where = f"a second {name.decode()} chunk at byte {place}"
+                raise SoundtrackError(f"has {where}; expected one, at byte {data_place}")
+            data_place = place
             size = _data_size(declared, kept.get(b"ds64"))
             start = body + form.data_preamble
             data = (None if size is None else max(0, size - form.data_preamble), file_bytes - start)
