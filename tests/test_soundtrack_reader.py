@@ -146,6 +146,37 @@ def test_a_chunk_of_odd_length_does_not_hide_the_missing_end(tmp_path: Path) -> 
     assert source.warnings == ("the file declares 1.000 s of sound but only 0.500 s could be read: the end is missing",)
 
 
+@pytest.mark.parametrize("offset", [4, 512, 4_096])
+@pytest.mark.parametrize("lost", [0, 2_000])
+def test_the_offset_of_an_aiff_is_no_sound(tmp_path: Path, offset: int, lost: int) -> None:
+    """Samples may be aligned to the blocks of a disk: the sound is the same, and so is what is told about it."""
+    plain, aligned = tmp_path / "plain.aiff", tmp_path / "aligned.aiff"
+    soundfile.write(plain, noise(), RATE_HZ, subtype="PCM_16")
+    whole = plain.read_bytes()
+    place = whole.index(b"SSND")
+    (size,) = struct.unpack_from(">I", whole, place + 4)
+    moved = whole[: place + 4] + struct.pack(">III", size + offset, offset, 0) + bytes(offset) + whole[place + 16 :]
+    for path, data in ((plain, whole), (aligned, moved)):
+        path.write_bytes(data[: len(data) - lost])
+    expected, told = read(plain)
+    found, source = read(aligned)
+    np.testing.assert_array_equal(found, expected)
+    assert source.warnings == told.warnings
+    assert len(source.warnings) == bool(lost)
+
+
+def test_a_damaged_offset_of_an_aiff_hides_no_sound(tmp_path: Path) -> None:
+    path = tmp_path / "film.aiff"
+    soundfile.write(path, noise(), RATE_HZ, subtype="PCM_16")
+    data = bytearray(path.read_bytes())
+    struct.pack_into(">I", data, data.index(b"SSND") + 8, 39_000)
+    path.write_bytes(data)
+    _, source = read(path)
+    assert source.frames == FRAMES - 39_000 // 2
+    (warning,) = source.warnings
+    assert warning.endswith("the end is missing")
+
+
 @pytest.mark.parametrize("second", [0, 100, 4_800])
 @pytest.mark.parametrize(("container", "name"), [("WAV", "data"), ("AIFF", "SSND"), ("CAF", "data")])
 def test_sound_in_two_places_is_refused(tmp_path: Path, container: str, name: str, second: int) -> None:

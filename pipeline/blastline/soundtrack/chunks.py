@@ -97,13 +97,16 @@ def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | Non
             # of a WAV of size 0 the decoder of films reads what there is
             may_go_on = size is not None and not (size == 0 and form.is_wave)
             goes_on = may_go_on and more_follows(file, body + (size or 0), file_bytes, form)
-        elif name in (b"ds64", b"fmt ", b"bext", form.layout_name):
+        elif name in (b"ds64", b"fmt ", b"bext", b"COMM", form.layout_name):
             kept[name] = file.read(max(0, min(declared, _MAX_KEPT)))
         if size is None or size < 0 or goes_on or (data is not None and data[0] == 0):
             break
         place = form.after(body, size)
     if data is None:
         return None
+    if form.data_name == b"SSND" and data[0]:
+        offset = _offset(file, file_bytes - data[1] - form.data_preamble, kept.get(b"COMM", b""), data[0])
+        data = (data[0] - offset, data[1] - offset)
     reference, layout = _time_reference(kept.get(b"bext", b""), form), _layout(kept.get(b"fmt ", b""))
     if form.layout_name:
         layout = named_channels(kept.get(form.layout_name, b""), _SPEAKERS)
@@ -114,6 +117,19 @@ def _data_size(size: int, ds64: bytes | None) -> int | None:
     if size == _UNKNOWN_SIZE and ds64 is not None and len(ds64) >= 16:
         return int(struct.unpack_from("<Q", ds64, 8)[0])
     return None if size in (_UNKNOWN_SIZE, -1) else size
+
+
+def _offset(file: BinaryIO, body: int, comm: bytes, data_bytes: int) -> int:
+    """Return how many bytes an AIFF leaves free before its samples, to align them with the blocks of a disk.
+
+    It is believed where it leaves room for the frames that the common chunk counts: a damaged one would hide sound.
+    """
+    if len(comm) < 8:
+        return 0
+    file.seek(body)
+    offset = int.from_bytes(file.read(4), "big")
+    channels, frames, bits = struct.unpack_from(">HIH", comm)
+    return offset if offset + frames * channels * (-(-bits // 8)) <= data_bytes else 0
 
 
 def _time_reference(bext: bytes, form: Form) -> int | None:
