@@ -109,6 +109,23 @@ def test_the_channel_mask_names_the_channels(tmp_path: Path) -> None:
     assert read(path, mix="lfe")[0].shape == (100, 2)
 
 
+@pytest.mark.parametrize(("form", "order"), [(b"RIFF", "<"), (b"RIFX", ">")])
+def test_the_channel_mask_is_read_in_its_byte_order(tmp_path: Path, form: bytes, order: str) -> None:
+    """Left, right, centre and a single surround, not the two pairs that four channels without names are taken for."""
+    kind = struct.pack(f"{order}IHH", 1, 0, 16) + b"\x80\x00\x00\xaa\x00\x38\x9b\x71"
+    fmt = struct.pack(f"{order}HHIIHHHHI", 0xFFFE, 4, RATE_HZ, 8 * RATE_HZ, 8, 16, 22, 16, 0x107) + kind
+    samples = np.zeros((480, 4), f"{order}i2")
+    samples[:, 2] = 16_384
+    body = b"WAVE" + b"".join(
+        name + struct.pack(f"{order}I", len(chunk)) + chunk
+        for name, chunk in ((b"fmt ", fmt), (b"data", samples.tobytes()))
+    )
+    path = tmp_path / "film.wav"
+    path.write_bytes(form + struct.pack(f"{order}I", len(body)) + body)
+    for mix in ("mains", "center"):
+        np.testing.assert_array_equal(read(path, mix=mix)[0], np.full((480, 1), 0.5, np.float32))
+
+
 def test_samples_that_are_no_sound_are_set_to_zero_and_counted(tmp_path: Path) -> None:
     samples = noise(channels=2)
     samples[1234:1236, 0] = np.nan, np.inf

@@ -107,7 +107,7 @@ def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | Non
     if form.data_name == b"SSND" and data[0]:
         offset = _offset(file, file_bytes - data[1] - form.data_preamble, kept.get(b"COMM", b""), data[0])
         data = (data[0] - offset, data[1] - offset)
-    reference, layout = _time_reference(kept.get(b"bext", b""), form), _layout(kept.get(b"fmt ", b""))
+    reference, layout = _time_reference(kept.get(b"bext", b""), form), _layout(kept.get(b"fmt ", b""), form)
     if form.layout_name:
         layout = named_channels(kept.get(form.layout_name, b""), _SPEAKERS)
     return ChunkTable(data[0], data[1], reference, layout, goes_on, form.is_wave)
@@ -136,10 +136,10 @@ def _time_reference(bext: bytes, form: Form) -> int | None:
     return int(struct.unpack_from(f"{form.byte_order}Q", bext, 338)[0]) if len(bext) >= 346 else None
 
 
-def _layout(fmt: bytes) -> tuple[str, ...] | None:
+def _layout(fmt: bytes, form: Form) -> tuple[str, ...] | None:
     if len(fmt) < 24:
         return None
-    tag, channels = struct.unpack_from("<HH", fmt)
-    (mask,) = struct.unpack_from("<I", fmt, 20)
+    tag, channels = struct.unpack_from(f"{form.byte_order}HH", fmt)
+    (mask,) = struct.unpack_from(f"{form.byte_order}I", fmt, 20)
     names = tuple(name for bit, name in enumerate(_SPEAKERS) if mask >> bit & 1)
     return names if tag == _EXTENSIBLE and len(names) == channels else None
