@@ -61,6 +61,7 @@ def write_media(
     container_options: dict[str, str] | None = None,
     lost_s: Sequence[tuple[float, float]] = (),
     silent_s: float = 0.0,
+    tags: dict[str, str] | None = None,
 ) -> Path:
     """Write sound tracks, with a small picture where `picture_rate` is given; skips where the codec is missing.
 
@@ -70,6 +71,7 @@ def write_media(
     require_encoder(codec)
     options = container_options or {}
     with av.open(str(path), "w", format=container_format, options=options) as container:
+        container.metadata.update(tags or {})
         video: Any = None
         if picture_rate is not None:
             video = container.add_stream("mpeg4", rate=picture_rate, width=64, height=64, pix_fmt="yuv420p")

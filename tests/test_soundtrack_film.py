@@ -208,6 +208,23 @@ def test_the_start_timecode(tmp_path: Path, extension: str, rate: Fraction, time
         assert timecode_at(source, 3204) == "01:00:00;00"
 
 
+@pytest.mark.parametrize("said", ["172800000", "9" * 19, "9" * 25, "9" * 5_000, "\u0661", "-5", ""])
+def test_a_time_stamp_among_the_tags_is_believed_only_up_to_a_week(tmp_path: Path, said: str) -> None:
+    path = write_media(
+        tmp_path / "film.mov",
+        [impulses(FRAMES, SHOTS)],
+        codec="pcm_s16le",
+        tags={"time_reference": said},
+        container_options={"movflags": "use_metadata_tags"},
+    )
+    with open_soundtrack(path) as track:
+        assert track.time_reference == (172_800_000 if said == "172800000" else 0)
+        start = track.describe().start_timecode
+    assert start == ("01:00:00.000000" if said == "172800000" else None)
+    lines = [f"the time stamp says {said} samples, 2.41e+09 days, after midnight; it was ignored"]
+    assert list(read(path)[1].warnings) == (lines if len(said) == 19 else [])
+
+
 def test_a_rounded_frame_rate_is_the_one_it_is_meant_to_be(tmp_path: Path) -> None:
     for rate, meant in ((Fraction(23_976, 1000), "24000/1001"), (Fraction(27, 2), "27/2")):
         path = write_media(tmp_path / "film.mov", [impulses(FRAMES, SHOTS)], codec="pcm_s16le", picture_rate=rate)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..timecode import clock, standard_rate
 from .decode import Tally
-from .track import TrackFacts
+from .track import TrackFacts, sifted
 
 if TYPE_CHECKING:
     from av import AudioFrame
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from av.video.stream import VideoStream
 
 _TIMECODE = re.compile(r"(\d\d:\d\d:\d\d)([:;.,])(\d\d\d?)")
+_TIME_STAMP = re.compile(r"\d{1,20}", re.ASCII)  # no more digits than a number of 64 bits
 _AVERAGE_OFF = Fraction(1, 200)  # so much less than the rate the average of a fragmented film may be
 _ESTIMATED = frozenset({"aac", "ac3", "dts", "dtshd", "eac3", "loas", "mlp", "mpeg", "mpegts", "truehd"})
 """Formats that declare no length: FFmpeg guesses one from the size of the file."""
@@ -55,7 +56,8 @@ def film_facts(
     names = tuple(channel.name for channel in first.layout.channels)
     picture = next((v for v in container.streams.video if not _is_cover(v)), None)
     tag = container.metadata.get("time_reference", "")
-    reference = int(tag) if tag.isdecimal() else None
+    stamp = int(tag) if _TIME_STAMP.fullmatch(tag) else None
+    reference, ignored = sifted(stamp, first.sample_rate)
     timecode = _start_timecode(container)
     if timecode is None and reference is not None:
         timecode = clock(reference, first.sample_rate, decimals=6)
@@ -72,6 +74,7 @@ def film_facts(
         frame_rate=None if picture is None else _frame_rate(picture),
         start_offset_s=float(_offset(picture, origin)),
         time_reference=reference,
+        ignored_reference=ignored,
         guessed_s=container.duration / 1_000_000 if container.duration else None,
         beside=(*streams[:index], *streams[index + 1 :]),
     )

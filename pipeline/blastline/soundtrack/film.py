@@ -12,7 +12,7 @@ from .decode import Tally, check_sums, decoded, packed
 from .ending import stops_early
 from .facts import film_facts, header_frames, origin_of, sound_streams
 from .placement import Placement, origin_by_others
-from .track import Samples, TrackFacts
+from .track import Samples, TrackFacts, stamp_warnings
 
 if TYPE_CHECKING:
     from av import AudioFrame
@@ -115,7 +115,7 @@ class FilmTrack:
             lines.append("the file stops before its own end: the end of the sound is missing")
         if tally.stopped:
             lines.append(f"reading stopped early: {tally.stopped}")
-        return lines
+        return lines + stamp_warnings(self.facts)
 
     def _overrule_first_stamp(self, *, is_cut: bool) -> None:
         """Begin the track where most stamps say but the first one, unless the first frame may be followed by a gap."""

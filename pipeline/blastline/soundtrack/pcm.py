@@ -15,7 +15,7 @@ from ..errors import SoundtrackError
 from ..timecode import clock
 from .chunks import ChunkTable, overflow_warning
 from .overflow import Tail
-from .track import PIECE, Samples, TrackFacts
+from .track import PIECE, Samples, TrackFacts, sifted, stamp_warnings
 
 _BYTES = {"PCM_S8": 1, "PCM_U8": 1, "PCM_16": 2, "PCM_24": 3, "PCM_32": 4, "FLOAT": 4, "DOUBLE": 8}
 _SHORT = frozenset({"PCM_S8", "PCM_U8", "PCM_16"})
@@ -23,8 +23,6 @@ _SHORT_STEP = np.float32(1.0 / 32_768.0)
 _LONG_STEP = np.float32(2.0**-31)
 _LITTLE_ENDIAN = frozenset({"WAV", "WAVEX", "RF64"})
 _BIG_ENDIAN = frozenset({"AIFF", "CAF"})
-_LATEST_S = 7 * 86_400
-"""A time stamp later than a week after midnight is none."""
 
 
 class PcmTrack:
@@ -40,10 +38,7 @@ class PcmTrack:
         declared = file.frames if is_open else (table.data_bytes or 0) // frame_bytes
         # libsndfile takes the chunks that follow in a W64 for sound
         self._frames = min(file.frames, declared)
-        reference = table.time_reference
-        self._ignored_reference: int | None = None
-        if reference is not None and reference > _LATEST_S * file.samplerate:
-            self._ignored_reference, reference = reference, None
+        reference, ignored = sifted(table.time_reference, file.samplerate)
         self.facts = TrackFacts(
             rate_hz=file.samplerate,
             channels=file.channels,
@@ -53,6 +48,7 @@ class PcmTrack:
             is_integer=file.subtype.startswith("PCM_"),
             start_timecode=None if reference is None else clock(reference, file.samplerate, decimals=6),
             time_reference=reference,
+            ignored_reference=ignored,
         )
 
     def pieces(self) -> Iterator[Samples]:
@@ -91,11 +87,7 @@ class PcmTrack:
     def warnings(self) -> list[str]:
         """Return where the header is wrong; there is no decoder that could stumble."""
         warnings = [overflow_warning(self._table)] if self._table.goes_on else []
-        if self._ignored_reference is not None:
-            days = self._ignored_reference / self.facts.rate_hz / 86_400.0
-            said = f"the time stamp says {self._ignored_reference} samples, {days:.3g} days, after midnight"
-            warnings.append(f"{said}; it was ignored")
-        return warnings
+        return warnings + stamp_warnings(self.facts)
 
     def close(self) -> None:
         """Close the file."""

@@ -16,6 +16,9 @@ of samples that may be damaged anywhere; or by a time, which a lossy codec may r
 PIECE = 65_536
 """Frames that are read or decoded at once: large enough that Python costs nothing, small enough for the cache."""
 
+_LATEST_S = 7 * 86_400
+"""A time stamp later than a week after midnight is none."""
+
 
 @dataclass(frozen=True)
 class TrackFacts:
@@ -23,8 +26,8 @@ class TrackFacts:
 
     `layout` is None where the file does not name its channels; `declared_frames` is None where it does not say how
     long the track is, and then `guessed_s` is what its size suggests, if anything; `length` tells how it says so.
-    `is_integer` tells that no sample can be NaN. `beside` names the file's other sound streams. The rest is as in
-    `model.Source`.
+    `is_integer` tells that no sample can be NaN. `beside` names the file's other sound streams.
+    `ignored_reference` is a time stamp that can be none. The rest is as in `model.Source`.
     """
 
     rate_hz: int
@@ -39,8 +42,24 @@ class TrackFacts:
     frame_rate: str | None = None
     start_offset_s: float = 0.0
     time_reference: int | None = None
+    ignored_reference: int | None = None
     guessed_s: float | None = None
     beside: tuple[str, ...] = ()
+
+
+def sifted(reference: int | None, rate_hz: int) -> tuple[int | None, int | None]:
+    """Return a time stamp, in samples after midnight, as one to believe and one to ignore."""
+    is_none = reference is not None and reference > _LATEST_S * rate_hz
+    return (None, reference) if is_none else (reference, None)
+
+
+def stamp_warnings(facts: TrackFacts) -> list[str]:
+    """Return the line for the user where a time stamp was ignored."""
+    if facts.ignored_reference is None:
+        return []
+    days = facts.ignored_reference / facts.rate_hz / 86_400.0
+    said = f"the time stamp says {facts.ignored_reference} samples, {days:.3g} days, after midnight"
+    return [f"{said}; it was ignored"]
 
 
 class Track(Protocol):
