@@ -225,6 +225,21 @@ def test_a_time_stamp_among_the_tags_is_believed_only_up_to_a_week(tmp_path: Pat
     assert list(read(path)[1].warnings) == (lines if len(said) == 19 else [])
 
 
+@pytest.mark.parametrize("extension", ["wav", "mkv", "flac", "mov"])
+def test_a_time_stamp_survives_a_change_of_container(tmp_path: Path, extension: str) -> None:
+    """FFmpeg writes that of a broadcast WAV among the tags of the file that it makes of it."""
+    path = write_media(
+        tmp_path / f"stem.{extension}",
+        [impulses(FRAMES, SHOTS)],
+        codec="flac" if extension in ("mkv", "flac") else "pcm_s16le",
+        tags={"time_reference": "172800000"},
+        container_options={"wav": {"write_bext": "1"}, "mov": {"movflags": "use_metadata_tags"}}.get(extension),
+    )
+    with open_soundtrack(path) as track:
+        assert track.time_reference == 172_800_000
+        assert track.describe().start_timecode == "01:00:00.000000"
+
+
 def test_a_rounded_frame_rate_is_the_one_it_is_meant_to_be(tmp_path: Path) -> None:
     for rate, meant in ((Fraction(23_976, 1000), "24000/1001"), (Fraction(27, 2), "27/2")):
         path = write_media(tmp_path / "film.mov", [impulses(FRAMES, SHOTS)], codec="pcm_s16le", picture_rate=rate)

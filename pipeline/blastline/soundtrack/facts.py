@@ -55,9 +55,7 @@ def film_facts(
         declared = _declared_frames(container, stream, first.sample_rate, origin or Fraction(0))
     names = tuple(channel.name for channel in first.layout.channels)
     picture = next((v for v in container.streams.video if not _is_cover(v)), None)
-    tag = container.metadata.get("time_reference", "")
-    stamp = int(tag) if _TIME_STAMP.fullmatch(tag) else None
-    reference, ignored = sifted(stamp, first.sample_rate)
+    reference, ignored = sifted(_time_stamp(container), first.sample_rate)
     timecode = _start_timecode(container)
     if timecode is None and reference is not None:
         timecode = clock(reference, first.sample_rate, decimals=6)
@@ -120,6 +118,12 @@ def _start_timecode(container: "InputContainer") -> str | None:
             clock, mark, frame = match.groups()
             return f"{clock}{':' if mark == ':' else ';'}{frame}"
     return None
+
+
+def _time_stamp(container: "InputContainer") -> int | None:
+    """Return the samples after midnight that a broadcast WAV says; Matroska keeps its tags in capitals."""
+    tag = container.metadata.get("time_reference") or container.metadata.get("TIME_REFERENCE", "")
+    return int(tag) if _TIME_STAMP.fullmatch(tag) else None
 
 
 def _frame_rate(picture: "VideoStream") -> str | None:
