@@ -157,6 +157,18 @@ def test_a_shot_that_ends_with_the_film_has_the_echoes_that_are_left() -> None:
         assert len(shot.reflections) == heard
 
 
+@pytest.mark.parametrize("left", range(760, 780))
+@pytest.mark.parametrize("quiet", [0, 7, 9_568, 9_600])
+def test_a_shot_may_end_with_the_film_at_any_sample(left: int, quiet: int) -> None:
+    """The earliest echo would begin 768 samples before the end: what is left then may be too short for any answer."""
+    noise = 1e-4 * np.random.default_rng(0).standard_normal(quiet + left)
+    noise[quiet:] += np.resize(blast(RATE_HZ), left)
+    lags, gains = discrete_reflections(noise[quiet:], noise[:quiet], rate_hz=RATE_HZ, rules=RULES)
+    assert lags.shape == gains.shape
+    assert np.all(lags <= left)
+    assert segmented(noise, onset=quiet).span.stop == noise.size
+
+
 def held_up(samples: NDArray[np.float64], late_ms: float) -> NDArray[np.float64]:
     """Return a shot whose sound from 13 ms on comes so much later, over noise of -30 dB all the while."""
     noise = 0.5 * gain_from_db(-30.0) * np.random.default_rng([7, 1]).standard_normal(round(late_ms * 48))

@@ -48,6 +48,8 @@ def discrete_reflections(
     step, answers = _answers(np.concatenate([before, wave[: latest + template.shape[0]]]), template, rate_hz)
     first = int(np.ceil((before.shape[0] + earliest) / step))  # the blast answers to itself until then
     count = int((before.shape[0] + latest) / step) + 1
+    if count <= first:  # the film ends so soon that no value lies between the earliest lag and the latest
+        return np.zeros(0, np.intp), np.zeros(0)
     silent = int(max(0, before.shape[0] - samples_from_ms(_APART_MS, rate_hz)) / step)
     grain = max(1, int(_GRAIN_MS * 1e-3 * rate_hz / step))
     heard = [_Heard(answer[first:count], answer[:silent], grain) for answer in answers]
