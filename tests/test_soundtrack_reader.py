@@ -194,6 +194,33 @@ def test_a_damaged_offset_of_an_aiff_hides_no_sound(tmp_path: Path) -> None:
     assert warning.endswith("the end is missing")
 
 
+@pytest.mark.parametrize(("channels", "bits", "frame"), [(1, 16, 4), (2, 24, 8), (6, 24, 24), (2, 32, 16)])
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_samples_in_wider_boxes_are_not_read_as_noise(
+    tmp_path: Path, channels: int, bits: int, frame: int, order: str
+) -> None:
+    """Some headers say how many bits are used and not how many are stored; the bytes of a frame and a second tell."""
+    path = tmp_path / "film.wav"
+    used = channels * bits // 8
+    for frame_bytes, second_bytes, is_read in (
+        (used, used * RATE_HZ, True),
+        (frame, used * RATE_HZ, True),  # one wrong number is no witness, and nothing depends on it
+        (bits // 8, bits // 8 * RATE_HZ, True),
+        (frame, frame * RATE_HZ, False),
+    ):
+        fmt = struct.pack(f"{order}HHIIHH", 1, channels, RATE_HZ, second_bytes, frame_bytes, bits)
+        chunks = ((b"fmt ", fmt), (b"data", bytes(24 * 480)))
+        body = b"WAVE" + b"".join(name + struct.pack(f"{order}I", len(chunk)) + chunk for name, chunk in chunks)
+        path.write_bytes((b"RIFF" if order == "<" else b"RIFX") + struct.pack(f"{order}I", len(body)) + body)
+        if is_read:
+            assert read(path)[1].frames == 24 * 480 // used
+            continue
+        with pytest.raises(SoundtrackError) as caught:
+            open_soundtrack(path)
+        expected = f"{used}, {channels} channel{'s' if channels > 1 else ''} of {bits} bits"
+        assert str(caught.value) == f"{path}: the header says {frame} bytes a frame; expected {expected}"
+
+
 @pytest.mark.parametrize("second", [0, 100, 4_800])
 @pytest.mark.parametrize(("container", "name"), [("WAV", "data"), ("AIFF", "SSND"), ("CAF", "data")])
 def test_sound_in_two_places_is_refused(tmp_path: Path, container: str, name: str, second: int) -> None:

@@ -50,6 +50,7 @@ class ChunkTable:
     in the file. `time_reference` counts samples since midnight, None without a broadcast extension. `layout` names
     the channels, None where the header does not. `goes_on` tells that the declared sound is followed by much that is
     no chunk, so that it can only be more of it; `is_wave` that the file is a WAV, which decoders can read beyond it.
+    `frame_bytes` is the size of a frame, None where the header does not say it or contradicts itself.
     """
 
     data_bytes: int | None
@@ -58,6 +59,7 @@ class ChunkTable:
     layout: tuple[str, ...] | None
     goes_on: bool = False
     is_wave: bool = False
+    frame_bytes: int | None = None
 
 
 def overflow_warning(table: ChunkTable, *, is_read: bool = True) -> str:
@@ -107,10 +109,11 @@ def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | Non
     if form.data_name == b"SSND" and data[0]:
         offset = _offset(file, file_bytes - data[1] - form.data_preamble, kept.get(b"COMM", b""), data[0])
         data = (data[0] - offset, data[1] - offset)
-    reference, layout = _time_reference(kept.get(b"bext", b""), form), _layout(kept.get(b"fmt ", b""), form)
+    fmt = kept.get(b"fmt ", b"")
+    reference, layout = _time_reference(kept.get(b"bext", b""), form), _layout(fmt, form)
     if form.layout_name:
         layout = named_channels(kept.get(form.layout_name, b""), _SPEAKERS)
-    return ChunkTable(data[0], data[1], reference, layout, goes_on, form.is_wave)
+    return ChunkTable(data[0], data[1], reference, layout, goes_on, form.is_wave, _frame_bytes(fmt, form))
 
 
 def _data_size(size: int, ds64: bytes | None) -> int | None:
@@ -134,6 +137,14 @@ def _offset(file: BinaryIO, body: int, comm: bytes, data_bytes: int) -> int:
 
 def _time_reference(bext: bytes, form: Form) -> int | None:
     return int(struct.unpack_from(f"{form.byte_order}Q", bext, 338)[0]) if len(bext) >= 346 else None
+
+
+def _frame_bytes(fmt: bytes, form: Form) -> int | None:
+    """Return the size of a frame where the bytes of a frame and those of a second say the same."""
+    if len(fmt) < 16:
+        return None
+    rate_hz, second, frame = struct.unpack_from(f"{form.byte_order}IIH", fmt, 4)
+    return frame if frame and second == frame * rate_hz else None
 
 
 def _layout(fmt: bytes, form: Form) -> tuple[str, ...] | None:

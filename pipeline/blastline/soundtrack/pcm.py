@@ -169,7 +169,10 @@ def _silence(frames: int, channels: int) -> Samples:
 
 
 def open_pcm(path: Path, table: ChunkTable | None) -> PcmTrack | None:
-    """Return the track of an uncompressed file, or None where the file is anything else or was never finished."""
+    """Return the track of an uncompressed file, or None where the file is anything else or was never finished.
+
+    Raises SoundtrackError where its header says that samples lie otherwise than they are read.
+    """
     if table is None or (table.data_bytes == 0 and not table.goes_on):
         return None
     import soundfile
@@ -181,6 +184,7 @@ def open_pcm(path: Path, table: ChunkTable | None) -> PcmTrack | None:
     if file.subtype not in _BYTES or not (file.frames or table.goes_on):
         file.close()
         return None
+    _require_frames(file, table)
     start = path.stat().st_size - table.present_bytes
     packed: ShortSamples | PackedSamples | None = None
     if file.format in _LITTLE_ENDIAN and file.endian in ("FILE", "LITTLE"):
@@ -189,6 +193,15 @@ def open_pcm(path: Path, table: ChunkTable | None) -> PcmTrack | None:
         elif file.subtype == "PCM_24":
             packed = PackedSamples(path.open("rb", buffering=0), start, file.channels)
     return PcmTrack(_whole(file, path, start) if table.goes_on else file, table, packed)
+
+
+def _require_frames(file: Any, table: ChunkTable) -> None:
+    """Raise SoundtrackError where samples lie in more bytes than they have: read in a row, they are noise."""
+    width, channels = _BYTES[file.subtype], file.channels
+    if (table.frame_bytes or 0) > width * channels:
+        file.close()
+        kind = f"{channels} channel{'s' if channels > 1 else ''} of {8 * width} bits"
+        raise SoundtrackError(f"the header says {table.frame_bytes} bytes a frame; expected {width * channels}, {kind}")
 
 
 def _whole(file: Any, path: Path, start: int) -> Any:
