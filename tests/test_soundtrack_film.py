@@ -240,6 +240,32 @@ def test_a_time_stamp_survives_a_change_of_container(tmp_path: Path, extension: 
         assert track.describe().start_timecode == "01:00:00.000000"
 
 
+@pytest.mark.parametrize(
+    ("rate", "delay_s", "said", "reference"),
+    [
+        (Fraction(24_000, 1001), 0.0, None, 172_972_800),
+        (Fraction(25), 0.5, None, 172_824_000),
+        (None, 0.0, "25", 172_800_000 + 5 * RATE_HZ // 25),
+        (None, 0.0, None, 172_800_000),
+    ],
+)
+def test_a_timecode_goes_before_a_time_stamp(
+    tmp_path: Path, rate: Fraction | None, delay_s: float, said: str | None, reference: int
+) -> None:
+    """The drive's own stamp is where the timeline's events say that the sound begins."""
+    path = write_media(
+        tmp_path / "film.mkv",
+        [impulses(FRAMES, SHOTS)],
+        codec="flac",
+        picture_rate=rate,
+        timecode="01:00:00:00" if rate else "01:00:00:05",
+        audio_delay_s=delay_s,
+        tags={"time_reference": "999999"},
+    )
+    with open_soundtrack(path, timebase=parse_timebase(None, said)) as track:
+        assert track.time_reference == reference
+
+
 def test_a_rounded_frame_rate_is_the_one_it_is_meant_to_be(tmp_path: Path) -> None:
     for rate, meant in ((Fraction(23_976, 1000), "24000/1001"), (Fraction(27, 2), "27/2")):
         path = write_media(tmp_path / "film.mov", [impulses(FRAMES, SHOTS)], codec="pcm_s16le", picture_rate=rate)
