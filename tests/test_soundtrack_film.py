@@ -266,6 +266,37 @@ def test_a_timecode_goes_before_a_time_stamp(
         assert track.time_reference == reference
 
 
+@pytest.mark.parametrize("delay_s", [0.0, 0.5, 2.0])
+def test_a_film_with_a_time_stamp_begins_where_its_events_do(tmp_path: Path, delay_s: float) -> None:
+    """The stamp is the time of day of the picture's start; sound that begins later does so in drive and timeline."""
+    path = write_media(
+        tmp_path / "film.mkv",
+        [impulses(FRAMES, SHOTS)],
+        codec="flac",
+        picture_rate=Fraction(25),
+        audio_delay_s=delay_s,
+        tags={"time_reference": str(3600 * RATE_HZ)},
+    )
+    with open_soundtrack(path) as track:
+        assert track.time_reference == (3600 + delay_s) * RATE_HZ
+        assert timecode_at(track.describe(), 0) == f"01:00:{int(delay_s):02}:{round(delay_s % 1 * 25 + 0.1):02}"
+
+
+@pytest.mark.parametrize("rate_hz", [8_000, 44_100, 48_000, 96_000, 384_000])
+def test_a_time_stamp_is_kept_to_the_sample(tmp_path: Path, rate_hz: int) -> None:
+    for reference in (1, 12_345_677, 24 * 3600 * rate_hz - 1, 7 * 86_400 * rate_hz):
+        path = write_media(
+            tmp_path / "stem.wav",
+            [impulses(480, [100])],
+            codec="pcm_s16le",
+            rate_hz=rate_hz,
+            tags={"time_reference": str(reference)},
+            container_options={"write_bext": "1"},
+        )
+        with open_soundtrack(path) as track:
+            assert track.time_reference == reference
+
+
 def test_a_rounded_frame_rate_is_the_one_it_is_meant_to_be(tmp_path: Path) -> None:
     for rate, meant in ((Fraction(23_976, 1000), "24000/1001"), (Fraction(27, 2), "27/2")):
         path = write_media(tmp_path / "film.mov", [impulses(FRAMES, SHOTS)], codec="pcm_s16le", picture_rate=rate)

@@ -71,7 +71,6 @@ def film_facts(
         has_picture=picture is not None,
         frame_rate=None if picture is None else _frame_rate(picture),
         start_offset_s=float(_offset(picture, origin)),
-        time_reference=reference,
         ignored_reference=ignored,
         guessed_s=container.duration / 1_000_000 if container.duration else None,
         beside=(*streams[:index], *streams[index + 1 :]),

@@ -47,7 +47,6 @@ class PcmTrack:
             length="stored",
             is_integer=file.subtype.startswith("PCM_"),
             start_timecode=None if reference is None else clock(reference, file.samplerate, decimals=6),
-            time_reference=reference,
             ignored_reference=ignored,
         )
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..errors import SoundtrackError
 from ..model import Channels, Clip, Source, Span
 from ..timebase import AS_FILMED, Timebase, uncounted, with_timebase
-from ..timecode import is_label, time_of_start
+from ..timecode import time_of_start
 from .condition import Condition
 from .files import FileState, naming, require_unchanged
 from .loudspeakers import azimuths
@@ -66,12 +66,7 @@ class Soundtrack:
     @property
     def time_reference(self) -> int:
         """Return the samples between midnight and the first sample, 0 where the file does not say."""
-        reference = self._track.facts.time_reference
-        # the events count from the film's timecode where it has one, and so does what is aligned with them
-        has_timecode = is_label(self._track.facts.start_timecode or "")
-        if reference is None or has_timecode or self._timebase.start_timecode is not None:
-            return time_of_start(self.describe())
-        return reference
+        return time_of_start(self.describe())
 
     @property
     def damaged_samples(self) -> int:

@@ -41,7 +41,6 @@ class TrackFacts:
     has_picture: bool = False
     frame_rate: str | None = None
     start_offset_s: float = 0.0
-    time_reference: int | None = None
     ignored_reference: int | None = None
     guessed_s: float | None = None
     beside: tuple[str, ...] = ()
