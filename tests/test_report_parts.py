@@ -127,3 +127,20 @@ def test_frames_are_told_as_a_difference(excess: int, told: str) -> None:
     check = Check("frames", None, excess == 0, excess, 0.0, "frames")
     assert told in measured(check)
     assert allowed(check) == "exactly as many"
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "limit", "text"),
+    [
+        ("level_as_rendered", "dB", 1.5, "up to 1.5 dB either way"),
+        ("peak_as_rendered", "dB", 0.5, "up to 0.5 dB either way"),
+        ("drive_shift", "samples", 0.5, "up to 0.5 samples either way"),
+        ("felt_lag", "ms", 0.5, "up to 0.5 ms either way"),
+        ("felt_onset", "ms", 1.0, "up to 1 ms late, or that and the lead early"),
+        ("drive_speed", "ratio", 1.0000087, "from 0.9999913 to 1.0000087"),
+        ("drive_peak", "of the limit", 1.0, "up to 1 of the limit"),
+    ],
+)
+def test_a_figure_that_fails_below_is_not_said_to_be_allowed(name: str, unit: str, limit: float, text: str) -> None:
+    """A drive of half its level is 6 dB short: it must not read "-6 dB, up to 1.5 dB"."""
+    assert allowed(Check(name, None, False, -6.0, limit, unit)) == text
