@@ -6,7 +6,7 @@ import pytest
 
 from align_films import PROFILE, make_film
 from blastline import dsp
-from blastline.model import Check, Event, Phase
+from blastline.model import Check, Event, Phase, Window
 from blastline.report.choice import MAX_FIGURES, pictured
 from blastline.report.figures import ShotPictures
 from blastline.report.overview import Overview
@@ -99,6 +99,15 @@ def test_a_picture_does_not_depend_on_those_before_it() -> None:
     ]
     draw = ShotPictures()
     assert [draw.drawn(sound) for sound in sounds] == [ShotPictures().drawn(sound) for sound in sounds]
+
+
+def test_a_window_of_the_films_first_sample_is_drawn_without_a_warning() -> None:
+    film = make_film(onsets_s=(0.0,), peaks=(0.5,), seconds=1.0)
+    (event,) = film.timeline.events
+    event = msgspec.structs.replace(event, window=Window(0, 1, 0, 0))
+    sound = event_sound(event, film.timeline, audio=film.audio, drive=film.drive, profile=PROFILE)
+    assert len(sound.drive) == 1
+    assert ShotPictures().drawn(sound).startswith("<svg")
 
 
 def test_marks_lie_where_the_shots_are() -> None:
