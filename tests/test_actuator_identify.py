@@ -157,6 +157,18 @@ def test_clipping_is_refused_and_its_figure_told() -> None:
     assert np.max(np.abs(errors_db(found.measured, Seat()))) < 0.3
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("cut_off", [0.02, 0.2])
+def test_what_is_cut_off_on_one_side_is_clipped_as_well(side: float, cut_off: float) -> None:
+    """A stop, or an amplifier with an offset, cuts off below the peak of the other side."""
+    sent = noise(16.0, 16_000)
+    came = side * run_through(Seat(), sent, 16_000)
+    one_sided = side * np.minimum(came, np.quantile(came, 1.0 - cut_off))
+    told = rf"^y: is clipped: {100.0 * cut_off:.1f} % of its samples stand at its peaks"
+    with pytest.raises(SoundtrackError, match=told):
+        identify(recording("x", sent, 16_000), recording("y", one_sided, 16_000), rules=RULES)
+
+
 @pytest.mark.parametrize("samples", [np.zeros(8_000), np.full(8_000, 0.25), np.full(8_000, 1e-9)])
 def test_silence_is_refused(samples: np.ndarray) -> None:
     with pytest.raises(SoundtrackError, match=r"^y: is silent; expected a recording of a measurement$"):

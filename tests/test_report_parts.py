@@ -6,7 +6,7 @@ import pytest
 
 from align_films import PROFILE, make_film
 from blastline import dsp
-from blastline.model import Check, Event, Phase
+from blastline.model import Check, Event, Phase, Window
 from blastline.report.choice import MAX_FIGURES, pictured
 from blastline.report.figures import ShotPictures
 from blastline.report.overview import Overview
@@ -101,6 +101,15 @@ def test_a_picture_does_not_depend_on_those_before_it() -> None:
     assert [draw.drawn(sound) for sound in sounds] == [ShotPictures().drawn(sound) for sound in sounds]
 
 
+def test_a_window_of_the_films_first_sample_is_drawn_without_a_warning() -> None:
+    film = make_film(onsets_s=(0.0,), peaks=(0.5,), seconds=1.0)
+    (event,) = film.timeline.events
+    event = msgspec.structs.replace(event, window=Window(0, 1, 0, 0))
+    sound = event_sound(event, film.timeline, audio=film.audio, drive=film.drive, profile=PROFILE)
+    assert len(sound.drive) == 1
+    assert ShotPictures().drawn(sound).startswith("<svg")
+
+
 def test_marks_lie_where_the_shots_are() -> None:
     film = make_film()
     overview = Overview(960, np.full(300, 0.1, np.float32))
@@ -127,3 +136,20 @@ def test_frames_are_told_as_a_difference(excess: int, told: str) -> None:
     check = Check("frames", None, excess == 0, excess, 0.0, "frames")
     assert told in measured(check)
     assert allowed(check) == "exactly as many"
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "limit", "text"),
+    [
+        ("level_as_rendered", "dB", 1.5, "up to 1.5 dB either way"),
+        ("peak_as_rendered", "dB", 0.5, "up to 0.5 dB either way"),
+        ("drive_shift", "samples", 0.5, "up to 0.5 samples either way"),
+        ("felt_lag", "ms", 0.5, "up to 0.5 ms either way"),
+        ("felt_onset", "ms", 1.0, "up to 1 ms late, or that and the lead early"),
+        ("drive_speed", "ratio", 1.0000087, "from 0.9999913 to 1.0000087"),
+        ("drive_peak", "of the limit", 1.0, "up to 1 of the limit"),
+    ],
+)
+def test_a_figure_that_fails_below_is_not_said_to_be_allowed(name: str, unit: str, limit: float, text: str) -> None:
+    """A drive of half its level is 6 dB short: it must not read "-6 dB, up to 1.5 dB"."""
+    assert allowed(Check(name, None, False, -6.0, limit, unit)) == text

@@ -203,7 +203,7 @@ def _check(excitation: Recording, response: Recording, rules: IdentifyRules) -> 
         )
     if response.at_peak > rules.clipped_ratio:
         raise SoundtrackError(
-            f"{response.name}: is clipped: {100.0 * response.at_peak:.1f} % of its samples stand at its peak of "
+            f"{response.name}: is clipped: {100.0 * response.at_peak:.1f} % of its samples stand at its peaks, up to "
             f"{response.peak:.3g}; expected at most {100.0 * rules.clipped_ratio:g} %: record it at a lower level"
         )
 

@@ -18,7 +18,8 @@ _SILENCE = 1e-7
 class Recording:
     """A track that has been heard to its end.
 
-    `mean` is its constant part; `at_peak` is the share of its samples that stand at its peak.
+    `mean` is its constant part; `at_peak` is the share of its samples that stand at its peak above zero or at that
+    below: a stop, or an amplifier with an offset, cuts off one side alone.
     """
 
     name: str
@@ -47,19 +48,35 @@ def record(name: str, track: SoundFile) -> Recording:
 
     Raises SoundtrackError where it is silent: a constant, or nothing above 1e-7 of full scale.
     """
-    frames, at_peak = 0, 0
-    total = squares = peak = 0.0
+    frames = 0
+    total = squares = 0.0
+    upper, lower = _Side(), _Side()
     for block in track.blocks():
         samples = block.heard.astype(np.float64)
         frames += len(samples)
         total += float(np.sum(samples))
         squares += float(np.sum(samples**2))
-        highest = float(np.max(np.abs(samples)))
-        if highest > peak * (1.0 + _SAME):
-            at_peak = 0
-        peak = max(peak, highest)
-        at_peak += int(np.count_nonzero(np.abs(samples) >= peak * (1.0 - _SAME)))
+        upper.hear(samples)
+        lower.hear(-samples)
+    peak = max(upper.peak, lower.peak)
     deviation = float(np.sqrt(max(squares / frames - (total / frames) ** 2, 0.0)))
     if deviation <= max(_SILENCE, _SAME * peak):
         raise SoundtrackError(f"{name}: is silent; expected a recording of a measurement")
-    return Recording(name, track, frames, peak, total / frames, at_peak / frames)
+    return Recording(name, track, frames, peak, total / frames, (upper.at_peak + lower.at_peak) / frames)
+
+
+@dataclass
+class _Side:
+    """The peak of what lies on one side of zero, and how many samples stand at it."""
+
+    peak: float = 0.0
+    at_peak: int = 0
+
+    def hear(self, samples: NDArray[np.float64]) -> None:
+        """Take in samples, those on this side positive."""
+        highest = float(np.max(samples))
+        if highest > self.peak * (1.0 + _SAME):
+            self.at_peak = 0
+        self.peak = max(self.peak, highest)
+        if self.peak > 0.0:
+            self.at_peak += int(np.count_nonzero(samples >= self.peak * (1.0 - _SAME)))

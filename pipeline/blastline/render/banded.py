@@ -23,11 +23,13 @@ class Recursion:
     """H as a recursive filter, by its poles: A's coefficients at a film's rate would lose slow poles in rounding.
 
     `impulse` is its response until it has faded, of which all but the first `free` samples are made of these poles.
+    A drive of straight lines steers it with corners at most `longest_stride` samples apart.
     """
 
     poles: NDArray[np.complex128]
     impulse: Samples
     free: int
+    longest_stride: int = _LONGEST_STRIDE
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,8 +4,9 @@
 
 H is the felt response as a convolution that may ring out after the window, t the sound in the band. An interior-point
 method solves it (`interior`), at the full rate or for the corners of a drive that runs in straight lines between them
-(every `stride` samples, so that the limit at the corners is the limit everywhere and nothing shifts in time). What it
-found is judged, and polished, on the problem itself, by FFT: with N = H'H and b = H't, the gradient is N u - b.
+(every `stride` samples, so that the limit at the corners is the limit everywhere and nothing shifts in time; but never
+further apart than steers what the actuator answers above the band). What it found is judged, and polished, on the
+problem itself, by FFT: with N = H'H and b = H't, the gradient is N u - b.
 docs/rendering.md tells what else was tried.
 """
 
@@ -123,7 +124,7 @@ def _piece(
     problem: BoxProblem, start: Samples, recursion: Recursion, energy: float, *, rate_hz: int, rules: RenderRules
 ) -> tuple[Samples, SolveSummary]:
     """Return the drive of one piece: the better of what the solver finds and the first guess, polished."""
-    asked = max(1, rate_hz // rules.solver_rate_hz)
+    asked = min(max(1, rate_hz // rules.solver_rate_hz), recursion.longest_stride)
     stride = well_conditioned_stride(recursion, asked)
     corners = corner_rhs(problem.rhs, stride)
     steps, polish, best = 0, _UNAIDED, problem.at(start)

@@ -19,6 +19,7 @@ Samples = NDArray[np.float64]
 
 _RECURSION_ERROR = 1e-3  # so much of the impulse response may a shorter recursion miss: the solver is faster by it
 _FREE_SAMPLES = 3  # samples that a recursion has to itself before its poles ring
+_WELL_FELT = 0.1  # of the most in the band; of seats that answer so above half the corners' rate, draft lost up to 40 %
 _NEGLIGIBLE_SHARE = 1e-10  # an impulse response ends where this much of its peak is left: far below 24-bit audio
 
 _LONGEST_SUMMED_S = 2.0  # a longer pre-roll is run: with all of the film, to the bits of the whole track
@@ -67,7 +68,9 @@ def drive_filters(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Drive
         ring_samples=max(_ring_samples(band), _ring_samples(compensator)),
         felt=sections,
         impulse=impulse,
-        recursion=_recursion(np.exp(felt.poles / rate_hz), sections, impulse),
+        recursion=_recursion(
+            np.exp(felt.poles / rate_hz), sections, impulse, longest_stride=_longest_stride(profile, rate_hz)
+        ),
     )
 
 
@@ -175,13 +178,26 @@ def _until_faded(response: Samples) -> Samples:
     return response[: int(heard[-1]) + 1]
 
 
-def _recursion(poles: NDArray[np.complex128], sections: Samples, impulse: Samples) -> Recursion:
+def _longest_stride(profile: ActuatorProfile, rate_hz: int) -> int:
+    """Return how many samples apart the corners of a drive may be: half their rate reaches as high as is well felt."""
+    felt, low_hz, high_hz = dsp.felt_response(profile), profile.highpass.corner_hz, profile.lowpass.corner_hz
+    resonances_hz = np.abs(felt.poles.imag) / (2.0 * math.pi)  # sharp ones lie between the others
+    corners_hz = [low_hz, high_hz, *resonances_hz[resonances_hz > 0.0]]
+    frequencies_hz = np.sort(np.concatenate([np.geomspace(1.0, rate_hz / 2.0, 1000), corners_hz]))
+    gain = np.abs(felt.at(frequencies_hz))
+    in_band = (frequencies_hz >= low_hz) & (frequencies_hz <= high_hz)
+    highest_hz = frequencies_hz[gain >= _WELL_FELT * np.max(gain[in_band])][-1]
+    return max(1, int(rate_hz / (2.0 * highest_hz)))
+
+
+def _recursion(poles: NDArray[np.complex128], sections: Samples, impulse: Samples, *, longest_stride: int) -> Recursion:
     """Return a recursive filter of an impulse response: of these poles if it comes close, else of all the sections'."""
     fitted = np.concatenate([impulse[:_FREE_SAMPLES], _ringing_in(poles, impulse[_FREE_SAMPLES:])])
     if np.linalg.norm(fitted - impulse) <= _RECURSION_ERROR * np.linalg.norm(impulse):
-        return Recursion(poles, fitted, _FREE_SAMPLES)
+        return Recursion(poles, fitted, _FREE_SAMPLES, longest_stride)
     every = _poles(sections)
-    return Recursion(every, impulse, max(_FREE_SAMPLES, 2 * len(sections) + 1 - len(every)))
+    free = max(_FREE_SAMPLES, 2 * len(sections) + 1 - len(every))
+    return Recursion(every, impulse, free, longest_stride)
 
 
 def _ringing_in(poles: NDArray[np.complex128], response: Samples) -> Samples:

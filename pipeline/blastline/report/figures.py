@@ -101,7 +101,7 @@ def _draw(grid: Any, sound: EventSound) -> list[Any]:
     ]
     drawn: list[Any] = []
     for (whole, attack, spectrum), (curves, limit) in zip(grid, rows, strict=True):
-        first, last = sound.times_ms[0], sound.times_ms[-1]
+        first, last = sound.times_ms[0], sound.times_ms[-1] + 1000.0 / sound.rate_hz  # one sample has a width as well
         whole.set_xlim(first, last)
         attack.set_xlim(max(_ATTACK_MS[0], first), min(_ATTACK_MS[1], last))
         for axes, columns in ((whole, _COLUMNS_WHOLE), (attack, _COLUMNS_ATTACK)):

@@ -37,6 +37,8 @@ CHECKS = {
 _OUTSIDE = {"silence_outside_windows", "sound_outside_windows"}
 _EXACT = {"sample_rate", "frames", "drive_samples", "timeline_order"} | _OUTSIDE
 _AT_LEAST = {"felt_correlation", "drive_correlation", "fade_in_before_onset", "audio_rise"}
+_EITHER_WAY = {"drive_shift", "drive_drift", "felt_lag", "drive_lag", "level_as_rendered", "peak_as_rendered"}
+_ONSETS = {"felt_onset", "drive_onset"}
 
 
 def claim(check: Check) -> str:
@@ -103,6 +105,12 @@ def allowed(check: Check) -> str:
     limit = f"{figure(check.limit, _digits(check))}{_unit(check)}"
     if check.name in _EXACT:
         return f"exactly {limit}"
+    if check.name == "drive_speed":
+        return f"from {figure(2.0 - check.limit, _digits(check))} to {limit}"
+    if check.name in _EITHER_WAY:
+        return f"up to {limit} either way"
+    if check.name in _ONSETS:
+        return f"up to {limit} late, or that and the lead early"
     return f"at least {limit}" if check.name in _AT_LEAST else f"up to {limit}"
 
 
