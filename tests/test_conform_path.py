@@ -67,6 +67,23 @@ def test_removed_and_inserted_scenes_and_what_becomes_of_their_shots() -> None:
     assert conformed(OLD, new) == near(expected)
 
 
+@pytest.mark.parametrize(
+    ("at_s", "frames"),
+    [((25.0,), (-1,)), ((45.0,), (1,)), ((25.0,), (-0.5,)), ((18.0, 38.0), (-1, 1)), ((18.0, 38.0), (1, 1))],
+    ids=["taken out", "put in", "half", "taken out and put in", "twice"],
+)
+def test_a_frame_that_was_taken_out_or_put_in_costs_no_shot(at_s: tuple[float, ...], frames: tuple[float, ...]) -> None:
+    """At 24 frames a second, in the middle of a scene that goes on."""
+    parts: list[Samples] = []
+    done_s = 0.0
+    for cut_s, count in zip(at_s, frames, strict=True):
+        parts += [seconds(OLD, done_s, cut_s), murmur(max(0.0, count) / 24.0, seed=31)]
+        done_s = cut_s + max(0.0, -count) / 24.0
+    new = np.concatenate([*parts, seconds(OLD, done_s, 60.0)])
+    moved_s = [sum(n / 24.0 for cut_s, n in zip(at_s, frames, strict=True) if cut_s < onset) for onset in ONSETS_S]
+    assert conformed(OLD, new) == near([onset + by_s for onset, by_s in zip(ONSETS_S, moved_s, strict=True)])
+
+
 def test_scenes_in_another_order_are_followed() -> None:
     new = np.concatenate([seconds(OLD, 0, 18), seconds(OLD, 38, 60), seconds(OLD, 18, 38)])
     expected = [o if o < 18 else o + 22 if o < 38 else o - 20 for o in ONSETS_S]

@@ -58,6 +58,7 @@ def refusal(tmp_path: Path, content: str | bytes, name: str = "edited.csv") -> s
         TABLE.replace(",", ";").replace(".", ",").encode(),
         b"sep=;\r\n" + TABLE.replace(",", ";").replace(".", ",").encode(),
         TABLE.replace(",", "\t").encode(),
+        b"sep=\t\r\n" + TABLE.replace(",", "\t").replace(".", ",").encode(),
         TABLE.replace("48001,", "48001.0,").encode(),
         (TABLE + "\n,,,\n\n").encode(),
         TABLE.replace("id,", "ID, ").replace("shot-0001,", "shot-0001 , ").lower().encode(),

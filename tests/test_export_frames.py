@@ -1,6 +1,7 @@
 """Formats that count frames, read by what we did not write: every event within half a frame, its offset beside it."""
 
 import io
+import math
 import re
 from collections.abc import Callable
 from fractions import Fraction
@@ -190,6 +191,16 @@ def test_fcp7(tmp_path: Path, counting: Counting) -> None:
         ntsc = counting.fraction.denominator != 1
         assert rate.findtext("ntsc") == ("TRUE" if ntsc else "FALSE")
         assert Fraction(rate.findtext("timebase", "")) == round(counting.fraction)
+
+
+@pytest.mark.parametrize("rate", ["24000/1001", "30000/1001", "48000/1001", "60000/1001"])
+def test_fcp7_labels_a_start_shortly_before_midnight_as_the_film_does(tmp_path: Path, rate: str) -> None:
+    """Non-drop timecode runs slower than the clock: 24 hours of it last 86 seconds longer."""
+    timeline = film(Counting(rate, "23:59:50:00"), onsets=[0, 48_000])
+    root = ElementTree.parse(written(timeline, tmp_path, "fcp7")).getroot()
+    starts = [(each.findtext("string"), each.findtext("frame")) for each in root.iter("timecode")]
+    assert starts
+    assert set(starts) == {("23:59:50:00", str((24 * 3600 - 10) * math.ceil(Fraction(rate))))}
 
 
 CHILDREN = {

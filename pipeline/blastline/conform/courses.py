@@ -32,6 +32,12 @@ _STEEPEST = 0.005
 _BESIDE = 5e-4
 """A course this near to the speed it was measured at needs no other speed: half of what 1001/1000 pulls."""
 
+_TILT = 0.002
+"""A fitted line may be so much beside its speed: one frame that was taken out is within it, and bends it."""
+
+_LEAST_REST_S = 3.0
+"""What lies before or after all anchors of a course, and lasts so long, may have a course of its own."""
+
 _PULLS = (1.0, 1001.0 / 1000.0, 1000.0 / 1001.0)
 _ROUNDS = 3
 _SHARP_S = 20e-6
@@ -57,44 +63,81 @@ class Course:
         return abs(self.pitch_scale / self.segment.line.scale - 1.0) > 1e-3
 
 
+@dataclass(frozen=True)
+class _Anchored:
+    """A course with the times of the first and the last of the most anchors on it that follow one another."""
+
+    course: Course
+    first_s: float
+    last_s: float
+
+
 def measured(segments: Sequence[MatchedSegment], old: Film, new: Film) -> list[Course]:
     """Return the courses of the segments in order, joined where one goes on as the last did.
 
     A segment whose anchors do not agree on any line is left out: what the coarse look took for it is not there.
     """
-    courses = [course for segment in segments if (course := _measured(segment, old, new)) is not None]
-    return _joined(courses)
+    return _joined([each.course for segment in segments for each in _measured(segment, old, new)])
 
 
-def _measured(segment: MatchedSegment, old: Film, new: Film) -> Course | None:
+def _measured(segment: MatchedSegment, old: Film, new: Film) -> list[_Anchored]:
+    """Return the courses of a segment in order: a frame taken out, or put in, is too little for a cut of the path.
+
+    Neighbours share the film from the one's last anchor to the other's first; where the cut is there, their waveforms
+    tell.
+    """
+    best = _best(segment, old, new)
+    if best is None or best.course.keeps_pitch:
+        return [] if best is None else [best]
+    own = best.course.segment
+    before: list[_Anchored] = []
+    after: list[_Anchored] = []
+    if best.first_s - own.start_s >= _LEAST_REST_S:
+        before = _measured(replace(own, stop_s=best.first_s), old, new)
+    while before and _goes_on(before[-1].course.segment, own):
+        before.pop()
+    if own.stop_s - best.last_s >= _LEAST_REST_S:
+        after = _measured(replace(own, start_s=best.last_s), old, new)
+    while after and _goes_on(own, after[0].course.segment):
+        after.pop(0)
+    own = replace(
+        own,
+        start_s=before[-1].last_s if before else own.start_s,
+        stop_s=after[0].first_s if after else own.stop_s,
+    )
+    return [*before, replace(best, course=replace(best.course, segment=own)), *after]
+
+
+def _best(segment: MatchedSegment, old: Film, new: Film) -> _Anchored | None:
+    """Return the course that most anchors of a segment lie on, at its speed or one near it."""
     times = _anchor_times(segment, old.fingerprint)
-    found: list[tuple[tuple[int, float, float], Course]] = []
+    found: list[tuple[tuple[int, float, float], _Anchored]] = []
     for each in _at_near_speeds(segment):
-        course = _through_anchors(each, times, old, new, pitch_scale=each.line.scale)
-        if course is not None:
+        anchored = _through_anchors(each, times, old, new, pitch_scale=each.line.scale)
+        if anchored is not None:
+            course = anchored.course
             beside = abs(course.segment.line.scale / each.line.scale - 1.0)
             # what was resampled by another speed is heard some microseconds beside its place
-            found.append(((course.anchors, -max(course.agree_s, _SHARP_S), -beside), course))
+            found.append(((course.anchors, -max(course.agree_s, _SHARP_S), -beside), anchored))
             if course.anchors >= 0.5 * len(times) and course.agree_s <= _SHARP_S and beside <= _BESIDE:
                 break
     best = max(found, key=lambda each: each[0])[1] if found else None
-    if (best is None or best.anchors < len(times) // 3) and abs(segment.line.scale - 1.0) > 1e-3:
+    if (best is None or best.course.anchors < len(times) // 3) and abs(segment.line.scale - 1.0) > 1e-3:
         kept = _through_anchors(segment, times, old, new, pitch_scale=1.0)
-        if kept is not None and (best is None or kept.anchors > best.anchors):
+        if kept is not None and (best is None or kept.course.anchors > best.course.anchors):
             return kept
     return best
 
 
 def _at_near_speeds(segment: MatchedSegment) -> Iterator[MatchedSegment]:
-    """Yield a segment, and, if it is too short to know its speed, also at the speeds near it that copies have."""
+    """Yield a segment, and also at the speeds near it that copies have: of a short one its line may be a step off."""
     yield segment
     line = segment.line
-    if line.last_s - line.first_s >= FITTED_S:
-        return
+    farthest = _TILT if line.last_s - line.first_s >= FITTED_S else 1.5 * SPEED_STEP
     middle_s = 0.5 * (segment.start_s + segment.stop_s)
     usual = [pull / speed for speed in SPEEDS for pull in _PULLS]
     for scale in (*usual, line.scale / (1.0 + SPEED_STEP), line.scale / (1.0 - SPEED_STEP)):
-        if 1e-6 < abs(scale / line.scale - 1.0) < 1.5 * SPEED_STEP:
+        if 1e-6 < abs(scale / line.scale - 1.0) < farthest:
             yield replace(segment, line=replace(line, scale=scale, offset_s=line.at(middle_s) - scale * middle_s))
 
 
@@ -115,7 +158,7 @@ def _anchor_times(segment: MatchedSegment, fingerprint: Fingerprint) -> list[flo
 
 def _through_anchors(
     segment: MatchedSegment, times: Sequence[float], old: Film, new: Film, *, pitch_scale: float
-) -> Course | None:
+) -> _Anchored | None:
     """Return the course that most anchors lie on; None where fewer than a quarter, or than two, agree."""
     line = segment.line
     kept_pitch = abs(pitch_scale / line.scale - 1.0) > 1e-3
@@ -147,9 +190,12 @@ def _through_anchors(
     if np.median(rest) > agree_s:
         return None
     fitted = replace(line, scale=scale, offset_s=line.offset_s + level)
-    return Course(
+    course = Course(
         replace(segment, line=fitted), scale if not kept_pitch else pitch_scale, float(np.median(rest)), count
     )
+    edges = np.flatnonzero(np.diff(near, prepend=False, append=False))
+    longest = 2 * int(np.argmax(edges[1::2] - edges[::2]))
+    return _Anchored(course, float(old_s[edges[longest]]), float(old_s[edges[longest + 1] - 1]))
 
 
 def _consensus(

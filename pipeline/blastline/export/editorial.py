@@ -4,6 +4,7 @@ The same markers stand on the sequence, where an editor sees them, and on the cl
 copied to a sequence of the editor's own. The film is an external reference by its name: the tool asks where it is.
 """
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 
 _FCP7 = "fcp_xml"
 _PACKAGE = "blastline"
+
+_TIMECODE = re.compile(r"<string>[^<]*(</string>\s*<frame>(\d+)</frame>)")
+"""A timecode of FCP 7 XML: the label that a frame has, and the frame."""
 
 
 def write_otio(timeline: Timeline, path: Path) -> None:
@@ -41,6 +45,8 @@ def write_fcp7(timeline: Timeline, path: Path) -> None:
 
     film = frame_markers(timeline, format_name="fcp7")
     text = adapters.write_to_string(_sequence(timeline, film, 0), _FCP7)
+    # opentimelineio starts again after 24 hours of real time: at 29.97 non-drop that is 23:58:33:21
+    text = _TIMECODE.sub(lambda found: f"<string>{film.scale.label(int(found[2]))}{found[1]}", text)
     path.write_text(text, encoding="utf-8", newline="\n")
 
 

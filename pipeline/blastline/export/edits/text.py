@@ -41,7 +41,7 @@ def separated(text: str, path: Path) -> Grid:
     lines = [line + "\n" for line in lines_of(text)]
     skipped = 0
     separator = None
-    if lines and (said := _SEPARATOR_LINE.fullmatch(lines[0].strip().strip('"'))):
+    if lines and (said := _SEPARATOR_LINE.fullmatch(lines[0].strip('\n "'))):
         separator, skipped = said[1], 1
     header = next((line for line in lines[skipped:] if line.strip()), "")
     separator = separator or max(_SEPARATORS, key=header.count)
