@@ -116,6 +116,12 @@ def test_every_shipped_file_is_sound() -> None:
         ("quality/standard.toml", "[windows]\nguard_ms = true\n", "windows.guard_ms = True: expected `float`, got"),
         ("quality/standard.toml", "[windows]\nguard_ms = inf\n", "windows.guard_ms = inf: expected `float` <= 10000.0"),
         ("align.toml", "rise_db = inf\n", "rise_db = inf: expected a finite number"),
+        ("align.toml", "preecho_guard_ms = 1e308\n", "preecho_guard_ms = 1e+308: expected `float` <= 1000.0"),
+        (
+            "quality/standard.toml",
+            "[segment]\nlongest_blast_ms = 1e308\n",
+            "segment.longest_blast_ms = 1e+308: expected `float` <= 3000.0",
+        ),
         (
             "quality/standard.toml",
             "[rows]\nlongest_loop_s = 0.001\n",
