@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import sys
 from functools import partial
@@ -312,6 +313,20 @@ def test_another_film_is_not_checked_against(
     )
     assert ended.complaint.startswith(f"{other}: has ")
     assert expected in ended.complaint
+
+
+@pytest.mark.parametrize(
+    ("inside", "target"),
+    [("scene/out", "."), ("scene/out", "timeline.json"), ("scene/out/cues", ".."), ("scene", "out")],
+)
+def test_the_film_in_the_folder_above_the_result_is_found_from_any_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: Path, film: Path, believing: Path, inside: str, target: str
+) -> None:
+    shutil.copytree(result, tmp_path / "scene" / "out")
+    (tmp_path / "scene" / "out" / "cues").mkdir()
+    shutil.copy(film, tmp_path / "scene")
+    monkeypatch.chdir(tmp_path / inside)
+    assert blastline("check", target, "--rules", believing, "-q").code == 0
 
 
 def test_the_profile_of_ones_own_seat_is_asked_for(
