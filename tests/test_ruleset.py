@@ -184,6 +184,13 @@ def test_a_missing_key_is_named(tmp_path: Path) -> None:
         load_actuator(str(file))
 
 
+def test_a_file_with_a_byte_order_mark_is_read_as_one_without(tmp_path: Path) -> None:
+    text = "[windows]\r\nguard_ms = 0.8765\r\n"  # as editors on Windows write it
+    marked = written(tmp_path, "quality/draft.toml", f"\ufeff{text}")
+    assert list(check_rules(marked)) == ["quality/draft.toml"]
+    assert load_rules("draft", marked).tier.windows.guard_ms == 0.8765
+
+
 def test_a_file_that_is_no_utf_8_is_named(tmp_path: Path) -> None:
     (tmp_path / "scenes.toml").write_bytes(b"source = '\xff'\n")
     with pytest.raises(RuleError, match=r"scenes\.toml: not a TOML file"):

@@ -180,7 +180,7 @@ def check_rules(overlay: Path) -> Iterator[str]:
 def read_toml(path: Path) -> dict[str, Any]:
     """Return the content of a TOML file; RuleError names the file and the line that does not parse."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise RuleError(f"{path}: cannot be read: {error.strerror}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
