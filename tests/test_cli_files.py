@@ -413,6 +413,13 @@ def test_a_folder_for_results_needs_a_name(command: str, tmp_path: Path, monkeyp
     assert "'': expected the name of a folder for the results" in blastline(*command.split(), "-o", "").complaint
 
 
+def test_a_check_without_a_name_does_not_check_the_result_in_the_current_folder(
+    monkeypatch: pytest.MonkeyPatch, result: Path
+) -> None:
+    monkeypatch.chdir(result)
+    assert "'': expected the name of a result's folder or its timeline.json" in blastline("check", "").complaint
+
+
 def test_a_lock_that_was_left_is_told_before_the_work(tmp_path: Path) -> None:
     lock = tmp_path / "out" / ".blastline-moving"
     lock.mkdir(parents=True)
