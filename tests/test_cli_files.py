@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import sys
 from functools import partial
@@ -314,6 +315,20 @@ def test_another_film_is_not_checked_against(
     assert expected in ended.complaint
 
 
+@pytest.mark.parametrize(
+    ("inside", "target"),
+    [("scene/out", "."), ("scene/out", "timeline.json"), ("scene/out/cues", ".."), ("scene", "out")],
+)
+def test_the_film_in_the_folder_above_the_result_is_found_from_any_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: Path, film: Path, believing: Path, inside: str, target: str
+) -> None:
+    shutil.copytree(result, tmp_path / "scene" / "out")
+    (tmp_path / "scene" / "out" / "cues").mkdir()
+    shutil.copy(film, tmp_path / "scene")
+    monkeypatch.chdir(tmp_path / inside)
+    assert blastline("check", target, "--rules", believing, "-q").code == 0
+
+
 def test_the_profile_of_ones_own_seat_is_asked_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, film: Path, believing: Path
 ) -> None:
@@ -396,6 +411,13 @@ def test_an_interruption_that_was_swallowed_is_heeded_before_results_are_in_plac
 def test_a_folder_for_results_needs_a_name(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert "'': expected the name of a folder for the results" in blastline(*command.split(), "-o", "").complaint
+
+
+def test_a_check_without_a_name_does_not_check_the_result_in_the_current_folder(
+    monkeypatch: pytest.MonkeyPatch, result: Path
+) -> None:
+    monkeypatch.chdir(result)
+    assert "'': expected the name of a result's folder or its timeline.json" in blastline("check", "").complaint
 
 
 def test_a_lock_that_was_left_is_told_before_the_work(tmp_path: Path) -> None:

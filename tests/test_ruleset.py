@@ -116,6 +116,12 @@ def test_every_shipped_file_is_sound() -> None:
         ("quality/standard.toml", "[windows]\nguard_ms = true\n", "windows.guard_ms = True: expected `float`, got"),
         ("quality/standard.toml", "[windows]\nguard_ms = inf\n", "windows.guard_ms = inf: expected `float` <= 10000.0"),
         ("align.toml", "rise_db = inf\n", "rise_db = inf: expected a finite number"),
+        ("align.toml", "preecho_guard_ms = 1e308\n", "preecho_guard_ms = 1e+308: expected `float` <= 1000.0"),
+        (
+            "quality/standard.toml",
+            "[segment]\nlongest_blast_ms = 1e308\n",
+            "segment.longest_blast_ms = 1e+308: expected `float` <= 3000.0",
+        ),
         (
             "quality/standard.toml",
             "[rows]\nlongest_loop_s = 0.001\n",
@@ -176,6 +182,13 @@ def test_a_missing_key_is_named(tmp_path: Path) -> None:
     file = written(tmp_path, "own.toml", profile.replace("corner_hz = 5.0\n", "")) / "own.toml"
     with pytest.raises(RuleError, match=re.escape(f"{file}: highpass: object missing required field `corner_hz`")):
         load_actuator(str(file))
+
+
+def test_a_file_with_a_byte_order_mark_is_read_as_one_without(tmp_path: Path) -> None:
+    text = "[windows]\r\nguard_ms = 0.8765\r\n"  # as editors on Windows write it
+    marked = written(tmp_path, "quality/draft.toml", f"\ufeff{text}")
+    assert list(check_rules(marked)) == ["quality/draft.toml"]
+    assert load_rules("draft", marked).tier.windows.guard_ms == 0.8765
 
 
 def test_a_file_that_is_no_utf_8_is_named(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """What the studies of detection listen to: mixes and clips of recordings, and peers that listen along."""
 
 import importlib
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from blastline.study.mixes import Levels, Sound, mix
 from blastline.study.peer_scores import PeerTally, heard_by, opened, warm
 from blastline.study.peers import PEERS, Peer, installed
 from blastline.study.sources import StudySource
+from blastline.study.workers import each_of
 
 RATE_HZ = 48_000
 
@@ -238,3 +240,12 @@ def test_onsets_after_the_end_of_their_sound_are_refused(tmp_path: Path) -> None
 def test_clips_and_mixes_are_not_asked_for_together(corpus: Path, tmp_path: Path) -> None:
     with pytest.raises(RuleError, match="either --clips or --mix"):
         StudySource(corpus=(corpus,), mix=Levels(6.0, 30.0), clips=True).cases(tmp_path)
+
+
+def test_a_study_that_is_broken_off_waits_for_no_film() -> None:
+    films_s = [0.0, 60.0, 60.0, 60.0]
+    done = each_of(time.sleep, films_s, jobs=2)
+    assert next(done) == (0.0, None)
+    began_s = time.monotonic()
+    del done
+    assert time.monotonic() - began_s < 30.0

@@ -289,7 +289,7 @@ def test_a_shot_beside_the_edge_of_a_block_is_listed_once(tmp_path: Path) -> Non
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
-        ('"rifle"', '"rifles"', r"shots\[0\]\.weapon = 'rifles': invalid enum value"),
+        ('"rifle"', '"rifles"', r"shots\[0\]\.weapon = 'rifles': expected one of: lmg, pistol, rifle, "),
         ("seed = 5\n", "", r"top level: object missing required field `seed`"),
         ("snr_db = 30.0", "snr_dB = 30.0", r"shots\[0\]: object contains unknown field `snr_dB`"),
         ("snr_db = 30.0", "snr_db = 30.0\npeak_dbfs = -3.0", r"shots\[0\]: expected one of snr_db and peak_dbfs"),
@@ -299,7 +299,14 @@ def test_a_shot_beside_the_edge_of_a_block_is_listed_once(tmp_path: Path) -> Non
         ("level_dbfs = -40.0", "level_dbfs = -40.0\nstart_s = 1.0\nstop_s = 1.0", r"beds\[0\]\.stop_s = 1\.0"),
         ("seed = 5", "seed = ", r"not a TOML file"),
         ("seed = 5\n", "seed = 5\nrandom = {shots = 1, shot_snr_db = [-1e9, 1e9]}\n", r"random\.shot_snr_db\[0\]"),
-        ('"rain"', '"hail"', r"beds\[0\]\.kind = 'hail'"),
+        ('"rain"', '"hail"', r"beds\[0\]\.kind = 'hail': expected one of: ambience, crowd, "),
+        ("seed = 5\n", "seed = 5\nlayout = 'quad'\n", r"layout = 'quad': expected one of: 5\.1, 7\.1, mono, stereo$"),
+        ("seed = 5\n", "seed = 5\nmaster = {bits = 12}\n", r"master\.bits = 12: expected one of: 16, 24$"),
+        (
+            "seed = 5\n",
+            "seed = 5\nrandom = {kinds = ['door', 'bang']}\n",
+            r"random\.kinds\[1\] = 'bang': expected one of: ",
+        ),
     ],
 )
 def test_a_scene_that_does_not_fit_is_one_line(tmp_path: Path, old: str, new: str, complaint: str) -> None:

@@ -22,6 +22,11 @@ def results_folder(text: str) -> Path:
     return _named(text, "a folder for the results")
 
 
+def result_to_check(text: str) -> Path:
+    """Return the result that is named; RuleError where none is."""
+    return _named(text, "a result's folder or its timeline.json")
+
+
 def film_file(text: str) -> Path:
     """Return the film that is named; RuleError where none is."""
     return _named(text, "a film or a sound file")

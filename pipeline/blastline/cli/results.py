@@ -17,6 +17,7 @@ from .options import (
     RulesOption,
     StartTimecode,
     listed,
+    result_to_check,
 )
 from .progress import shown_progress
 from .summary import say_checks
@@ -24,7 +25,13 @@ from .summary import say_checks
 
 def check(
     target: Annotated[
-        Path, typer.Argument(metavar="DIR|TIMELINE", help="A result's folder or its timeline.json.", show_default=False)
+        Path,
+        typer.Argument(
+            metavar="DIR|TIMELINE",
+            parser=result_to_check,
+            help="A result's folder or its timeline.json.",
+            show_default=False,
+        ),
     ],
     audio: Annotated[
         Path | None,

@@ -40,7 +40,7 @@ class AlignRules(Table, frozen=True):
     peak_error_db: Positive
     preecho_db: Level
     preecho_margin_db: NonNegative
-    preecho_guard_ms: NonNegative
+    preecho_guard_ms: Annotated[float, Meta(ge=0.0, le=1000.0)]
     peak: Positive
     rise_db: NonNegative
     hand_rise_db: NonNegative

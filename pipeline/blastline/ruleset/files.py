@@ -180,7 +180,7 @@ def check_rules(overlay: Path) -> Iterator[str]:
 def read_toml(path: Path) -> dict[str, Any]:
     """Return the content of a TOML file; RuleError names the file and the line that does not parse."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise RuleError(f"{path}: cannot be read: {error.strerror}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
@@ -198,7 +198,7 @@ def convert(plain: dict[str, Any], table: type[_T], path: Path) -> _T:
     try:
         table_read = msgspec.convert(plain, table)
     except msgspec.ValidationError as error:
-        raise RuleError(f"{path}: {misfit(plain, error)}") from error
+        raise RuleError(f"{path}: {misfit(plain, error, table)}") from error
     for key, value in _numbers(plain):
         if not math.isfinite(value):
             raise RuleError(f"{path}: {key} = {value}: expected a finite number")

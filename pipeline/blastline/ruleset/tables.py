@@ -113,7 +113,7 @@ class SegmentRules(Table, frozen=True):
     depend on where in the film it lies.
     """
 
-    longest_blast_ms: Positive
+    longest_blast_ms: Decay
     blast_decay_db: Annotated[float, Meta(gt=0.0, le=60.0)]
     earliest_reflection_ms: Positive
     latest_reflection_ms: Decay

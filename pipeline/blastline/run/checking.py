@@ -1,5 +1,6 @@
 """Checking results again: files against their timeline, however they came to be what they are."""
 
+import os
 from pathlib import Path
 
 import msgspec
@@ -99,7 +100,8 @@ def _require_sides(timeline: Timeline, film: Path, track: Soundtrack) -> None:
 
 def _find_film(source: Source, timeline: Path) -> Path:
     """Return the film that a timeline names: beside it, one folder up, or in the current folder."""
-    for folder in (timeline.parent, timeline.parent.parent, Path()):
+    above = os.path.normpath(timeline.parent / "..")  # `Path.parent` knows no folder above the current one
+    for folder in (timeline.parent, Path(above), Path()):
         if (folder / source.name).is_file():
             return folder / source.name
     raise TimelineError(f"{timeline}: source.name = {source.name!r}: not found beside it; give the film with --audio")

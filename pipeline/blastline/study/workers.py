@@ -5,7 +5,7 @@ import signal
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -33,7 +33,12 @@ def each_of(
         tempfile.TemporaryDirectory(prefix="blastline-") as compiled,
         ProcessPoolExecutor(jobs, spawned, initializer=_take, initargs=(work, compiled)) as pool,
     ):
-        yield from zip(every, pool.map(_done, every), strict=True)
+        try:
+            yield from zip(every, pool.map(_done, every), strict=True)
+        except BaseException:  # or else the pool waits until each worker is done with its film
+            for worker in active_children():
+                worker.terminate()
+            raise
 
 
 def _take(work: Callable[[Any], Any], compiled: str) -> None:
