@@ -37,7 +37,7 @@ def refusal(file: Path) -> str:
         (lambda t: t.update(schema=1), "schema = 1"),
         (lambda t: t.pop("schema"), "not a timeline; expected an object with schema = 'blastline.timeline/1'"),
         (lambda t: t.pop("source"), "top level: object missing required field `source`"),
-        (lambda t: t.update(quality="best"), "quality = 'best': invalid enum value"),
+        (lambda t: t.update(quality="best"), "quality = 'best': expected one of: draft, reference, standard"),
         (lambda t: t["events"][1].pop("onset_s"), "events[1]: object missing required field `onset_s`"),
         (lambda t: t["events"][1].update(onset_s="2"), "events[1].onset_s = '2': expected `float`, got `str`"),
         (lambda t: t["events"][0].update(onset_sample=-1), "events[0].onset_sample = -1: expected `int` >= 0"),

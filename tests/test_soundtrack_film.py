@@ -337,6 +337,17 @@ def test_the_default_track_is_taken_and_any_other_on_request(tmp_path: Path) -> 
             open_soundtrack(path, stream=stream)
 
 
+def test_channels_in_streams_of_their_own_are_told_unless_one_is_chosen(tmp_path: Path) -> None:
+    """Masters keep 5.1 in six streams of one channel: who is not told takes the left one for the film."""
+    channels = [impulses(FRAMES, SHOTS, seed=seed) for seed in range(3)]
+    path = write_media(tmp_path / "film.mov", channels, codec="pcm_s16le")
+    [warning] = read(path)[1].warnings
+    assert "only sound stream 0 of 3 with one channel each is heard" in warning
+    assert not read(path, stream=1)[1].warnings
+    pair = write_media(tmp_path / "pair.mov", [impulses(FRAMES, SHOTS, channels=2)] * 2, codec="pcm_s16le")
+    assert not read(pair)[1].warnings
+
+
 def test_a_film_without_sound_is_refused(tmp_path: Path) -> None:
     path = write_media(tmp_path / "film.mp4", [], codec="aac", picture_rate=Fraction(24), silent_s=1.0)
     with pytest.raises(SoundtrackError, match=r"film\.mp4: has no sound stream"):

@@ -25,7 +25,7 @@ def read_timeline(path: Path) -> Timeline:
     try:
         timeline = msgspec.convert(plain, Timeline)
     except msgspec.ValidationError as error:
-        raise TimelineError(f"{path}: {misfit(plain, error)}") from error
+        raise TimelineError(f"{path}: {misfit(plain, error, Timeline)}") from error
     for complaint in _complaints(timeline):
         raise TimelineError(f"{path}: {complaint}")
     return timeline

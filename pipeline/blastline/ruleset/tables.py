@@ -199,8 +199,9 @@ class RenderRules(Table, frozen=True):
     The filters start `preroll_ms` before it, and earlier in proportion where their slowest time constant is more than
     50 ms. The sound is raised by `level_db`; the target is it in the band. The
     constrained drive of a shot may begin `lead_ms` before its onset. It is solved at `solver_rate_hz` or up to twice
-    that, never above the soundtrack's rate, in at most `iterations` steps, until no more than `tolerance` of the
-    explained energy can be gained, then at the full rate with at most `polish_iterations`.
+    that, higher where the actuator answers above the band, never above the soundtrack's rate, in at most `iterations`
+    steps, until no more than `tolerance` of the explained energy can be gained, then at the full rate with at most
+    `polish_iterations`.
     """
 
     preroll_ms: Annotated[float, Meta(ge=0.0, le=60_000.0)]

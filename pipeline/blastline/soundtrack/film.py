@@ -30,13 +30,20 @@ class FilmTrack:
     """One sound stream of a file, decoded from its first packet to its last."""
 
     def __init__(
-        self, container: "InputContainer", stream: "AudioStream", table: ChunkTable | None, *, is_cut: bool = False
+        self,
+        container: "InputContainer",
+        stream: "AudioStream",
+        table: ChunkTable | None,
+        *,
+        is_cut: bool = False,
+        single_channels: int = 1,
     ) -> None:
         """Take over an open container and decode the first frame, which says what the sound really is.
 
-        `is_cut` tells that the file stops before its own end.
+        `is_cut` tells that the file stops before its own end, `single_channels` among how many streams of one channel
+        nobody chose.
         """
-        self._container, self._stream = container, stream
+        self._container, self._stream, self._single_channels = container, stream, single_channels
         self._tally = Tally()
         check_sums(stream)
         self._frames = decoded(container, stream, self._tally)
@@ -87,6 +94,11 @@ class FilmTrack:
         """Return what was damaged, filled or overruled, one line each."""
         tally, rate_hz = self._tally, self.facts.rate_hz
         lines = []
+        if self._single_channels > 1:
+            lines.append(
+                f"only sound stream {self.facts.stream} of {self._single_channels} with one channel each is heard: "
+                f"--stream chooses another; channels of one sound have to be joined in one stream first"
+            )
         if tally.failed:
             packets = f"{tally.failed} of {tally.packets} packets of sound"
             lines.append(f"{packets} could not be decoded ({tally.last_error}){self._place(tally.first_failed_time)}")
@@ -165,7 +177,9 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None
         if container.format.name in _PLAYLISTS:
             raise SoundtrackError("is a list of other files; expected a film or sound file itself")
         is_cut = stops_early(path, container.format.name)
-        return FilmTrack(container, _chosen(container, stream), table, is_cut=is_cut)
+        chosen = _chosen(container, stream)
+        alike = 1 if stream is not None else _single_channels(container, chosen)
+        return FilmTrack(container, chosen, table, is_cut=is_cut, single_channels=alike)
     except BaseException:
         container.close()
         raise
@@ -186,3 +200,9 @@ def _chosen(container: "InputContainer", index: int | None) -> "AudioStream":
     if stream.codec_context is None:
         raise SoundtrackError(f"sound stream {streams.index(stream)} is in a format that cannot be decoded")
     return stream
+
+
+def _single_channels(container: "InputContainer", chosen: "AudioStream") -> int:
+    """Return how many streams have one channel, as the one that was chosen has; masters keep 5.1 in six of them."""
+    streams = [each for each in container.streams.audio if each.codec_context and each.codec_context.channels == 1]
+    return len(streams) if chosen in streams else 1

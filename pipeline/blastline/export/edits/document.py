@@ -52,7 +52,7 @@ def read_document(text: str, path: Path) -> EditedFile:
     try:
         timeline = msgspec.convert(plain, _Timeline)
     except msgspec.ValidationError as error:
-        raise TimelineError(f"{path}: {misfit(plain, error)}") from error
+        raise TimelineError(f"{path}: {misfit(plain, error, _Timeline)}") from error
     for complaint in source_complaints(timeline.source):
         raise TimelineError(f"{path}: {complaint}")
     edits = tuple(_edit(event, index, path) for index, event in enumerate(timeline.events))
