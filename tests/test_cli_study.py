@@ -14,6 +14,21 @@ STUDIES = [
     ("conform", "blastline.study.conforming.score_all"),
 ]
 
+SCENE = """
+schema = 1
+rate_hz = 48000
+duration_s = 4.0
+seed = 3
+[[beds]]
+kind = "ambience"
+level_dbfs = -60.0
+[[shots]]
+at_s = 1.5
+weapon = "rifle"
+environment = "field"
+snr_db = 35.0
+"""
+
 
 @pytest.mark.parametrize(("words", "work"), STUDIES)
 def test_a_file_for_figures_is_refused_before_the_work(
@@ -50,3 +65,14 @@ def test_figures_replace_earlier_ones_only_when_that_is_asked_for(
     file.write_text("mine")
     assert blastline("study", "conform", "-o", file, "--overwrite").code == 0
     assert file.read_text() == first == "[]\n"
+
+
+@pytest.mark.parametrize(("study", "stage"), [("segmentation", "listening"), ("rendering", "rendering")])
+def test_a_study_that_takes_minutes_says_what_it_is_at_unless_it_is_to_be_quiet(
+    tmp_path: Path, study: str, stage: str
+) -> None:
+    (tmp_path / "scene.toml").write_text(SCENE, encoding="utf-8")
+    told, quiet = (blastline("study", study, "--fixtures", tmp_path, *options) for options in ((), ("--quiet",)))
+    assert f"blastline: {stage} ..." in told.err
+    assert quiet.err == ""
+    assert told.code == quiet.code

@@ -8,6 +8,7 @@ import typer
 from . import study_detection, study_pareto
 from .figures import as_json, figures_file
 from .options import ActuatorOption, Overwrite, QualityOption, RulesOption
+from .progress import shown_progress
 from .studied import rendering_table, segmentation_table
 
 group = typer.Typer(help="Measure accuracy on scenes and recordings with a known truth.")
@@ -35,6 +36,7 @@ def segmentation(
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every figure as JSON.")
     ] = None,
     overwrite: Overwrite = False,
+    quiet: study_detection.NoProgress = False,
 ) -> int:
     """Part the shots of synthetic films into blast and reflections, and compare with what is heard in them.
 
@@ -48,8 +50,8 @@ def segmentation(
     if fixtures is None and random == 0:
         raise RuleError("study segmentation: give --fixtures, --random or both")
     made = chain(scene_films(fixtures) if fixtures else (), random_films(range(seed, seed + random)))
-    with figures_file(output, overwrite=overwrite) as write:
-        result = score(made, quality, rules)
+    with figures_file(output, overwrite=overwrite) as write, shown_progress(quiet=quiet) as progress:
+        result = score(made, quality, rules, progress=progress)
         write(as_json(result))
     typer.echo(segmentation_table(result))
     return 0 if all(bar.met for bar in result.bars) else 1
@@ -67,6 +69,7 @@ def rendering(
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every figure, shot by shot, as JSON.")
     ] = None,
     overwrite: Overwrite = False,
+    quiet: study_detection.NoProgress = False,
 ) -> int:
     """Render the shots of scenes in every way there is, say what is felt of them, and whether the bars are met.
 
@@ -74,8 +77,8 @@ def rendering(
     """
     from ..study.rendering import score
 
-    with figures_file(output, overwrite=overwrite) as write:
-        result = score(fixtures, quality=quality, actuator=actuator, rules=rules)
+    with figures_file(output, overwrite=overwrite) as write, shown_progress(quiet=quiet) as progress:
+        result = score(fixtures, quality=quality, actuator=actuator, rules=rules, progress=progress)
         write(as_json(result))
     typer.echo(rendering_table(result))
     return 0 if all(bar.met for bar in result.bars) else 1

@@ -15,9 +15,10 @@ from ..render.filters import settled_compensated
 from ..ruleset import load_actuator, load_rules
 from ..units import SILENCE_DB, db_from_gain, samples_from_ms
 from .bars import Bar
+from .detection import Progress, unwatched
 from .drives import Drive, RenderSetup, ShotRow, Window, WindowRow, judged, render_setup, windowed_error, windows_of
 from .optimum import Optimum, against_optimum
-from .truth import TrueScene, true_scenes
+from .truth import TrueScene, scenes_with_shots, true_scenes
 
 PHASES: tuple[Phase, ...] = ("causal", "zero")
 _OPTIMA = 3
@@ -62,7 +63,12 @@ class _Tally:
 
 
 def score(
-    fixtures: Path, *, quality: Quality = "standard", actuator: str = "crowson-t108sm", rules: Path | None = None
+    fixtures: Path,
+    *,
+    quality: Quality = "standard",
+    actuator: str = "crowson-t108sm",
+    rules: Path | None = None,
+    progress: Progress = unwatched,
 ) -> RenderingScore:
     """Render every shot of a folder's scenes, with both phases, and return its figures and the bars.
 
@@ -73,7 +79,9 @@ def score(
     tallies = {phase: _Tally() for phase in PHASES}
     costs: list[tuple[float, float]] = []
     optima: list[Optimum] = []
-    for scene in true_scenes(fixtures, tier):
+    total = len(scenes_with_shots(fixtures))
+    progress("rendering", 0, total)
+    for number, scene in enumerate(true_scenes(fixtures, tier), start=1):
         for phase, tally in tallies.items():
             setup = render_setup(profile, scene.track.rate_hz, phase, tier.render)
             for window in windows_of(scene, setup):
@@ -85,6 +93,7 @@ def score(
             whole_ms = 1000.0 * scene.frames / scene.track.rate_hz
             tally.full_error = max(tally.full_error, windowed_error(scene, setup, preroll_ms=whole_ms))
         costs.append(_filter_and_read(scene, render_setup(profile, scene.track.rate_hz, "causal", tier.render)))
+        progress("rendering", number, total)
     weak = {
         phase: tuple(shot for row in tally.windows for shot in row.shots if shot.weak)
         for phase, tally in tallies.items()

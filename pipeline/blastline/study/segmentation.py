@@ -25,6 +25,7 @@ from ..synth import ShotTruth, Truth, film_scene, render_scene, truth_of
 from .bars import Bar
 from .bootstrap import Interval, intervals
 from .cost import listened
+from .detection import Progress, unwatched
 from .matching import Counts, match
 from .mixes import as_16_bit
 from .truth import scenes_with_shots, synthesised
@@ -117,7 +118,9 @@ def random_films(seeds: Iterable[int], *, rate_hz: int = 48_000) -> Iterator[Fil
         yield Film(f"film {seed}", None, samples.astype(np.float32), truth_of(audio))
 
 
-def score(films: Iterable[Film], quality: Quality, rules: Path | None = None) -> SegmentationScore:
+def score(
+    films: Iterable[Film], quality: Quality, rules: Path | None = None, *, progress: Progress = unwatched
+) -> SegmentationScore:
     """Part the shots of each film and return the figures of a tier."""
     read = load_rules(quality, rules)
     asked = read.tier.verify
@@ -125,6 +128,7 @@ def score(films: Iterable[Film], quality: Quality, rules: Path | None = None) ->
     longest_ms = read.tier.segment.longest_blast_ms
     at_true, at_found = PartingTally(longest_ms), PartingTally(longest_ms)
     count, echoes, mistaken, found_shots = 0, 0, 0, 0
+    progress("listening", 0, None)
     for film in films:
         count += 1
         at_true.add(film.truth.shots, shots_at_truth(film, read.tier), film.truth.rate_hz)
@@ -136,6 +140,7 @@ def score(films: Iterable[Film], quality: Quality, rules: Path | None = None) ->
         left_ms = np.array([shot.onset for shot in found if shot.onset not in taken]) * 1000.0 / film.truth.rate_hz
         echoes, found_shots = echoes + heard.size, found_shots + len(found)
         mistaken += len(match(left_ms, heard, WINDOW_MS))
+        progress("listening", count, None)
     return SegmentationScore(quality, count, at_true.parting(), at_found.parting(), echoes, mistaken, found_shots)
 
 
