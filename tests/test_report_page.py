@@ -151,6 +151,18 @@ def test_files_for_other_tools_are_linked_where_they_were_written(tmp_path: Path
     assert "files" not in Page(written(tmp_path, film())).ids
 
 
+def test_on_a_narrow_screen_pictures_are_moved_aside_rather_than_made_too_small_to_read(tmp_path: Path) -> None:
+    """The smallest letters of a picture as wide as the page lets it become have 8 pixels or more."""
+    text = written(tmp_path, film())
+    [least] = [int(width) for width in re.findall(r"\.scroll svg\{min-width:(\d+)px\}", text)]
+    pictures = re.findall(r'(.{20})<svg class="(\w+)" viewBox="0 0 ([\d.]+) [^>]*>(.*?)</svg>', text, re.DOTALL)
+    assert [kind for _, kind, _, _ in pictures] == ["track", "shot", "shot", "shot"]
+    for before, _, width, drawn in pictures:
+        assert before.endswith('<div class="scroll">')
+        sizes = [float(size) for size in re.findall(r'font(?:-size="|-size: |: )([\d.]+)', drawn)]
+        assert min(sizes) * least / float(width) >= 8.0
+
+
 def test_a_film_without_shots_says_so(tmp_path: Path) -> None:
     timeline = msgspec.structs.replace(film().timeline, events=(), rejections=(), checks=(passing(),))
     page = Page(written(tmp_path, film(), timeline))

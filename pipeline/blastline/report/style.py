@@ -103,6 +103,7 @@ nav{margin-top:18px;display:flex;gap:18px;flex-wrap:wrap;font-size:14px}
 .card{background:var(--card);border:1px solid var(--line);border-radius:10px;padding:16px 20px;margin:0 0 18px}
 .scroll{overflow-x:auto}
 svg{display:block;width:100%;height:auto}
+.scroll svg{min-width:800px}
 svg text{font-family:inherit}
 .legend{display:flex;flex-wrap:wrap;gap:6px 18px;margin:0 0 10px;padding:0;list-style:none;font-size:13px;
 color:var(--ink-soft)}
@@ -148,6 +149,7 @@ stroke-width:2.5}
 body{background:#fff;font-size:11px}main,header,footer{max-width:none;padding:0}
 nav,.filter{display:none}.card,.tile{border-color:#ccc}.picture,.tile,.verdict,tr{break-inside:avoid}
 h2{break-after:avoid}th button::after{content:""}.scroll{overflow:visible}
+.scroll svg{min-width:0}
 }
 """
 )
