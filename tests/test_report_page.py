@@ -163,6 +163,15 @@ def test_on_a_narrow_screen_pictures_are_moved_aside_rather_than_made_too_small_
         assert min(sizes) * least / float(width) >= 8.0
 
 
+def test_no_name_without_a_break_makes_the_page_wider(tmp_path: Path) -> None:
+    """Whatever is not in a table, which has a scroll bar of its own, may break within a word."""
+    style = written(tmp_path, film()).split("<style>")[1].split("</style>")[0]
+    wraps = {rule.split("{")[0].strip(): rule for rule in style.split("}") if "overflow-wrap" in rule}
+    assert "overflow-wrap:anywhere" in wraps.pop("body")
+    assert "overflow-wrap:normal" in wraps.pop("table")
+    assert not wraps
+
+
 def test_a_film_without_shots_says_so(tmp_path: Path) -> None:
     timeline = msgspec.structs.replace(film().timeline, events=(), rejections=(), checks=(passing(),))
     page = Page(written(tmp_path, film(), timeline))
