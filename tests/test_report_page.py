@@ -163,6 +163,12 @@ def test_on_a_narrow_screen_pictures_are_moved_aside_rather_than_made_too_small_
         assert min(sizes) * least / float(width) >= 8.0
 
 
+def test_the_letters_of_pictures_are_in_the_pages_font(tmp_path: Path) -> None:
+    """Whatever font a letter of a picture names itself, the style sheet's counts: only `!important` does."""
+    style = written(tmp_path, film()).split("<style>")[1].split("</style>")[0]
+    assert "svg text{font-family:inherit!important}" in style
+
+
 def test_no_name_without_a_break_makes_the_page_wider(tmp_path: Path) -> None:
     """Whatever is not in a table, which has a scroll bar of its own, may break within a word."""
     style = written(tmp_path, film()).split("<style>")[1].split("</style>")[0]

@@ -105,7 +105,7 @@ nav{margin-top:18px;display:flex;gap:18px;flex-wrap:wrap;font-size:14px}
 .scroll{overflow-x:auto}
 svg{display:block;width:100%;height:auto}
 .scroll svg{min-width:800px}
-svg text{font-family:inherit}
+svg text{font-family:inherit!important}
 .legend{display:flex;flex-wrap:wrap;gap:6px 18px;margin:0 0 10px;padding:0;list-style:none;font-size:13px;
 color:var(--ink-soft)}
 .legend i{display:inline-block;width:18px;height:0;border-top:3px solid;margin-right:6px;vertical-align:middle}
