@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
+from urllib.parse import unquote
 
 import msgspec
 import numpy as np
@@ -96,7 +97,7 @@ def test_the_page_holds_every_shot_and_nothing_from_outside(tmp_path: Path) -> N
         assert event.timecode in page.text
     assert page.tags.count("article") == len(timeline.events)
     assert all(link.startswith("#") for link in page.links)
-    assert {link[1:] for link in page.links} <= set(page.ids)
+    assert {unquote(link[1:]) for link in page.links} <= set(page.ids)
     assert len(page.ids) == len(set(page.ids))
     outside = re.sub(r'xmlns(:\w+)?="[^"]*"', "", text)
     assert "http:" not in outside
@@ -134,6 +135,17 @@ def test_hostile_names_stay_text(tmp_path: Path) -> None:
     assert page.tags.count("script") == 1
     assert "img" not in page.tags
     assert html.escape(evil) in text
+
+
+@pytest.mark.parametrize("identity", ["100 %41", "take\t2 ", "a#b", "né"])
+def test_links_lead_to_the_shot_whatever_its_name(tmp_path: Path, identity: str) -> None:
+    """A browser takes tabs and spaces at the end off an address and reads what follows a per cent sign as a letter."""
+    [event, *_] = film().timeline.events
+    named = msgspec.structs.replace(event, id=identity)
+    timeline = msgspec.structs.replace(film().timeline, events=(named,), checks=(passing(named),))
+    page = Page(written(tmp_path, film(), timeline))
+    followed = [unquote(re.sub(r"[\t\n\r]", "", link).strip()[1:]) for link in page.links]
+    assert followed.count(f"shot-{identity}") == 3, "from the film, the shots and the checks"
 
 
 def test_files_for_other_tools_are_linked_where_they_were_written(tmp_path: Path) -> None:
