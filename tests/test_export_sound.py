@@ -6,6 +6,7 @@ import re
 from fractions import Fraction
 from pathlib import Path
 
+import av
 import jsonschema
 import mido
 import msgspec
@@ -193,6 +194,20 @@ def test_webvtt_identifiers_are_read_as_they_stand(tmp_path: Path, identity: str
     [event] = film(onsets=[48_000]).events
     named = msgspec.structs.replace(film(), events=(msgspec.structs.replace(event, id=identity),))
     assert written(named, tmp_path, "webvtt").read_text("utf-8").split("\n")[2] == identity
+
+
+@pytest.mark.parametrize("identity", ["NOTE", "NOTE 2", "STYLE", "REGION-4", "WEBVTT"])
+def test_webvtt_an_event_called_like_a_block_of_another_kind_is_still_shown(tmp_path: Path, identity: str) -> None:
+    """FFmpeg, which mpv reads with, skips whole blocks by how their first line begins."""
+    [event] = film(onsets=[48_000]).events
+    named = msgspec.structs.replace(film(), events=(msgspec.structs.replace(event, id=identity),))
+    file = written(named, tmp_path, "webvtt")
+    with av.open(str(file), format="webvtt") as container:
+        cues = [bytes(packet).decode() for packet in container.demux() if packet.size]
+    assert cues == [label(named.events[0])]
+    [caption] = webvtt.read(str(file)).captions
+    assert caption.identifier is not None
+    assert caption.identifier.strip() == identity
 
 
 def _clock_s(text: str) -> float:

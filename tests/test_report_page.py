@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
+from urllib.parse import unquote
 
 import msgspec
 import numpy as np
@@ -96,7 +97,7 @@ def test_the_page_holds_every_shot_and_nothing_from_outside(tmp_path: Path) -> N
         assert event.timecode in page.text
     assert page.tags.count("article") == len(timeline.events)
     assert all(link.startswith("#") for link in page.links)
-    assert {link[1:] for link in page.links} <= set(page.ids)
+    assert {unquote(link[1:]) for link in page.links} <= set(page.ids)
     assert len(page.ids) == len(set(page.ids))
     outside = re.sub(r'xmlns(:\w+)?="[^"]*"', "", text)
     assert "http:" not in outside
@@ -136,6 +137,17 @@ def test_hostile_names_stay_text(tmp_path: Path) -> None:
     assert html.escape(evil) in text
 
 
+@pytest.mark.parametrize("identity", ["100 %41", "take\t2 ", "a#b", "né"])
+def test_links_lead_to_the_shot_whatever_its_name(tmp_path: Path, identity: str) -> None:
+    """A browser takes tabs and spaces at the end off an address and reads what follows a per cent sign as a letter."""
+    [event, *_] = film().timeline.events
+    named = msgspec.structs.replace(event, id=identity)
+    timeline = msgspec.structs.replace(film().timeline, events=(named,), checks=(passing(named),))
+    page = Page(written(tmp_path, film(), timeline))
+    followed = [unquote(re.sub(r"[\t\n\r]", "", link).strip()[1:]) for link in page.links]
+    assert followed.count(f"shot-{identity}") == 3, "from the film, the shots and the checks"
+
+
 def test_files_for_other_tools_are_linked_where_they_were_written(tmp_path: Path) -> None:
     evil = '<b>&"'
     rows = (
@@ -149,6 +161,33 @@ def test_files_for_other_tools_are_linked_where_they_were_written(tmp_path: Path
     assert page.text.index(f"any {evil}") < page.text.index("Tools > Markers")
     assert "blastline export timeline.json" in page.text
     assert "files" not in Page(written(tmp_path, film())).ids
+
+
+def test_on_a_narrow_screen_pictures_are_moved_aside_rather_than_made_too_small_to_read(tmp_path: Path) -> None:
+    """The smallest letters of a picture as wide as the page lets it become have 8 pixels or more."""
+    text = written(tmp_path, film())
+    [least] = [int(width) for width in re.findall(r"\.scroll svg\{min-width:(\d+)px\}", text)]
+    pictures = re.findall(r'(.{20})<svg class="(\w+)" viewBox="0 0 ([\d.]+) [^>]*>(.*?)</svg>', text, re.DOTALL)
+    assert [kind for _, kind, _, _ in pictures] == ["track", "shot", "shot", "shot"]
+    for before, _, width, drawn in pictures:
+        assert before.endswith('<div class="scroll">')
+        sizes = [float(size) for size in re.findall(r'font(?:-size="|-size: |: )([\d.]+)', drawn)]
+        assert min(sizes) * least / float(width) >= 8.0
+
+
+def test_the_letters_of_pictures_are_in_the_pages_font(tmp_path: Path) -> None:
+    """Whatever font a letter of a picture names itself, the style sheet's counts: only `!important` does."""
+    style = written(tmp_path, film()).split("<style>")[1].split("</style>")[0]
+    assert "svg text{font-family:inherit!important}" in style
+
+
+def test_no_name_without_a_break_makes_the_page_wider(tmp_path: Path) -> None:
+    """Whatever is not in a table, which has a scroll bar of its own, may break within a word."""
+    style = written(tmp_path, film()).split("<style>")[1].split("</style>")[0]
+    wraps = {rule.split("{")[0].strip(): rule for rule in style.split("}") if "overflow-wrap" in rule}
+    assert "overflow-wrap:anywhere" in wraps.pop("body")
+    assert "overflow-wrap:normal" in wraps.pop("table")
+    assert not wraps
 
 
 def test_a_film_without_shots_says_so(tmp_path: Path) -> None:

@@ -10,6 +10,9 @@ from .words import label, one_line
 
 STEP_S = Fraction(1, 1000)
 
+_OTHER_BLOCKS = ("WEBVTT", "NOTE", "STYLE", "REGION")
+"""What begins a header, a comment, a style sheet or a region: FFmpeg skips the whole block, so mpv shows no cue."""
+
 
 def write_webvtt(timeline: Timeline, path: Path) -> None:
     """Write a cue per event, named by its id, from its onset to the next one's or to the end of its window.
@@ -35,8 +38,12 @@ def _clock(step: int) -> str:
 
 
 def _name(identity: str) -> str:
-    """Return the identifier of a cue: read as it stands, but an arrow would make it the times of the cue."""
-    return one_line(identity).replace("-->", "-- >")
+    """Return the identifier of a cue: read as it stands, but an arrow would make it the times of the cue.
+
+    One that begins like a block of another kind gets a space before it, so that it begins like none.
+    """
+    name = one_line(identity).replace("-->", "-- >")
+    return f" {name}" if name.startswith(_OTHER_BLOCKS) else name
 
 
 def _text(text: str) -> str:

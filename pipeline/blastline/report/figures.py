@@ -170,7 +170,6 @@ def _as_inline(svg: str, sound: EventSound) -> str:
     svg = svg[svg.index("<svg") :]
     for name, colour in {**SERIES, **{f"ink-{name}": colour for name, colour in INK.items()}}.items():
         svg = svg.replace(colour, f"var(--{name})")
-    svg = re.sub(r"font: ([^;\"]*?)'sans-serif'[^;\"]*", r"font: \1inherit", svg)
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     svg = re.sub(r'<g id="[^"]*"', "<g", svg)  # only what is referred to needs a name, and names are the page's
     svg = re.sub(r"<svg [^>]*?viewBox=\"([^\"]*)\"[^>]*>", r'<svg class="shot" viewBox="\1" role="img">', svg, count=1)

@@ -111,7 +111,8 @@ def _film(timeline: Timeline, overview: Overview, failed: Mapping[str, int], why
         ("limit", "", "a check failed (cross)"),
         ("drive", "", "burst (bracket)"),
     )
-    return f'<div class="card">{legend}{film_track(timeline, overview, failed=failed, linked=why)}</div>'
+    track = film_track(timeline, overview, failed=failed, linked=why)
+    return f'<div class="card">{legend}<div class="scroll">{track}</div></div>'
 
 
 def _legend(*entries: tuple[str, str, str]) -> str:

@@ -75,14 +75,15 @@ STYLE = (
 *{box-sizing:border-box}
 html{scroll-behavior:smooth}
 body{margin:0;background:var(--page);color:var(--ink-strong);
-font:15px/1.5 system-ui,-apple-system,"Segoe UI",Roboto,"Noto Sans",sans-serif;font-variant-numeric:tabular-nums}
+font:15px/1.5 system-ui,-apple-system,"Segoe UI",Roboto,"Noto Sans",sans-serif;font-variant-numeric:tabular-nums;
+overflow-wrap:anywhere}
 main,header,footer{max-width:1180px;margin:0 auto;padding:0 28px}
 a{color:var(--link);text-underline-offset:2px}
 a:focus-visible,button:focus-visible,input:focus-visible,summary:focus-visible{outline:2px solid var(--link);
 outline-offset:2px;border-radius:3px}
 header{padding-top:34px}
 .product{margin:0;color:var(--ink-soft);font-size:13px;letter-spacing:.04em}
-h1{margin:2px 0 4px;font-size:30px;line-height:1.2;font-weight:650;letter-spacing:-.01em;overflow-wrap:anywhere}
+h1{margin:2px 0 4px;font-size:30px;line-height:1.2;font-weight:650;letter-spacing:-.01em}
 .facts{margin:0;color:var(--ink-soft)}
 h2{margin:44px 0 6px;font-size:19px;font-weight:650}
 h2+p,.note{margin:0 0 14px;color:var(--ink-soft);max-width:78ch}
@@ -97,13 +98,14 @@ nav{margin-top:18px;display:flex;gap:18px;flex-wrap:wrap;font-size:14px}
 .tiles{display:grid;grid-template-columns:repeat(auto-fit,minmax(160px,1fr));gap:12px;margin:18px 0 0}
 .tile{background:var(--card);border:1px solid var(--line);border-radius:10px;padding:12px 16px}
 .tile dt{color:var(--ink-soft);font-size:13px}
-.tile dd{margin:0;font-size:21px;overflow-wrap:anywhere;font-weight:600;line-height:1.3}
+.tile dd{margin:0;font-size:21px;font-weight:600;line-height:1.3}
 .tile dd small{display:block;font-size:13px;font-weight:400;color:var(--ink-soft);line-height:1.35}
 .tile .name{font-size:16px}
 .card{background:var(--card);border:1px solid var(--line);border-radius:10px;padding:16px 20px;margin:0 0 18px}
 .scroll{overflow-x:auto}
 svg{display:block;width:100%;height:auto}
-svg text{font-family:inherit}
+.scroll svg{min-width:800px}
+svg text{font-family:inherit!important}
 .legend{display:flex;flex-wrap:wrap;gap:6px 18px;margin:0 0 10px;padding:0;list-style:none;font-size:13px;
 color:var(--ink-soft)}
 .legend i{display:inline-block;width:18px;height:0;border-top:3px solid;margin-right:6px;vertical-align:middle}
@@ -116,7 +118,7 @@ color:var(--ink-soft)}
 .numbers dt{color:var(--ink-soft);font-size:12.5px}
 .numbers dd{margin:0;font-weight:550}
 .why{margin:0 0 10px;color:var(--ink-soft);font-size:13.5px}
-table{border-collapse:collapse;width:100%;font-size:13.5px}
+table{border-collapse:collapse;width:100%;font-size:13.5px;overflow-wrap:normal}
 th,td{padding:6px 8px;text-align:left;border-bottom:1px solid var(--line);white-space:nowrap}
 td.wide{white-space:normal}
 th{font-weight:600;color:var(--ink-soft);font-size:13px;background:var(--card)}
@@ -137,7 +139,7 @@ summary{cursor:pointer;padding:4px 0;font-weight:550}
 background:var(--page);color:inherit;min-width:250px}
 .origin{display:grid;grid-template-columns:max-content 1fr;gap:4px 18px;margin:0;font-size:14px}
 .origin dt{color:var(--ink-soft)}
-.origin dd{margin:0;overflow-wrap:anywhere}
+.origin dd{margin:0}
 code{font:13px ui-monospace,Consolas,monospace}
 footer{padding-top:30px;padding-bottom:44px;color:var(--ink-soft);font-size:13px}
 .track a{text-decoration:none}
@@ -148,6 +150,7 @@ stroke-width:2.5}
 body{background:#fff;font-size:11px}main,header,footer{max-width:none;padding:0}
 nav,.filter{display:none}.card,.tile{border-color:#ccc}.picture,.tile,.verdict,tr{break-inside:avoid}
 h2{break-after:avoid}th button::after{content:""}.scroll{overflow:visible}
+.scroll svg{min-width:0}
 }
 """
 )

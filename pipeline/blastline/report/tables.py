@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 
 from ..model import Check, Edits, Event, Rejection, Timeline
-from .words import allowed, claim, duration, figure, fixed, measured, safe
+from .words import allowed, claim, duration, figure, fixed, link, measured, safe
 
 _STRONGEST = 5
 
@@ -36,7 +36,7 @@ def _shot_row(event: Event, failed: int, *, linked: bool) -> str:
     drive, name = event.drive, safe(event.id)
     burst = "" if event.burst is None else f"{event.burst}.{event.shot_in_burst}"
     cells = [
-        (f'<a href="#shot-{name}">{name}</a>' if linked else name, name, ""),
+        (f'<a href="{link(f"shot-{event.id}")}">{name}</a>' if linked else name, name, ""),
         (safe(event.timecode), safe(event.timecode), ""),
         (f"{event.onset_s:.4f}", repr(event.onset_s), "n"),
         (fixed(event.confidence, 2), repr(event.confidence), "n"),
@@ -80,7 +80,7 @@ def _checks_table(checks: Sequence[Check], linked: Collection[str]) -> str:
     rows = []
     for check in checks:
         anchor = f"shot-{check.event}" if check.event in linked else f"row-{check.event}"
-        where = "the film" if check.event is None else f'<a href="#{safe(anchor)}">{safe(check.event)}</a>'
+        where = "the film" if check.event is None else f'<a href="{link(anchor)}">{safe(check.event)}</a>'
         state = '<span class="ok">passed</span>' if check.passed else '<span class="failed">failed</span>'
         rows.append(
             f'<tr><td>{state}</td><td class="wide">{safe(claim(check))}</td><td>{where}</td>'

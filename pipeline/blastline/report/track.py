@@ -9,7 +9,7 @@ from ..model import Event, Source, Timeline
 from ..timecode import frame_scale, timecode_at
 from ..units import levels_db
 from .overview import Overview
-from .words import duration, figure, safe
+from .words import duration, figure, link, safe
 
 _WIDTH, _LEFT, _RIGHT = 1120, 34, 12
 _TOP, _MIDDLE, _BOTTOM = 12, 150, 196
@@ -68,7 +68,7 @@ def _shot(event: Event, source: Source, *, failed: bool, linked: bool) -> str:
         f' stroke="{colour}"/>'
     )
     return (
-        f'<a href="#{safe(target)}" tabindex="-1"><title>{safe(name)}</title>'
+        f'<a href="{link(target)}" tabindex="-1"><title>{safe(name)}</title>'
         f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{y + 4:.1f}" y2="{_MIDDLE}" stroke="{colour}"/>{mark}</a>'
     )
 

@@ -3,6 +3,7 @@
 import html
 import math
 from fractions import Fraction
+from urllib.parse import quote
 
 from ..model import Check
 from ..timecode import clock_text
@@ -49,6 +50,15 @@ def claim(check: Check) -> str:
 def safe(text: object) -> str:
     """Return text as it may stand in a page, in an element or in a quoted attribute."""
     return html.escape(str(text), quote=True)
+
+
+def link(anchor: str) -> str:
+    """Return the address of an element of this page; a browser reads `%41` in one as the letter A.
+
+    >>> link("shot-take 2 %41")
+    '#shot-take%202%20%2541'
+    """
+    return f"#{quote(anchor, safe='')}"
 
 
 def figure(value: float | None, digits: int = 2) -> str:

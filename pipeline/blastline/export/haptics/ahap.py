@@ -81,8 +81,11 @@ def _segment(segment: VibrationSegment, track: HapticTrack) -> tuple[list[Patter
 
 def _events(start_s: float, stop_s: float) -> Iterator[Pattern]:
     """Yield continuous events of full intensity that follow one on another, none longer than Core Haptics plays."""
-    count = max(1, int(np.ceil((stop_s - start_s) / LONGEST_EVENT_S)))
-    edges = np.round(np.linspace(start_s, stop_s, count + 1), _DECIMALS)
+    # in whole steps of the file: rounded one by one, the ends of 30 s can come to stand a step too far apart
+    steps_per_s = 10**_DECIMALS
+    first, last = round(start_s * steps_per_s), round(stop_s * steps_per_s)
+    count = max(1, math.ceil((last - first) / (LONGEST_EVENT_S * steps_per_s)))
+    edges = [(first + (last - first) * index // count) / steps_per_s for index in range(count + 1)]
     for start, stop in itertools.pairwise(edges):
         full = {"HapticIntensity": 1.0, "HapticSharpness": 0.0}
         yield _event("HapticContinuous", start, full, duration_s=stop - start)
