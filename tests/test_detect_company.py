@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from blastline.detect.backdrop import LEVELS
 from blastline.detect.company import in_company, worth_segmenting
-from blastline.detect.fire import ScoredCandidates
+from blastline.detect.fire import ScoredCandidates, even_rows
 from blastline.detect.verify import Verdicts, log_odds_in
 from blastline.model import EvenRow, Shot, ShotEvidence, Span
 from blastline.ruleset import load_rules
@@ -217,6 +217,21 @@ def test_several_guns_may_fire_for_long() -> None:
     rng = np.random.default_rng(3)
     places_ms = 20_000 + np.cumsum(rng.uniform(BURSTS.shortest_gap_ms + 1, BURSTS.longest_gap_ms - 1, 60))
     assert len(believed_ms(*[shot(at_ms, VERIFY.burst_threshold) for at_ms in places_ms.tolist()])) == 60
+
+
+def test_a_long_slow_row_is_the_same_fire_wherever_a_core_cuts_it() -> None:
+    """Its surest sounds may lie on one side alone, and the others far from there: they are rounds of it as well."""
+    onsets = np.array([20_000 + 700 * n for n in range(12)]) * (RATE_HZ // 1000)
+    probability = np.array([0.999] * 6 + [(VERIFY.round_threshold + VERIFY.company_threshold) / 2] * 6)
+    for mirrored in (probability, probability[::-1]):
+        every = scored(onsets, mirrored)
+        assert even_rows(every, rate_hz=RATE_HZ, tier=TIER) == ["fire"] * 12
+        for end in (onsets[1:] + onsets[:-1]) // 2:
+            for core in (Span(0, int(end)), Span(int(end), 60 * RATE_HZ)):
+                inside = (onsets >= core.start) & (onsets < core.stop)
+                here = scored(onsets[inside], mirrored[inside])
+                rows = even_rows(here, rate_hz=RATE_HZ, tier=TIER)
+                assert worth_segmenting(here, rows, rate_hz=RATE_HZ, tier=TIER, core=core).all()
 
 
 def test_fire_is_worth_segmenting_however_unlikely_each_of_its_rounds() -> None:

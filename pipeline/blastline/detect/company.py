@@ -23,7 +23,7 @@ from ..model import EvenRow, Rejection, Shot, Span
 from ..ruleset import BurstRules, QualityRules
 from ..units import samples_from_ms, samples_from_s
 from .backdrop import LEVELS
-from .fire import ScoredCandidates
+from .fire import ScoredCandidates, rows_at, shot_by_shot
 from .loops import LoopCandidates, in_loops
 from .rows import in_endless_fire, in_even_rows, runs_of
 from .verify import log_odds_of
@@ -164,6 +164,8 @@ def worth_segmenting(
     members = np.flatnonzero((likeliest >= log_odds_of(tier.verify.round_threshold)) | worth)
     reach = (tier.rows.fewest - 1) * samples_from_ms(tier.rows.longest_gap_ms, rate_hz)
     cut = (scored.onsets < core.start + reach) | (scored.onsets >= core.stop - reach)
+    for row in rows_at(scored.onsets, scored.peaks_dbfs, shot_by_shot(tier), rate_hz=rate_hz):
+        cut[row] |= cut[row].any()  # what is beyond the core may make fire of all of it
     worth |= cut & (scored.odds.by_networks >= log_odds_of(tier.verify.round_threshold))
     for run in runs_of(scored.onsets[members], longest):
         burst = members[run]

@@ -16,6 +16,7 @@ from .backdrop import hamming_distance
 
 _SAME_LAG_MS = 1.0
 _NEAR_TURNS, _FEWEST_TURNS = 4, 2
+_AT_ONCE = 256  # candidates that are held against the others: an hour of a machine has millions of pairs
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,21 +44,30 @@ def in_loops(heard: LoopCandidates, *, rate_hz: int, rules: RowRules) -> NDArray
     found = np.zeros(onsets.size, bool)
     if onsets.size < rules.fewest_turns:
         return found
-    chains = _chains(onsets, rate_hz=rate_hz, rules=rules)
-    known = (heard.backdrops[chains] >= 0).all(axis=0)
-    alike = hamming_distance(heard.backdrops[chains[1:]], heard.backdrops[chains[:-1]]) <= rules.backdrop_bits
-    loops = chains[:, known & alike.all(axis=0)]
-    turns = (onsets[loops[-1]] - onsets[loops[0]]) / (rules.fewest_turns - 1)
-    for turn in np.unique(np.round(turns)).tolist():
-        found |= _turning(heard, turn, rate_hz=rate_hz, rules=rules)
+    parts = [slice(first, first + _AT_ONCE) for first in range(0, onsets.size, _AT_ONCE)]
+    lengths = [_loop_lengths(heard, part, rate_hz=rate_hz, rules=rules) for part in parts]
+    for turn in np.unique(np.concatenate(lengths)).tolist():
+        for part in parts:
+            found[part] |= _turning(heard, part, turn, rate_hz=rate_hz, rules=rules)
     return found
 
 
-def _chains(onsets: NDArray[np.intp], *, rate_hz: int, rules: RowRules) -> NDArray[np.intp]:
-    """Return in columns which onsets follow each other after the same time, `fewest_turns` in each."""
+def _loop_lengths(heard: LoopCandidates, part: slice, *, rate_hz: int, rules: RowRules) -> NDArray[np.float64]:
+    """Return how long the loops are, in samples, that are told by what begins with some candidates."""
+    onsets = heard.onsets
+    chains = _chains(onsets, part, rate_hz=rate_hz, rules=rules)
+    known = (heard.backdrops[chains] >= 0).all(axis=0)
+    alike = hamming_distance(heard.backdrops[chains[1:]], heard.backdrops[chains[:-1]]) <= rules.backdrop_bits
+    loops = chains[:, known & alike.all(axis=0)]
+    return np.unique(np.round((onsets[loops[-1]] - onsets[loops[0]]) / (rules.fewest_turns - 1)))
+
+
+def _chains(onsets: NDArray[np.intp], part: slice, *, rate_hz: int, rules: RowRules) -> NDArray[np.intp]:
+    """Return in columns which onsets follow one of a part after the same time each, `fewest_turns` in all."""
     shortest, longest = samples_from_ms(rules.longest_gap_ms, rate_hz), samples_from_s(rules.longest_loop_s, rate_hz)
-    start, stop = np.searchsorted(onsets, onsets + shortest), np.searchsorted(onsets, onsets + longest, side="right")
-    first = np.repeat(np.arange(onsets.size), stop - start)
+    own = onsets[part]
+    start, stop = np.searchsorted(onsets, own + shortest), np.searchsorted(onsets, own + longest, side="right")
+    first = np.repeat(np.arange(onsets.size)[part], stop - start)
     second = np.concatenate([np.arange(*ends) for ends in zip(start, stop, strict=True)]).astype(np.intp)
     lag, chains = onsets[second] - onsets[first], np.stack([first, second])
     for times in range(2, rules.fewest_turns):
@@ -68,15 +78,15 @@ def _chains(onsets: NDArray[np.intp], *, rate_hz: int, rules: RowRules) -> NDArr
     return chains
 
 
-def _turning(heard: LoopCandidates, turn: float, *, rate_hz: int, rules: RowRules) -> NDArray[np.bool_]:
-    """Return which candidates come again with a loop of that length in samples, twice and more within four turns."""
+def _turning(heard: LoopCandidates, part: slice, turn: float, *, rate_hz: int, rules: RowRules) -> NDArray[np.bool_]:
+    """Return which of a part come again with a loop of that length in samples, twice and more within four turns."""
     turns = turn * np.array([*range(-_NEAR_TURNS, 0), *range(1, _NEAR_TURNS + 1)])
-    due = heard.onsets[:, None] + np.round(turns).astype(np.intp)
+    due = heard.onsets[part, None] + np.round(turns).astype(np.intp)
     there = _nearest(heard.onsets, due)
     again = np.abs(heard.onsets[there] - due) <= samples_from_ms(_SAME_LAG_MS, rate_hz)
-    again &= np.abs(heard.peaks_dbfs[there] - heard.peaks_dbfs[:, None]) <= rules.loop_level_db
-    again &= np.abs(heard.sounds[there] - heard.sounds[:, None]).mean(axis=2) <= rules.loop_sound_db
-    sure_each_time = heard.sure & (heard.sure[there] | ~again).all(axis=1)
+    again &= np.abs(heard.peaks_dbfs[there] - heard.peaks_dbfs[part, None]) <= rules.loop_level_db
+    again &= np.abs(heard.sounds[there] - heard.sounds[part, None]).mean(axis=2) <= rules.loop_sound_db
+    sure_each_time = heard.sure[part] & (heard.sure[there] | ~again).all(axis=1)
     return np.asarray((again.sum(axis=1) >= _FEWEST_TURNS) & ~sure_each_time)
 
 
