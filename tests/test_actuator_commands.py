@@ -36,6 +36,8 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     soundfile.write(folder / "other.wav", noise(16.0, RATE_HZ, seed=4), RATE_HZ, subtype="PCM_24")
     limit = float(np.std(came))
     soundfile.write(folder / "clipped.wav", np.clip(came, -limit, limit), RATE_HZ, subtype="PCM_24")
+    lost = np.concatenate([came[: len(sent) // 2], came[len(sent) // 2 + 200 :]])
+    soundfile.write(folder / "lost.wav", lost, RATE_HZ, subtype="PCM_24")
     soundfile.write(folder / "short.wav", came[:RATE_HZ], RATE_HZ, subtype="PCM_24")
     ended = identify(folder, "came.wav", folder / "seat.toml", "--csv", folder / "seat.csv")
     assert ended.code == 0, ended
@@ -100,6 +102,7 @@ def test_channels_of_one_file_are_chosen(run: Path, tmp_path: Path) -> None:
         ("silence.wav", "is silent; expected a recording of a measurement"),
         ("other.wav", "follows "),
         ("clipped.wav", "is clipped: "),
+        ("lost.wav", "slips by 200."),
         ("short.wav", "has "),
         ("none.wav", "no such file"),
         ("seat.csv", ""),

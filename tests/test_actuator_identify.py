@@ -7,12 +7,13 @@ import pytest
 from scipy import signal
 
 from actuator_signals import Seat, noise, recording, run_of, run_through
-from blastline.actuator import MeasuredResponse, excess_phase, identify, minimum_phase
+from blastline.actuator import MeasuredResponse, excess_phase, identify, minimum_phase, require_running_along
 from blastline.actuator.identify import coarse_delay, welch
 from blastline.errors import SoundtrackError
 from blastline.ruleset import load_measuring
 
 RULES = load_measuring().identify
+MODELLED_HZ = load_measuring().fit.highest_hz
 
 
 def errors_db(measured: MeasuredResponse, seat: Seat) -> np.ndarray:
@@ -192,3 +193,57 @@ def test_a_constant_changes_nothing() -> None:
     moved = identify(recording("x", sent + 0.2, rate_hz), recording("y", came - 0.3, rate_hz), rules=RULES).measured
     np.testing.assert_allclose(moved.gain_db, pure.gain_db, atol=1e-6)
     assert moved.delay_s == pytest.approx(pure.delay_s, abs=1e-9)
+
+
+def require_along(sent: np.ndarray, came: np.ndarray, rate_hz: int) -> MeasuredResponse:
+    """Return the response of recordings that were found to run along."""
+    heard = recording("x", sent, rate_hz), recording("y", came, rate_hz)
+    found = identify(*heard, rules=RULES)
+    require_running_along(*heard, found, modelled_hz=MODELLED_HZ, rules=RULES)
+    return found.measured
+
+
+@pytest.mark.parametrize("lost", [5, 200, 9_000, 48_000])
+@pytest.mark.parametrize("share", [0.15, 0.5, 0.8])
+def test_a_response_that_lost_samples_on_the_way_is_refused(lost: int, share: float) -> None:
+    rate_hz = 48_000
+    sent = noise(20.0, rate_hz)
+    came = run_through(Seat(), sent, rate_hz)
+    at = round(share * len(sent))
+    with pytest.raises(
+        SoundtrackError, match=rf"^y: slips by {lost}\.\d samples against x on the way, .*too weak"
+    ) as told:
+        require_along(sent, np.concatenate([came[:at], came[at + lost :]]), rate_hz)
+    assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize("apart_ppm", [-60.0, -6.0, -3.0, 0.5, 3.0, 6.0, 20.0])
+def test_a_clock_that_drifts_is_refused_where_it_spoils_what_is_modelled(apart_ppm: float) -> None:
+    """Its delays are spread evenly over the run, so that a gain is measured too weak by sin(x) / x, x = pi f drift."""
+    rate_hz, length_s = 16_000, 20.0
+    sent = noise(length_s, rate_hz)
+    seat = Seat(delay_s=0.01)
+    came = run_through(seat, sent, rate_hz, snr_db=60.0)
+    fine = signal.resample(came, 16 * len(came))
+    came = np.interp(16 * np.arange(len(came)) * (1.0 + 1e-6 * apart_ppm), np.arange(len(fine)), fine)
+    weak_db = -20.0 * np.log10(abs(np.sinc(MODELLED_HZ * 1e-6 * apart_ppm * length_s)))
+    if weak_db > RULES.random_error_db:
+        with pytest.raises(SoundtrackError, match=r"^y: slips by \d+\.\d samples against x on the way"):
+            require_along(sent, came, rate_hz)
+    else:
+        assert np.max(np.abs(errors_db(require_along(sent, came, rate_hz), seat))) < RULES.random_error_db
+
+
+@pytest.mark.parametrize("snr_db", [60.0, 20.0, 0.0, -10.0])
+@pytest.mark.parametrize("seat", [Seat(), Seat(resonance_hz=40.0, damping=0.05), Seat(resonance_hz=20.0, damping=0.02)])
+def test_neither_noise_nor_ringing_is_a_slip(seat: Seat, snr_db: float) -> None:
+    for seed in range(3):
+        sent = noise(20.0, 16_000, seed=seed)
+        require_along(sent, run_through(seat, sent, 16_000, snr_db=snr_db, seed=seed), 16_000)
+
+
+def test_neither_silence_around_a_run_nor_what_repeats_itself_is_a_slip() -> None:
+    rate_hz = 16_000
+    rest = np.zeros(4 * rate_hz)
+    for sent in (np.concatenate([rest, noise(20.0, rate_hz), rest]), np.tile(noise(0.3, rate_hz), 66)):
+        require_along(sent, run_through(Seat(), sent, rate_hz), rate_hz)

@@ -366,6 +366,29 @@ def test_a_profile_that_has_changed_since_is_not_what_the_drive_was_made_for(
     assert blastline(*check, *own).code == 0
 
 
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        (["--drive", "nix.wav"], "nix.wav: no such file"),
+        (["--drive", "pair.wav"], "pair.wav: has 2 channels; expected a drive of 1: export it as mono"),
+        (["--actuator", "nix"], "nix: no such actuator profile"),
+        ([], "drive.wav: no such file"),
+    ],
+)
+def test_a_check_tells_what_is_wrong_before_it_decodes_the_film(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: Path, film: Path, wrong: list[str], told: str
+) -> None:
+    """The complaint is all that is said, without `-q`: no stage of the work had begun, and no file was left open."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(result, "result")
+    soundfile.write("pair.wav", np.zeros((10, 2)), RATE_HZ)
+    if not wrong:
+        Path("result", "drive.wav").unlink()
+    files_before = len(os.listdir("/dev/fd"))
+    assert told in blastline("check", "result", "--audio", film, *wrong).complaint
+    assert len(os.listdir("/dev/fd")) == files_before
+
+
 def test_a_check_by_other_rules_says_so(result: Path, film: Path, believing: Path) -> None:
     told = "timeline.json: was made with other rules (digest "
     assert told in blastline("check", result, "--audio", film).err

@@ -90,6 +90,25 @@ def test_what_is_shown_as_felt_is_the_drive_through_the_response(phase: Phase, l
     assert sound.felt_drive[core] == pytest.approx(sound.target[core], abs=0.02 * np.abs(sound.target).max())
 
 
+@pytest.mark.parametrize(("resonance_hz", "q"), [(20.0, 30.0), (8.0, 12.0), (60.0, 30.0)])
+def test_what_a_seat_that_rings_on_still_feels_of_earlier_sound_is_shown(resonance_hz: float, q: float) -> None:
+    """The felt curves are those of the whole film through the response, however long its poles ring."""
+    w = 2.0 * np.pi * resonance_hz
+    pole = (-w / (2.0 * q), w * np.sqrt(1.0 - 0.25 / q**2))
+    response = msgspec.structs.replace(
+        PROFILE.response, gain=w / q, zeros_rad_s=((-20.0, 0.0),), poles_rad_s=(pole, (pole[0], -pole[1]))
+    )
+    seat = msgspec.structs.replace(PROFILE, response=response)
+    film = make_film(onsets_s=(11.0,), peaks=(0.1,), seconds=12.0, bed=0.1)
+    (event,) = film.timeline.events
+    drive = film.with_drive(np.clip(0.2 * np.random.default_rng(1).standard_normal(12 * 48_000), -1.0, 1.0)).drive
+    sound = event_sound(event, film.timeline, audio=film.audio, drive=drive, profile=seat)
+    felt = dsp.discretise(dsp.felt_response(seat), 48_000)
+    for shown, played in ((sound.felt_drive, drive.samples), (sound.felt_direct, film.audio.samples)):
+        whole = dsp.run_filter(felt, np.clip(played, -1.0, 1.0))[sound.span.start : sound.span.stop]
+        assert shown == pytest.approx(whole, abs=1e-6 * np.max(np.abs(whole)))
+
+
 def test_a_picture_does_not_depend_on_those_before_it() -> None:
     """All shots are drawn on one set of axes: nothing of a louder, longer or more crowded one may be left on it."""
     film = make_film(onsets_s=(0.6, 0.68, 1.4), peaks=(0.05, 0.9, 0.2), seconds=2.5)

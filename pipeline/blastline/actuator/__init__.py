@@ -13,6 +13,7 @@ from .phase import ExcessPhase, excess_phase, minimum_phase
 from .profile import fitted_profile, profile_text
 from .rational import Model, analogue, level_db
 from .recording import Recording, record
+from .slip import require_running_along
 from .target import FitTarget, fit_target
 from .thresholds import sensitivity_db
 
@@ -41,5 +42,6 @@ __all__ = [
     "profile_text",
     "read_measured",
     "record",
+    "require_running_along",
     "sensitivity_db",
 ]

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SoundtrackError
+from ..model import Span
 from ..ruleset import IdentifyRules
 from .measured import MeasuredResponse, standard_error_db, unbiased
 from .phase import ExcessPhase, excess_phase
@@ -23,7 +24,7 @@ from .recording import Recording
 Values = NDArray[np.float64]
 Spectrum = NDArray[np.complex128]
 
-_INDEPENDENT = 0.947
+INDEPENDENT = 0.947
 """Of Hann segments that overlap by half, the share that counts as independent (Welch 1967)."""
 
 _HIGHEST_OF_RATE = 0.45
@@ -76,48 +77,67 @@ def identify(excitation: Recording, response: Recording, *, rules: IdentifyRules
         lag += late
         segment = _segment(excitation, response, lag, rules)
         measured, excess = _measure(excitation, response, lag, segment, rules)
-    segments = _count(*_common(excitation, response, lag), segment)
+    segments = _count(common(excitation, response, lag), segment)
     return Identified(measured, segment / rate_hz, segments, excess)
 
 
-def coarse_delay(excitation: Recording, response: Recording, *, rules: IdentifyRules) -> int:
+def common(excitation: Recording, response: Recording, lag: int) -> Span:
+    """Return the part of the excitation that both recordings hold."""
+    start = max(0, -lag)
+    return Span(start, max(start, min(excitation.frames, response.frames - lag)))
+
+
+def coarse_delay(
+    excitation: Recording, response: Recording, *, rules: IdentifyRules, within: Span | None = None, near: int = 0
+) -> int:
     """Return by how many samples the response is late, to within the actuator's own ringing.
 
-    It is the peak of the correlation over at most eight pieces of the recordings; of peaks alike, as a periodic
-    excitation has them, the one nearest to no delay.
+    It is the peak of the correlation over at most eight pieces of the recordings, or of the part `within` of the
+    excitation; of peaks alike, as a periodic excitation has them, the one nearest to a delay of `near`.
     """
     from scipy.fft import irfft, rfft
 
     longest = round(rules.longest_delay_s * excitation.rate_hz)
-    last = max(0, excitation.frames - longest)
-    starts = np.unique(np.linspace(0, last, min(_DELAY_BLOCKS, 1 + math.ceil(last / longest))).astype(np.int64))
+    heard = within or Span(0, excitation.frames)
+    piece = min(longest, len(heard))
+    last = heard.stop - piece
+    pieces = min(_DELAY_BLOCKS, 1 + math.ceil((last - heard.start) / longest))
+    starts = np.unique(np.linspace(heard.start, last, pieces).astype(np.int64))
     size = 4 * longest
     correlation = np.zeros(size)
     for start in starts.tolist():
-        spectrum_in = rfft(excitation.read(start, longest), size)
-        spectrum_out = rfft(response.read(start - longest, 3 * longest), size)
+        spectrum_in = rfft(excitation.read(start, piece), size)
+        spectrum_out = rfft(response.read(start + near - longest, 3 * longest), size)
         spectrum_in[0] = spectrum_out[0] = 0.0
         correlation += irfft(np.conj(spectrum_in) * spectrum_out, size)
     heights = np.abs(correlation[: 2 * longest + 1])
     lags = np.arange(-longest, longest + 1)
+    return near + int(lags[nearest_peak(heights, lags, reach=excitation.rate_hz // 100)])
+
+
+def nearest_peak(heights: Values, lags: NDArray[np.int64], *, reach: int) -> int:
+    """Return the index of the highest value within `reach` of the one nearest to no lag among those that are alike."""
     alike = np.flatnonzero(heights >= _ALIKE * np.max(heights))
     nearest = int(alike[np.argmin(np.abs(lags[alike]))])
-    near = slice(max(0, nearest - excitation.rate_hz // 100), nearest + excitation.rate_hz // 100)
-    return int(lags[near][np.argmax(heights[near])])
+    begin = max(0, nearest - reach)
+    return begin + int(np.argmax(heights[begin : nearest + reach]))
 
 
-def welch(excitation: Recording, response: Recording, *, lag: int, segment: int) -> Spectra:
-    """Return the averaged spectra of segments of `segment` samples, the response taken `lag` samples later."""
+def welch(excitation: Recording, response: Recording, *, lag: int, segment: int, within: Span | None = None) -> Spectra:
+    """Return the averaged spectra of segments of `segment` samples, the response taken `lag` samples later.
+
+    They are those of all that both recordings hold, or of the part `within` of the excitation.
+    """
     from scipy.fft import rfft, rfftfreq
 
     window = np.hanning(segment + 1)[:-1]
-    start, stop = _common(excitation, response, lag)
+    heard = within or common(excitation, response, lag)
     frequencies_hz = rfftfreq(segment, 1.0 / excitation.rate_hz)
     power_in, squared_in, power_out = (np.zeros(len(frequencies_hz)) for _ in range(3))
     cross = np.zeros(len(frequencies_hz), dtype=np.complex128)
-    count = _count(start, stop, segment)
+    count = _count(heard, segment)
     for index in range(count):
-        place = start + index * (segment // 2)
+        place = heard.start + index * (segment // 2)
         samples_in, samples_out = excitation.read(place, segment), response.read(place + lag, segment)
         spectrum_in = rfft(window * (samples_in - np.mean(samples_in)))
         spectrum_out = rfft(window * (samples_out - np.mean(samples_out)))
@@ -167,7 +187,7 @@ def _measure(
     power_in, power_out, cross = spectra.excitation[rows], spectra.response[rows], spectra.cross[rows]
     transfer = cross / power_in
     coherence = np.minimum(np.abs(cross) ** 2 / np.maximum(power_in * power_out, 1e-300), 1.0)
-    frequencies_hz, averages = spectra.frequencies_hz[rows], _INDEPENDENT * spectra.segments
+    frequencies_hz, averages = spectra.frequencies_hz[rows], INDEPENDENT * spectra.segments
     band_hz = usable_band(frequencies_hz, coherence, averages, rules)
     if band_hz is None or band_hz[1] < 2.0 * band_hz[0]:
         best = float(np.max(coherence, initial=0.0))
@@ -208,26 +228,21 @@ def _check(excitation: Recording, response: Recording, rules: IdentifyRules) -> 
         )
 
 
-def _common(excitation: Recording, response: Recording, lag: int) -> tuple[int, int]:
-    """Return the range of the excitation that both recordings hold."""
-    return max(0, -lag), min(excitation.frames, response.frames - lag)
-
-
-def _count(start: int, stop: int, segment: int) -> int:
-    return max(0, (stop - start - segment) // (segment // 2) + 1)
+def _count(span: Span, segment: int) -> int:
+    return max(0, (len(span) - segment) // (segment // 2) + 1)
 
 
 def _segment(excitation: Recording, response: Recording, lag: int, rules: IdentifyRules) -> int:
     """Return the length of a segment in samples: even, and one that transforms fast."""
     from scipy.fft import next_fast_len
 
-    start, stop = _common(excitation, response, lag)
+    shared = common(excitation, response, lag)
     for segment_s in sorted(rules.segments_s, reverse=True):
         segment = int(next_fast_len(round(segment_s * excitation.rate_hz / 2.0), real=True)) * 2
-        if _count(start, stop, segment) >= rules.fewest_segments:
+        if _count(shared, segment) >= rules.fewest_segments:
             return segment
     needed_s = min(rules.segments_s) * (rules.fewest_segments + 1) / 2.0
     raise SoundtrackError(
-        f"{response.name}: has {max(0, stop - start) / excitation.rate_hz:.2f} s in common with {excitation.name}; "
+        f"{response.name}: has {len(shared) / excitation.rate_hz:.2f} s in common with {excitation.name}; "
         f"expected at least {needed_s:.2g} s"
     )

@@ -15,12 +15,6 @@ from .sounds import Sound
 
 Samples = NDArray[np.float64]
 
-_SETTLE_S = (0.6, 18.0)
-_SETTLE_TIMES = 18.0
-"""Filters run at least and at most this long before what is compared; between, 18 of their slowest time constants.
-
-A film that stands off zero is a step where they begin: the band's high-pass needs 0.6 s for 1e-8 of it."""
-
 _FADED = 1e-3
 """H has forgotten what is left with this share of its answer's amplitude."""
 
@@ -115,9 +109,6 @@ def compare(
     response, compensator = dsp.felt_response(profile), dsp.compensator(profile)
     felt = dsp.discretise(response, rate_hz)
     frequencies_hz = np.geomspace(_LOWEST_HZ, rate_hz / 2.0, 2048)
-    shortest_s, longest_s = _SETTLE_S
-    poles = np.concatenate([response.poles, compensator.poles])
-    settle_s = max(shortest_s, _SETTLE_TIMES * _slowest_s(poles, longest_s / _SETTLE_TIMES))
     return Comparison(
         audio,
         drive,
@@ -132,7 +123,7 @@ def compare(
         band_gains=_band_gains(profile, rate_hz, phase),
         compensated=_compensation(profile, rate_hz, phase),
         step=1.0 / float(np.max(np.abs(response.at(frequencies_hz)) ** 2)),
-        settle=round(settle_s * rate_hz),
+        settle=round(dsp.settle_s(response, compensator) * rate_hz),
         memory=_memory(felt, rate_hz),
         bend_ms=_BEND_MS[phase] * max(1.0, _BEND_AT_HZ / profile.lowpass.corner_hz),
     )
@@ -171,8 +162,3 @@ def _memory(felt: Samples, rate_hz: int) -> int:
     impulse[0] = 1.0
     left = np.cumsum(dsp.run_filter(felt, impulse)[::-1] ** 2)[::-1]
     return int(np.count_nonzero(left > _FADED**2 * left[0]))
-
-
-def _slowest_s(poles_rad_s: NDArray[np.complex128], most_s: float) -> float:
-    """Return the longest time constant of some poles, at most so much."""
-    return 1.0 / max(float(np.min(-poles_rad_s.real)), 1.0 / most_s)

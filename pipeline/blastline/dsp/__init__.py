@@ -1,6 +1,6 @@
 """Filters as zeros, poles and a gain, how they become digital, and fades between what they make."""
 
-from .analogue import Analogue, band, butterworth, compensator, felt_response, half_band, inverse
+from .analogue import Analogue, band, butterworth, compensator, felt_response, half_band, inverse, settle_s
 from .digital import discretise, run_filter
 from .fades import cross_fade, fade
 from .phase import band_sections, compensator_sections, run_backwards, run_both_ways
@@ -23,6 +23,7 @@ __all__ = [
     "run_backwards",
     "run_both_ways",
     "run_filter",
+    "settle_s",
     "settled_state",
     "settling",
 ]

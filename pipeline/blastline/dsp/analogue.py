@@ -15,6 +15,12 @@ from ..ruleset import ActuatorProfile
 
 _EARLY = math.sqrt(2.0) - 1.0
 
+_SETTLE_S = (0.6, 18.0)
+_SETTLE_TIMES = 18.0
+"""Filters run at least and at most this long before what is compared; between, 18 of their slowest time constants.
+
+A film that stands off zero is a step where they begin: the band's high-pass needs 0.6 s for 1e-8 of it."""
+
 
 @dataclass(frozen=True, eq=False)
 class Analogue:
@@ -77,6 +83,13 @@ def inverse(profile: ActuatorProfile) -> Analogue:
 def compensator(profile: ActuatorProfile) -> Analogue:
     """Return C(s) L(s) D(s), whose output drives the actuator so that H makes it the sound in the band."""
     return inverse(profile) * band(profile)
+
+
+def settle_s(*filters: Analogue) -> float:
+    """Return for how long filters have to run, from rest, before what leaves them is as if they had always run."""
+    shortest_s, longest_s = _SETTLE_S
+    slowest = min(float(np.min(-each.poles.real, initial=math.inf)) for each in filters)  # 1/s
+    return max(shortest_s, _SETTLE_TIMES / max(slowest, _SETTLE_TIMES / longest_s))
 
 
 def butterworth(order: int, corner_hz: float, kind: str) -> Analogue:

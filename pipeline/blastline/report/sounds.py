@@ -13,7 +13,6 @@ from ..units import gain_from_db, samples_from_ms
 
 Samples = NDArray[np.float64]
 
-_SETTLE_MS = 600.0
 _BEFORE_MS = 12.0
 _LONGEST_MS = 400.0
 
@@ -52,12 +51,13 @@ def event_sound(
     start = max(0, event.onset_sample - samples_from_ms(_BEFORE_MS, rate_hz))
     longest = event.onset_sample + samples_from_ms(_LONGEST_MS, rate_hz)
     shown = Span(start, min(frames, longest, max(event.window.stop, event.onset_sample + 1)))
-    settle = samples_from_ms(_SETTLE_MS, rate_hz)
+    response = dsp.felt_response(profile)
+    settle = round(dsp.settle_s(response, dsp.band(profile)) * rate_hz)
     whole = Span(max(0, start - settle), min(frames, shown.stop + settle))
     kept = slice(shown.start - whole.start, shown.stop - whole.start)
     sound = np.asarray(audio.read(whole, sides=event.made_of != "mains").driving_of(event.made_of), dtype=np.float64)
     driving = np.asarray(drive.read(whole).driving, dtype=np.float64)
-    felt = dsp.discretise(dsp.felt_response(profile), rate_hz)
+    felt = dsp.discretise(response, rate_hz)
     gain = gain_from_db(timeline.level_db + event.gain_db)
     return EventSound(
         event,

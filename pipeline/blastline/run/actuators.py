@@ -26,6 +26,7 @@ from ..actuator import (
     profile_text,
     read_measured,
     record,
+    require_running_along,
 )
 from ..dsp import compensator, felt_response
 from ..errors import OutputError, SoundtrackError
@@ -125,6 +126,8 @@ def identify_actuator(
         )
         progress("identifying", 0, None)
         identified = identify(*heard, rules=measuring.identify)
+        modelled_hz = measuring.fit.highest_hz
+        require_running_along(*heard, identified, modelled_hz=modelled_hz, rules=measuring.identify)
     origin = f"measured from {response.name} against {excitation.name}"
     made = _fit_and_write(identified.measured, output, options, origin, progress, identified=identified, csv=csv)
     return replace(made, warnings=warnings)

@@ -1,6 +1,7 @@
 """Checking results again: files against their timeline, however they came to be what they are."""
 
 import os
+from contextlib import nullcontext
 from pathlib import Path
 
 import msgspec
@@ -47,7 +48,13 @@ def check(
         )
     film = audio or _find_film(timeline.source, path)
     heard = timeline.source.stream if stream is None else stream
-    with open_soundtrack(film, stream=heard, mix=timeline.source.mix) as track:
+    has_drive = timeline.actuator is not None or drive is not None
+    # before the film is decoded, which takes minutes, whatever can be told without it
+    profile = profile_of(timeline, path, actuator=actuator, rules=rules) if has_drive else None
+    with (
+        open_soundtrack(film, stream=heard, mix=timeline.source.mix) as track,
+        open_drive(drive or path.parent / names.DRIVE) if has_drive else nullcontext() as made,
+    ):
         _require_sides(timeline, film, track)
         for _ in report_progress(track.blocks(BLOCK, sides=True), progress, track.expected_frames):
             pass
@@ -56,11 +63,9 @@ def check(
             require_same_film(found, timeline.source)
         cut = "the film of this timeline; `blastline conform` finds its shots in another cut"
         require_length(timeline, film, rate_hz=found.sample_rate_hz, frames=found.frames, what=cut)
-        if timeline.actuator is None and drive is None:
+        if profile is None or made is None:
             return msgspec.structs.replace(timeline, checks=check_timeline(timeline, audio=track, rules=read.align))
-        profile = profile_of(timeline, path, actuator=actuator, rules=rules)
-        with open_drive(drive or path.parent / names.DRIVE) as made:
-            return checked(timeline, track, made, profile=profile, rules=read, progress=progress)
+        return checked(timeline, track, made, profile=profile, rules=read, progress=progress)
 
 
 def checked(

@@ -2,6 +2,11 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SoundtrackError
+from .coded import first_burst
 from .repair import mended, repair_warning, require_usable
 from .track import Samples, TrackFacts
 
@@ -13,9 +18,9 @@ samples are counted."""
 class Condition:
     """What has been seen of one track so far."""
 
-    def __init__(self, facts: TrackFacts, mix: str) -> None:
-        """Begin before the first sample of a track that is heard as the mix of that name."""
-        self._facts, self._mix = facts, mix
+    def __init__(self, facts: TrackFacts, mix: str, heard: NDArray[np.bool_]) -> None:
+        """Begin before the first sample of a track that is heard as the mix of that name, in those of its channels."""
+        self._facts, self._mix, self._heard = facts, mix, heard
         self._frames, self._mended, self._first_mended = 0, 0, 0
         self._mix_sounds, self._track_sounds = False, False
 
@@ -25,7 +30,11 @@ class Condition:
         return self._mended
 
     def usable(self, raw: Samples) -> Samples:
-        """Return the next samples, shape (frames, channels), with those set to 0 that are no sound."""
+        """Return the next samples, shape (frames, channels), with those set to 0 that are no sound.
+
+        Raises SoundtrackError where they are coded data: read as sound, they are noise at full scale.
+        """
+        self._require_sound(raw)
         if self._facts.is_integer:
             samples = raw
         else:
@@ -50,13 +59,25 @@ class Condition:
         if self._mended:
             yield repair_warning(self._mended, self._first_mended)
         if self._frames and not self._track_sounds:
-            beside = "; ".join(self._facts.beside)
-            yield f"sound stream {self._facts.stream} is silent from beginning to end" + (
-                f"; --stream chooses another: {beside}" if beside else ""
-            )
+            yield f"sound stream {self._facts.stream} is silent from beginning to end{self._others()}"
         elif self._frames and not self._mix_sounds:
             yield f"the mix {self._mix} is silent, though the film is not: its channels cancel, or others sound"
         yield from self._missing()
+
+    def _require_sound(self, raw: Samples) -> None:
+        """Raise SoundtrackError where samples hold bursts of coded data in what is heard."""
+        frame = first_burst(raw, self._heard)
+        if frame is not None:
+            others = "; --mix chooses other channels" if self._facts.channels > 2 else ""
+            raise SoundtrackError(
+                f"sound stream {self._facts.stream} holds coded data (SMPTE 337M, as of Dolby E or AC-3) from "
+                f"{(self._frames + frame) / self._facts.rate_hz:.3f} s on; expected PCM sound{others}{self._others()}"
+            )
+
+    def _others(self) -> str:
+        """Return what could be heard in the place of this stream, to be added to a line."""
+        beside = "; ".join(self._facts.beside)
+        return f"; --stream chooses another: {beside}" if beside else ""
 
     def _missing(self) -> Iterator[str]:
         """Yield a line where the track is shorter than declared."""

@@ -51,7 +51,7 @@ class Soundtrack:
         self._timebase = timebase
         self._frames: int | None = None
         self._started = False
-        self._condition = Condition(track.facts, mix)
+        self._condition = Condition(track.facts, mix, np.asarray(np.any(matrix, axis=1)))
         layout, channels = track.facts.layout, track.facts.channels
         self._order = summing_order(layout, channels)
         self._sides = sides_matrix(layout, channels, mix)
