@@ -423,6 +423,7 @@ def test_an_interruption_that_was_swallowed_is_heeded_before_results_are_in_plac
 
     monkeypatch.setattr("sys.unraisablehook", lambda _: None)
     monkeypatch.setattr(rendering, "write_formats", swallowing)
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it, and so does a run
     try:
         ended = blastline("render", film, "-o", out, "--no-report")
     finally:
