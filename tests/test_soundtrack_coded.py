@@ -23,7 +23,7 @@ SYNCS = {16: (0xF872, 0x4E1F), 20: (0x6F872, 0x54E1F), 24: (0x96F872, 0xA54E1F)}
 DOLBY_E_25, DOLBY_E_29_97, AC_3, E_AC_3 = (1920,), (1601, 1602, 1601, 1602, 1602), (1536,), (6144,)
 """Frames from burst to burst."""
 
-REFUSED = r"film\.\w+: sound stream 0 holds coded data \(SMPTE 337M, as of Dolby E or AC-3\) from {} s on; expected PCM"
+REFUSED = r"film\.\w+: sound stream 0 holds coded data \(SMPTE 337M, as of Dolby E or AC-3\) at {} s; expected PCM"
 
 
 def bursts(bits: int, distances: Sequence[int], *, channels: int, frames: int = 60_000, first: int = 0) -> Any:
@@ -77,6 +77,13 @@ def test_data_that_begins_late_is_refused_where_it_begins(tmp_path: Path) -> Non
         tmp_path / "film.wav", bursts(24, AC_3, channels=2, frames=400_000, first=240_000), RATE_HZ, "PCM_24"
     )
     with pytest.raises(SoundtrackError, match=REFUSED.format(r"5\.000")):
+        heard(tmp_path / "film.wav")
+
+
+def test_data_that_begins_later_than_all_is_searched_is_refused_as_well(tmp_path: Path) -> None:
+    words = bursts(16, AC_3, channels=1, frames=45 * RATE_HZ, first=25 * RATE_HZ)
+    soundfile.write(tmp_path / "film.wav", words, RATE_HZ, "PCM_16")
+    with pytest.raises(SoundtrackError, match=REFUSED.format(r"(2[5-9]|3\d)\.\d+")):
         heard(tmp_path / "film.wav")
 
 

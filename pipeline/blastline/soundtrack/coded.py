@@ -26,7 +26,7 @@ _SYNCS = tuple((_as_sample(first, bits), _as_sample(second, bits)) for bits, fir
 
 
 def first_burst(samples: Samples, heard: NDArray[np.bool_]) -> int | None:
-    """Return the frame where bursts of coded data begin in channels that are heard; None where there are none.
+    """Return the first frame of bursts of coded data in channels that are heard; None where there are none.
 
     `samples` has shape (frames, channels), `heard` (channels,).
     """

@@ -14,9 +14,9 @@ _MIN_MISSING_S, _MIN_MISSING_COUNTED_S = 0.1, 0.005
 """What a lossy codec may round its length by, and more: less than this is not called missing. Nothing is rounded where
 samples are counted."""
 
-_FIRST, _EVERY = 16, 8
-"""Blocks that are all searched for coded data, and then every so many: bursts go on, and to search all costs a third of
-reading a film."""
+_SEARCHED_FIRST, _SEARCHED_EVERY = 16, 8
+"""So many blocks are searched for coded data, then one in so many: bursts go on, and to search all costs a third of
+reading a film. Data that begins late may be seen some seconds later, and a few seconds of it not at all."""
 
 
 class Condition:
@@ -38,7 +38,7 @@ class Condition:
 
         Raises SoundtrackError where they are coded data: read as sound, they are noise at full scale.
         """
-        if self._blocks < _FIRST or self._blocks % _EVERY == 0:
+        if self._blocks < _SEARCHED_FIRST or self._blocks % _SEARCHED_EVERY == 0:
             self._require_sound(raw)
         self._blocks += 1
         if self._facts.is_integer:
@@ -76,8 +76,8 @@ class Condition:
         if frame is not None:
             others = "; --mix chooses other channels" if self._facts.channels > 2 else ""
             raise SoundtrackError(
-                f"sound stream {self._facts.stream} holds coded data (SMPTE 337M, as of Dolby E or AC-3) from "
-                f"{(self._frames + frame) / self._facts.rate_hz:.3f} s on; expected PCM sound{others}{self._others()}"
+                f"sound stream {self._facts.stream} holds coded data (SMPTE 337M, as of Dolby E or AC-3) at "
+                f"{(self._frames + frame) / self._facts.rate_hz:.3f} s; expected PCM sound{others}{self._others()}"
             )
 
     def _others(self) -> str:

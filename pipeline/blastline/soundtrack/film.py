@@ -97,7 +97,7 @@ class FilmTrack:
         if self._single_channels > 1:
             lines.append(
                 f"only sound stream {self.facts.stream} of {self._single_channels} with one channel each is heard: "
-                f"--stream chooses another; channels of one sound have to be joined in one stream first"
+                "--stream chooses another; channels of one sound have to be joined in one stream first"
             )
         if tally.failed:
             packets = f"{tally.failed} of {tally.packets} packets of sound"
@@ -178,8 +178,8 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None
             raise SoundtrackError("is a list of other files; expected a film or sound file itself")
         is_cut = stops_early(path, container.format.name)
         chosen = _chosen(container, stream)
-        alike = 1 if stream is not None else _single_channels(container, chosen)
-        return FilmTrack(container, chosen, table, is_cut=is_cut, single_channels=alike)
+        single_channels = 1 if stream is not None else _single_channels(container, chosen)
+        return FilmTrack(container, chosen, table, is_cut=is_cut, single_channels=single_channels)
     except BaseException:
         container.close()
         raise
