@@ -78,7 +78,8 @@ def rows_at(
     rows = []
     for first, place in enumerate(at):
         for second in range(bisect_left(at, place + shortest), bisect_right(at, place + longest)):
-            if (first, second) not in told:
+            # most pairs are no row's beginning
+            if abs(loud_db[second] - loud_db[first]) <= pace.within_db and (first, second) not in told:
                 row = _row_on(at, loud_db, first, second, gaps=(shortest, longest), pace=pace)
                 told.update(pairwise(row))
                 rows.append(row[:_MOST_IN_ROW])
@@ -150,8 +151,9 @@ def worth_a_look(
 
     That is `look_from`, and where it finds some of a row of fire so likely, `least` for the others.
     """
-    passed = likely >= max(least, tier.verify.look_from)
-    perhaps = np.flatnonzero(likely >= least)
+    passed, perhaps = likely >= max(least, tier.verify.look_from), np.flatnonzero(likely >= least)
+    if passed[perhaps].all():
+        return passed
     for row in rows_at(onsets[perhaps], peaks_dbfs[perhaps], automatic(tier.bursts), rate_hz=rate_hz):
         passed[perhaps[row]] |= passed[perhaps[row]].any()
     return passed

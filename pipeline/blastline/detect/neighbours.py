@@ -1,5 +1,7 @@
 """How a candidate stands among its neighbours: a shot towers or comes in bursts, a machine repeats itself for ever."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,7 +14,7 @@ LEVEL_STEPS_DB = (-12.0, -6.0, -3.0)
 RIVAL_DB = 9.0  # a neighbour this much weaker is no rival
 ALIKE_DB, FARTHEST_DB = 5.0, 50.0
 RUN_GAP_MS = 300.0
-_AT_ONCE = 64  # candidates that are held against one set of neighbours
+_AT_ONCE = 128  # candidates that are held against their neighbours together
 _SLACK_MS = 1.0
 
 
@@ -35,26 +37,40 @@ def neighbourhood(
     at_ms = places.astype(np.float64) * (1000.0 / rate_hz)
     rows = [np.zeros((0, len(neighbourhood_names())))]
     for some in (wanted[first : first + _AT_ONCE] for first in range(0, wanted.size, _AT_ONCE)):
-        nearest_ms = at_ms[some[0]] - PAST_MS - _SLACK_MS, at_ms[some[-1]] + FUTURE_MS + _SLACK_MS
-        first, stop = np.searchsorted(at_ms, nearest_ms)
-        rows.append(_standing(at_ms[first:stop], levels[first:stop], some - first))
+        firsts = np.searchsorted(at_ms, at_ms[some] - PAST_MS - _SLACK_MS)
+        stops = np.searchsorted(at_ms, at_ms[some] + FUTURE_MS + _SLACK_MS)
+        around = slice(firsts[0], stops[-1])
+        rows.append(_standing(at_ms[around], levels[around], *(ends - firsts[0] for ends in (some, firsts, stops))))
     return np.concatenate(rows)
 
 
-def _standing(at_ms: NDArray[np.float64], levels: NDArray[np.float64], wanted: NDArray[np.intp]) -> NDArray[np.float64]:
-    """Return how some candidates stand among all of the last three seconds and the next ones, by times and levels."""
+def _standing(
+    at_ms: NDArray[np.float64],
+    levels: NDArray[np.float64],
+    wanted: NDArray[np.intp],
+    firsts: NDArray[np.intp],
+    stops: NDArray[np.intp],
+) -> NDArray[np.float64]:
+    """Return how some candidates stand among their neighbours, by the times and levels of all.
+
+    Each has a row of neighbours in time, those from its index in `firsts` to before that in `stops`.
+    """
+    neighbours = firsts[:, None] + np.arange((stops - firsts).max())
+    lacking = neighbours >= stops[:, None]
+    neighbours[lacking] = 0
+    times = at_ms[neighbours]
+    gap_ms = times - at_ms[wanted, None]
+    gap_ms[lacking] = np.inf
     attack_db = levels[:, -1, ATTACK]
-    shapes = np.maximum(levels[:, :-1, ATTACK : ATTACK + SHAPE_SEGMENTS] - attack_db[:, None, None], LOWEST_DB)
-    gap_ms = at_ms[None, :] - at_ms[wanted, None]
-    level = attack_db[None, :] - attack_db[wanted, None]
+    level = attack_db[neighbours] - attack_db[wanted, None]
     before = (gap_ms < 0.0) & (gap_ms >= -PAST_MS)
     after = (gap_ms > 0.0) & (gap_ms <= FUTURE_MS)
-    distance = _distances(shapes.reshape(at_ms.size, shapes.shape[1] * shapes.shape[2]), wanted)
+    shapes = np.maximum(levels[:, :-1, ATTACK : ATTACK + SHAPE_SEGMENTS] - attack_db[:, None, None], LOWEST_DB)
+    distance = _distances(shapes.reshape(at_ms.size, shapes.shape[1] * shapes.shape[2]), wanted, neighbours)
     alike = (distance < ALIKE_DB) & (np.abs(level) < RIVAL_DB)
-    run = (alike & (before | after)) | (gap_ms == 0.0)
-    previous = _last(before & (level >= -RIVAL_DB))
-    following = _last((after & (level >= -RIVAL_DB))[:, ::-1])
-    following = np.where(following >= 0, at_ms.size - 1 - following, -1)
+    alike_before, alike_after, rival = alike & before, alike & after, level >= -RIVAL_DB
+    previous, following = _last(before & rival), _first(after & rival)
+    loud = [level >= bound for bound in LEVEL_STEPS_DB]
     columns = [
         np.where(before, level, LOWEST_DB).max(axis=1, initial=LOWEST_DB),
         np.where(after, level, LOWEST_DB).max(axis=1, initial=LOWEST_DB),
@@ -63,61 +79,63 @@ def _standing(at_ms: NDArray[np.float64], levels: NDArray[np.float64], wanted: N
         _picked(level, previous, LOWEST_DB),
         _picked(level, following, LOWEST_DB),
         _picked(distance, previous, FARTHEST_DB),
-        *((side & (level >= bound)).sum(axis=1) for side in (before, after) for bound in LEVEL_STEPS_DB),
-        (alike & before).sum(axis=1),
-        (alike & after).sum(axis=1),
-        _gap_variation(at_ms, run),
-        *_run(at_ms, run, wanted),
+        *(np.count_nonzero(side & than, axis=1) for side in (before, after) for than in loud),
+        np.count_nonzero(alike_before, axis=1),
+        np.count_nonzero(alike_after, axis=1),
+        *_run(times, alike_before | alike_after | (gap_ms == 0.0), wanted - firsts),
     ]
     return np.stack(columns, axis=1).astype(np.float64)
 
 
-def _distances(shapes: NDArray[np.float64], own: NDArray[np.intp]) -> NDArray[np.float64]:
-    """Return the rms difference of every own shape to every shape, in dB."""
+def _distances(shapes: NDArray[np.float64], own: NDArray[np.intp], neighbours: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Return the rms difference of every own shape to those of its neighbours, in dB, shape as `neighbours`."""
     squares = np.sum(shapes**2, axis=1)
-    apart = squares[own, None] + squares[None, :] - 2.0 * shapes[own] @ shapes.T
+    products = np.take_along_axis(shapes[own] @ shapes.T, neighbours, axis=1)
+    apart = squares[own, None] + squares[neighbours] - 2.0 * products
     return np.asarray(np.sqrt(np.maximum(apart, 0.0) / shapes.shape[1]), np.float64)
 
 
 def _last(which: NDArray[np.bool_]) -> NDArray[np.intp]:
     """Return the last true column of each row, -1 where there is none."""
-    return np.asarray(np.where(which, np.arange(which.shape[1]), -1).max(axis=1, initial=-1), np.intp)
+    return np.asarray(np.where(which.any(axis=1), which.shape[1] - 1 - which[:, ::-1].argmax(axis=1), -1), np.intp)
+
+
+def _first(which: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Return the first true column of each row, -1 where there is none."""
+    return np.asarray(np.where(which.any(axis=1), which.argmax(axis=1), -1), np.intp)
 
 
 def _picked(values: NDArray[np.float64], column: NDArray[np.intp], otherwise: float) -> NDArray[np.float64]:
     """Return one value of each row, `otherwise` where the column is -1."""
-    if values.shape[1] == 0:
-        return np.full(values.shape[0], otherwise)
     return np.where(column >= 0, values[np.arange(values.shape[0]), column], otherwise)
 
 
-def _gap_variation(at_ms: NDArray[np.float64], alike: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Return the coefficient of variation of the gaps between alike candidates, 2 at most and for fewer than three."""
-    latest = np.maximum.accumulate(np.where(alike, at_ms, -np.inf), axis=1)
-    earlier = np.concatenate([np.full((alike.shape[0], 1), -np.inf), latest[:, :-1]], axis=1)
-    counted = alike & np.isfinite(earlier)
-    gaps = np.where(counted, at_ms - np.where(counted, earlier, 0.0), 0.0)
-    count = counted.sum(axis=1)
-    mean = gaps.sum(axis=1) / np.maximum(count, 1)
-    spread = np.sqrt((np.where(counted, gaps - mean[:, None], 0.0) ** 2).sum(axis=1) / np.maximum(count, 1))
-    return np.where(count >= 3, np.minimum(2.0, spread / np.maximum(mean, 1e-9)), 2.0)
-
-
 def _run(
-    at_ms: NDArray[np.float64], alike: NDArray[np.bool_], own: NDArray[np.intp]
+    times: NDArray[np.float64], alike: NDArray[np.bool_], own: NDArray[np.intp]
 ) -> tuple[NDArray[np.float64], ...]:
-    """Return the gaps to the alike candidates before and after, and how long the run goes on in either direction.
+    """Return of each row of times, ascending, how even its alike candidates are, and the run around its own column.
 
-    A run ends where the next alike candidate is more than `RUN_GAP_MS` away: a burst is short, a machine goes on.
+    That is the coefficient of variation of their gaps, 2 at most and for fewer than three; the gaps from the own
+    candidate, which is alike, to those before and after; and how long the run goes on in either direction. A run ends
+    where the next alike candidate is more than `RUN_GAP_MS` away: a burst is short, a machine goes on.
     """
-    rows = np.arange(own.size)
-    sides = []
-    for times, which, place in ((at_ms, alike, own), (-at_ms[::-1], alike[:, ::-1], at_ms.size - 1 - own)):
-        latest = np.maximum.accumulate(np.where(which, times, -np.inf), axis=1)
-        earlier = np.concatenate([np.full((own.size, 1), -np.inf), latest[:, :-1]], axis=1)
-        starts = which & (times - earlier > RUN_GAP_MS)
-        start = np.maximum.accumulate(np.where(starts, times, -np.inf), axis=1)
-        gap = np.minimum(times[place] - earlier[rows, place], RUN_GAP_MS)
-        sides.append((gap, times[place] - start[rows, place]))
-    (gap_back, run_back), (gap_on, run_on) = sides
-    return gap_back, gap_on, run_back, run_on
+    row, column = np.nonzero(alike)  # row by row: few of many are alike
+    at = times[row, column]
+    gap = np.where(np.diff(row, prepend=-1) == 0, np.diff(at, prepend=0.0), np.inf)  # to the one before in the row
+    inner = np.isfinite(gap)
+    count = _row_sums(inner, row, own.size)
+    mean = _row_sums(np.where(inner, gap, 0.0), row, own.size) / np.maximum(count, 1.0)
+    spread = np.sqrt(_row_sums(np.where(inner, gap - mean[row], 0.0) ** 2, row, own.size) / np.maximum(count, 1.0))
+    variation = np.where(count >= 3, np.minimum(2.0, spread / np.maximum(mean, 1e-9)), 2.0)
+    index = np.arange(row.size)
+    gap_on = np.append(gap[1:], np.inf)
+    run_from = np.maximum.accumulate(np.where(gap > RUN_GAP_MS, index, 0))
+    run_to = np.minimum.accumulate(np.where(gap_on > RUN_GAP_MS, index, row.size)[::-1])[::-1]
+    me = np.flatnonzero(column == own[row])
+    gaps = (np.minimum(side[me], RUN_GAP_MS) for side in (gap, gap_on))
+    return variation, *gaps, at[me] - at[run_from[me]], at[run_to[me]] - at[me]
+
+
+def _row_sums(values: NDArray[Any], row: NDArray[np.intp], rows: int) -> NDArray[np.float64]:
+    """Return the sum of the values of each row."""
+    return np.asarray(np.bincount(row, weights=values, minlength=rows), np.float64)
