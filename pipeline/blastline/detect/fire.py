@@ -72,17 +72,15 @@ def rows_at(
     onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], pace: Pace, *, rate_hz: int
 ) -> list[NDArray[np.intp]]:
     """Return the rows at a pace among onsets, ascending, the longest row first; no sound is in two."""
+    gaps = (samples_from_ms(pace.shortest_gap_ms, rate_hz), samples_from_ms(pace.longest_gap_ms, rate_hz))
     at, loud_db = onsets.tolist(), peaks_dbfs.tolist()  # a few at a time: lists are faster than arrays
-    shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (pace.shortest_gap_ms, pace.longest_gap_ms))
     told: set[tuple[int, int]] = set()
     rows = []
-    for first, place in enumerate(at):
-        for second in range(bisect_left(at, place + shortest), bisect_right(at, place + longest)):
-            # most pairs are no row's beginning
-            if abs(loud_db[second] - loud_db[first]) <= pace.within_db and (first, second) not in told:
-                row = _row_on(at, loud_db, first, second, gaps=(shortest, longest), pace=pace)
-                told.update(pairwise(row))
-                rows.append(row[:_MOST_IN_ROW])
+    for first, second in _beginnings(onsets, peaks_dbfs, pace, gaps):
+        if (first, second) not in told:
+            row = _row_on(at, loud_db, first, second, gaps=gaps, pace=pace)
+            told.update(pairwise(row))
+            rows.append(row[:_MOST_IN_ROW])
     free = np.ones(onsets.size, bool)
     chosen = []
     for row in sorted(rows, key=len, reverse=True):
@@ -90,6 +88,25 @@ def rows_at(
             free[row] = False
             chosen.append(np.array(row, np.intp))
     return chosen
+
+
+def _beginnings(
+    onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], pace: Pace, gaps: tuple[int, int]
+) -> list[tuple[int, int]]:
+    """Return the pairs that a row may begin with, in order: few pairs of sounds are alike and have a third in time."""
+    firsts, stops = np.searchsorted(onsets, onsets + gaps[0]), np.searchsorted(onsets, onsets + gaps[1], side="right")
+    count = stops - firsts
+    first = np.repeat(np.arange(onsets.size), count)
+    second = np.arange(first.size) + np.repeat(firsts - (np.cumsum(count) - count), count)
+    alike = np.abs(peaks_dbfs[second] - peaks_dbfs[first]) <= pace.within_db
+    first, second = first[alike], second[alike]
+    if pace.fewest > 2:
+        gap = onsets[second] - onsets[first]
+        late = np.ceil(pace.unevenness * gap).astype(np.intp)
+        due = onsets[second] + gap
+        third = np.searchsorted(onsets, due - late) < np.searchsorted(onsets, due + late, side="right")
+        first, second = first[third], second[third]
+    return list(zip(first.tolist(), second.tolist(), strict=True))
 
 
 def _row_on(

@@ -78,8 +78,9 @@ def segment(
 
 def peak_dbfs(samples: NDArray[np.float32], onset: int, rate_hz: int) -> float:
     """Return the `peak_dbfs` of the shot that starts at an index of `samples`, where nothing else is asked."""
-    wave, _ = _heard(samples, onset, onset + samples_from_ms(PEAK_MS, rate_hz), rate_hz)
-    return db_from_gain(float(np.abs(wave).max(initial=0.0)))
+    wave = samples[onset : onset + samples_from_ms(PEAK_MS, rate_hz)]
+    constant = _constant(samples, onset, rate_hz)
+    return db_from_gain(max(float(wave.max()) - constant, constant - float(wave.min())))
 
 
 def reach(*, rate_hz: int, rules: SegmentRules) -> int:
@@ -95,10 +96,15 @@ def _heard(
     samples: NDArray[np.float32], onset: int, stop: int, rate_hz: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the sound from an onset on and that just before it, without its mean: a constant is no sound."""
-    wave = samples[onset:stop].astype(np.float64)
-    before = samples[max(0, onset - samples_from_ms(BACKGROUND_MS, rate_hz)) : onset].astype(np.float64)
-    constant = np.mean(before) if before.size else wave[0]
-    return wave - constant, before - constant
+    constant = _constant(samples, onset, rate_hz)
+    before = samples[max(0, onset - samples_from_ms(BACKGROUND_MS, rate_hz)) : onset]
+    return samples[onset:stop].astype(np.float64) - constant, before.astype(np.float64) - constant
+
+
+def _constant(samples: NDArray[np.float32], onset: int, rate_hz: int) -> float:
+    """Return the mean of the sound just before an onset; its first sample where nothing is before it."""
+    before = samples[max(0, onset - samples_from_ms(BACKGROUND_MS, rate_hz)) : onset]
+    return float(np.mean(before, dtype=np.float64) if before.size else samples[onset])
 
 
 def _blast_length(wave: NDArray[np.float64], peak: float, usual: float, *, rate_hz: int, rules: SegmentRules) -> int:
