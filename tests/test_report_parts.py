@@ -1,19 +1,23 @@
 """The parts of the report: which shots are shown, curves that look the same, spectra, and words."""
 
+import re
+
 import msgspec
 import numpy as np
 import pytest
 
 from align_films import PROFILE, make_film
 from blastline import dsp
-from blastline.model import Check, Event, Phase, Window
+from blastline.model import Check, Event, Phase, Rejection, Window
 from blastline.report.choice import MAX_FIGURES, pictured
 from blastline.report.figures import ShotPictures
 from blastline.report.overview import Overview
 from blastline.report.sounds import envelope, event_sound, spectrum_db
 from blastline.report.summary import verdict
+from blastline.report.tables import rejections_table
 from blastline.report.track import film_track
 from blastline.report.words import allowed, measured
+from blastline.timecode import timecode_at
 
 
 def many(count: int) -> tuple[Event, ...]:
@@ -148,6 +152,18 @@ def test_a_film_without_shots_is_not_said_to_rest_where_its_sound_plays_on() -> 
     ):
         checked = msgspec.structs.replace(timeline, checks=(Check(name, None, True, 0.0, 0.0, "samples"),))
         assert said in verdict(checked)
+
+
+@pytest.mark.parametrize("at_s", [0.71239, 59.97, 754.80321, 14_399.96])
+def test_what_was_nearly_a_shot_can_be_added_at_the_time_that_the_page_tells(at_s: float) -> None:
+    """Who types it puts the event on the sound that was turned down, however long the film: within a millisecond."""
+    source = make_film(onsets_s=(0.1,), peaks=(0.01,), seconds=0.5).timeline.source
+    turned_down = Rejection(round(at_s * source.sample_rate_hz), "below the threshold", {"probability": 0.4})
+    [(timecode, told_s)] = re.findall(
+        r">([\d:;]+), ([\d.]+) s \(probability 0.4\)<", rejections_table([turned_down], source)
+    )
+    assert abs(float(told_s) - turned_down.at_sample / source.sample_rate_hz) < 0.001
+    assert timecode == timecode_at(source, turned_down.at_sample)
 
 
 @pytest.mark.parametrize(("excess", "told"), [(0, "as many as the film"), (3, "3 more than"), (-5, "5 fewer than")])
