@@ -16,7 +16,7 @@ from blastline.report.sounds import envelope, event_sound, spectrum_db
 from blastline.report.summary import verdict
 from blastline.report.tables import rejections_table
 from blastline.report.track import film_track
-from blastline.report.words import allowed, measured
+from blastline.report.words import allowed, duration, measured
 from blastline.timecode import timecode_at
 
 
@@ -188,3 +188,16 @@ def test_frames_are_told_as_a_difference(excess: int, told: str) -> None:
 def test_a_figure_that_fails_below_is_not_said_to_be_allowed(name: str, unit: str, limit: float, text: str) -> None:
     """A drive of half its level is 6 dB short: it must not read "-6 dB, up to 1.5 dB"."""
     assert allowed(Check(name, None, False, -6.0, limit, unit)) == text
+
+
+@pytest.mark.parametrize("seconds", [0.0, 9.96, 59.949, 59.951, 59.99, 60.0, 60.4, 119.6, 3599.7, 14_400.2])
+def test_a_duration_is_the_nearest_of_its_kind(seconds: float) -> None:
+    said = duration(seconds)
+    if " s" in said:
+        assert abs(float(said.removesuffix(" s")) - seconds) <= 0.0500001
+        assert float(said.removesuffix(" s")) < 60.0
+    else:
+        hours, minutes, whole = (int(part) for part in said.split(":"))
+        assert abs(3600 * hours + 60 * minutes + whole - seconds) <= 0.5
+        assert minutes < 60
+        assert whole < 60

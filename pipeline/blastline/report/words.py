@@ -133,11 +133,10 @@ def _unit(check: Check) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Return a duration as h:mm:ss, or in seconds where it is short.
+    """Return a duration as h:mm:ss to the nearest second, or, where it is short, in seconds to the nearest tenth.
 
-    >>> duration(7384.2), duration(12.34)
-    ('2:03:04', '12.3 s')
+    >>> duration(7384.2), duration(12.34), duration(59.94), duration(59.97), duration(119.6)
+    ('2:03:04', '12.3 s', '59.9 s', '0:01:00', '0:02:00')
     """
-    if seconds < 60.0:
-        return f"{figure(seconds, 1)} s"
-    return clock_text(Fraction(int(seconds)), 0, hour_digits=1)
+    tenths = figure(seconds, 1)
+    return f"{tenths} s" if seconds < 60.0 and tenths != "60" else clock_text(Fraction(seconds), 0, hour_digits=1)
