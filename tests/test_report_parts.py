@@ -20,6 +20,10 @@ from blastline.report.words import allowed, duration, measured
 from blastline.timecode import timecode_at
 
 
+def figures_in(text: str) -> list[float]:
+    return [float(found.replace("−", "-")) for found in re.findall(r"−?\d+(?:\.\d+)?", text)]
+
+
 def many(count: int) -> tuple[Event, ...]:
     (event,) = make_film(onsets_s=(0.1,), peaks=(0.01,), seconds=0.5).timeline.events
     return tuple(
@@ -188,6 +192,30 @@ def test_frames_are_told_as_a_difference(excess: int, told: str) -> None:
 def test_a_figure_that_fails_below_is_not_said_to_be_allowed(name: str, unit: str, limit: float, text: str) -> None:
     """A drive of half its level is 6 dB short: it must not read "-6 dB, up to 1.5 dB"."""
     assert allowed(Check(name, None, False, -6.0, limit, unit)) == text
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "value", "limit"),
+    [
+        ("felt_lag", "ms", 0.5004, 0.5),
+        ("felt_lag", "ms", -0.50001, 0.5),
+        ("drive_peak", "of the limit", 1.0000004, 1.0),
+        ("felt_correlation", "", 0.89996, 0.9),
+        ("pre_echo", "dB", -39.9999, -40.0),
+        ("level_as_rendered", "dB", 1.23464, 1.23456),
+        ("drive_speed", "ratio", 1.00000871, 1.0000087),
+        ("drive_speed", "ratio", 0.99999129, 1.0000087),
+    ],
+)
+def test_a_figure_that_just_fails_reads_as_one_that_fails(name: str, unit: str, value: float, limit: float) -> None:
+    """What is beyond a limit must not be rounded to it: "0.5 ms, up to 0.5 ms either way" is no failure."""
+    check = Check(name, None, False, value, limit, unit)
+    said, bounds = figures_in(measured(check)), figures_in(allowed(check))
+    assert (value > limit) == (said[0] > bounds[-1])
+    assert all(abs(said[0]) != abs(bound) for bound in bounds)
+    assert measured(msgspec.structs.replace(check, passed=True)) == measured(
+        msgspec.structs.replace(check, passed=True, limit=None)
+    )
 
 
 @pytest.mark.parametrize("seconds", [0.0, 9.96, 59.949, 59.951, 59.99, 60.0, 60.4, 119.6, 3599.7, 14_400.2])

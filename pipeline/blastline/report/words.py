@@ -40,6 +40,7 @@ _EXACT = {"sample_rate", "frames", "drive_samples", "timeline_order"} | _OUTSIDE
 _AT_LEAST = {"felt_correlation", "drive_correlation", "fade_in_before_onset", "audio_rise"}
 _EITHER_WAY = {"drive_shift", "drive_drift", "felt_lag", "drive_lag", "level_as_rendered", "peak_as_rendered"}
 _ONSETS = {"felt_onset", "drive_onset"}
+_MOST_DECIMALS = 16
 
 
 def claim(check: Check) -> str:
@@ -125,7 +126,14 @@ def allowed(check: Check) -> str:
 
 
 def _digits(check: Check) -> int:
-    return 7 if check.name == "drive_speed" else 3
+    """Return how many decimals a check has: where it failed, as many as tell what was measured from what is allowed."""
+    usual = 7 if check.name == "drive_speed" else 3
+    value, limit = check.measured, check.limit
+    if check.passed or value is None or limit is None:
+        return usual
+    bounds = (limit, 2.0 - limit if check.name == "drive_speed" else -limit)
+    digits = range(usual, _MOST_DECIMALS)
+    return next((n for n in digits if all(figure(value, n) != figure(bound, n) for bound in bounds)), usual)
 
 
 def _unit(check: Check) -> str:
