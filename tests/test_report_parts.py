@@ -13,8 +13,8 @@ from blastline.report.choice import MAX_FIGURES, pictured
 from blastline.report.figures import ShotPictures
 from blastline.report.overview import Overview
 from blastline.report.sounds import envelope, event_sound, spectrum_db
-from blastline.report.summary import verdict
-from blastline.report.tables import rejections_table
+from blastline.report.summary import heading, verdict
+from blastline.report.tables import origin_list, rejections_table
 from blastline.report.track import film_track
 from blastline.report.words import allowed, duration, measured
 from blastline.timecode import timecode_at
@@ -216,6 +216,14 @@ def test_a_figure_that_just_fails_reads_as_one_that_fails(name: str, unit: str, 
     assert measured(msgspec.structs.replace(check, passed=True)) == measured(
         msgspec.structs.replace(check, passed=True, limit=None)
     )
+
+
+@pytest.mark.parametrize(("count", "told"), [(1, "1 channel"), (2, "2 channels")])
+def test_the_head_of_the_page_and_its_end_tell_the_channels_alike(count: int, told: str) -> None:
+    film = make_film(onsets_s=(0.1,), peaks=(0.01,), seconds=0.5).timeline
+    film = msgspec.structs.replace(film, source=msgspec.structs.replace(film.source, channels=count))
+    for text in (heading(film), origin_list(film, {})):
+        assert re.findall(r"\d+ channels?", text) == [told]
 
 
 @pytest.mark.parametrize("seconds", [0.0, 9.96, 59.949, 59.951, 59.99, 60.0, 60.4, 119.6, 3599.7, 14_400.2])
