@@ -29,6 +29,20 @@ def test_a_failed_check_is_listed_and_gives_exit_code_1(monkeypatch: pytest.Monk
     assert blastline("check", "result").out.endswith("checks: 2 of 4 passed\n")
 
 
+@pytest.mark.parametrize(("value", "limit"), [(1.0000004, 1.0), (0.8999999, 0.9), (-0.50000001, -0.5)])
+def test_a_check_that_just_fails_is_not_said_to_be_at_its_limit(
+    monkeypatch: pytest.MonkeyPatch, value: float, limit: float
+) -> None:
+    """A drive that a mixer left a hair above full scale fails: "1 (limit 1)" would tell nobody why."""
+    failed = Check("drive_peak", None, False, value, limit, "of the limit")
+    monkeypatch.setattr(run, "check", lambda *_, **__: msgspec.structs.replace(timeline(), checks=(failed,)))
+    [line] = blastline("check", "result", "--quiet").out.splitlines()
+    said = re.fullmatch(r"failed: drive_peak, the film: (\S+) of the limit \(limit (\S+) of the limit\)", line)
+    assert said
+    assert (float(said[1]) > float(said[2])) == (value > limit)
+    assert said[1] != said[2]
+
+
 def test_passed_checks_are_counted_and_give_exit_code_0(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run, "check", lambda *_, **__: timeline())
     assert blastline("check", "result") == Ended(0, "checks: 2 of 2 passed\n", "")
