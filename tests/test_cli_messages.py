@@ -9,7 +9,7 @@ import pytest
 
 from blastline import run
 from blastline.cli.progress import shown_progress
-from blastline.model import Check, Timeline
+from blastline.model import Check, Timeline, encode
 from blastline.timebase import parse_timebase
 from commands import Ended, blastline
 from timelines import timeline
@@ -41,6 +41,16 @@ def test_a_check_that_just_fails_is_not_said_to_be_at_its_limit(
     assert said
     assert (float(said[1]) > float(said[2])) == (value > limit)
     assert said[1] != said[2]
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "utf-8"])
+def test_a_name_that_the_outputs_alphabet_lacks_is_spelt_out(tmp_path: Path, encoding: str) -> None:
+    """Windows writes into a pipe in its old alphabet: the files are written, and their names are told all the same."""
+    original, folder = tmp_path / "timeline.json", tmp_path / "שלום"
+    original.write_bytes(encode(timeline()))
+    ended = blastline("export", original, "--format", "csv", "-o", folder, "--quiet", encoding=encoding)
+    told = str(folder / "timeline.csv").encode(encoding, "backslashreplace").decode(encoding)
+    assert ended == Ended(0, f"{told}\n", "")
 
 
 def test_passed_checks_are_counted_and_give_exit_code_0(monkeypatch: pytest.MonkeyPatch) -> None:
