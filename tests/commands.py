@@ -48,10 +48,10 @@ class Ended:
         return line.removeprefix("blastline: ")
 
 
-def blastline(*arguments: str | Path) -> Ended:
-    """Run the command in this process, which is quick."""
+def blastline(*arguments: str | Path, encoding: str = "utf-8") -> Ended:
+    """Run the command in this process, which is quick; `encoding` is that of its standard output."""
     handlers = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
-    out, err = (io.TextIOWrapper(io.BytesIO(), encoding="utf-8", newline="") for _ in range(2))
+    out, err = (io.TextIOWrapper(io.BytesIO(), encoding=name, newline="") for name in (encoding, "utf-8"))
     try:
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
             code = main([str(argument) for argument in arguments])
@@ -102,7 +102,7 @@ def interrupted(*arguments: str | Path, number: signal.Signals, at: str) -> Ende
 
 def _text(stream: io.TextIOWrapper) -> str:
     stream.flush()
-    return cast("io.BytesIO", stream.buffer).getvalue().decode()
+    return cast("io.BytesIO", stream.buffer).getvalue().decode(stream.encoding)
 
 
 def write_film(path: Path, *, length_s: float, shots_s: tuple[float, ...] = (), seed: int = 7) -> Path:

@@ -9,7 +9,7 @@ import pytest
 
 from blastline import run
 from blastline.cli.progress import shown_progress
-from blastline.model import Check, Timeline
+from blastline.model import Check, Timeline, encode
 from blastline.timebase import parse_timebase
 from commands import Ended, blastline
 from timelines import timeline
@@ -27,6 +27,30 @@ def test_a_failed_check_is_listed_and_gives_exit_code_1(monkeypatch: pytest.Monk
         "failed: frames, the film: not measured",
     ]
     assert blastline("check", "result").out.endswith("checks: 2 of 4 passed\n")
+
+
+@pytest.mark.parametrize(("value", "limit"), [(1.0000004, 1.0), (0.8999999, 0.9), (-0.50000001, -0.5)])
+def test_a_check_that_just_fails_is_not_said_to_be_at_its_limit(
+    monkeypatch: pytest.MonkeyPatch, value: float, limit: float
+) -> None:
+    """A drive that a mixer left a hair above full scale fails: "1 (limit 1)" would tell nobody why."""
+    failed = Check("drive_peak", None, False, value, limit, "of the limit")
+    monkeypatch.setattr(run, "check", lambda *_, **__: msgspec.structs.replace(timeline(), checks=(failed,)))
+    [line] = blastline("check", "result", "--quiet").out.splitlines()
+    said = re.fullmatch(r"failed: drive_peak, the film: (\S+) of the limit \(limit (\S+) of the limit\)", line)
+    assert said
+    assert (float(said[1]) > float(said[2])) == (value > limit)
+    assert said[1] != said[2]
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "utf-8"])
+def test_a_name_that_the_outputs_alphabet_lacks_is_spelt_out(tmp_path: Path, encoding: str) -> None:
+    """Windows writes into a pipe in its old alphabet: the files are written, and their names are told all the same."""
+    original, folder = tmp_path / "timeline.json", tmp_path / "שלום"
+    original.write_bytes(encode(timeline()))
+    ended = blastline("export", original, "--format", "csv", "-o", folder, "--quiet", encoding=encoding)
+    told = str(folder / "timeline.csv").encode(encoding, "backslashreplace").decode(encoding)
+    assert ended == Ended(0, f"{told}\n", "")
 
 
 def test_passed_checks_are_counted_and_give_exit_code_0(monkeypatch: pytest.MonkeyPatch) -> None:

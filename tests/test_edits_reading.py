@@ -3,9 +3,11 @@
 import codecs
 import json
 import re
+import sys
 from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import pytest
@@ -141,6 +143,33 @@ def test_a_marker_and_a_region_of_one_name_are_one_event(tmp_path: Path) -> None
     ends = (first.onset, first.window_start, first.window_stop)
     assert [point.nearest(1000) for point in ends] == [1006, 1000, 1500]
     assert second.window_start is None
+
+
+def test_four_times_the_markers_are_four_times_the_work(tmp_path: Path) -> None:
+    """Not sixteen times: 10,000 of them would take longer to read than their film to render."""
+    calls = [calls_to_read(tmp_path, count) for count in (200, 800)]
+    assert calls[1] < 5 * calls[0]
+
+
+def calls_to_read(folder: Path, count: int) -> int:
+    """Return how many calls it takes to read so many markers, each with a region of its name."""
+    lines = [f"M{n},shot-{n:05} 0.9,{n}.000,,\nR{n},shot-{n:05} 0.9,{n}.000,{n}.500,0.500" for n in range(count)]
+    file = folder / "regions.csv"
+    file.write_text("\n".join(["#,Name,Start,End,Length", *lines]), encoding="utf-8")
+    calls = 0
+
+    def counted(_frame: FrameType, event: str, _arg: object) -> None:
+        nonlocal calls
+        calls += event == "call"
+
+    before = sys.getprofile()
+    sys.setprofile(counted)
+    try:
+        edited = read_edits(file)
+    finally:
+        sys.setprofile(before)
+    assert len(edited.edits) == count
+    return calls
 
 
 def test_an_event_of_a_document_needs_no_more_than_its_onset(tmp_path: Path) -> None:

@@ -17,8 +17,9 @@ import webvtt
 from blastline.export import FORMATS, export_timeline, resolution, rounding
 from blastline.export.midi import NOTE, pulse, velocity
 from blastline.export.table import COLUMNS, table
-from blastline.export.words import label, one_line
+from blastline.export.words import label, note, one_line
 from blastline.model import Timeline, encode
+from blastline.report.words import fixed
 from films import COUNTINGS, HOSTILE, ONSETS, Counting, film
 
 RATES_HZ = [8_000, 11_025, 16_000, 22_050, 32_000, 44_100, 48_000, 88_200, 96_000, 176_400, 192_000, 384_000]
@@ -249,6 +250,16 @@ def test_labels_tell_what_a_designer_needs() -> None:
     shots = {event.id: event for event in film().events}
     assert label(shots["shot-0001"]) == "shot-0001 0.97 -3.1 dBFS filter"
     assert label(shots["shot-0004"]) == "shot-0004 0.50 burst 1.4 -9.0 dBFS"
+
+
+@pytest.mark.parametrize("peak_dbfs", [-0.04, -0.0, 0.02, -0.06, -3.05, 1.25])
+def test_a_marker_tells_the_level_that_the_report_does(peak_dbfs: float) -> None:
+    """There is no level of -0.0 dBFS, as loud recordings have it that end at full scale."""
+    shot = msgspec.structs.replace(film().events[0], peak_dbfs=peak_dbfs)
+    told = f"{fixed(peak_dbfs, 1).replace('−', '-')} dBFS"
+    assert told in label(shot).split(" ", 2)[2]
+    assert f"peak {told}" in note(shot, Fraction(0))
+    assert "-0.0 " not in label(shot)
 
 
 def test_the_table_says_how_far_from_its_frame_an_event_is(tmp_path: Path) -> None:

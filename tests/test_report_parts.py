@@ -1,19 +1,27 @@
 """The parts of the report: which shots are shown, curves that look the same, spectra, and words."""
 
+import re
+
 import msgspec
 import numpy as np
 import pytest
 
 from align_films import PROFILE, make_film
 from blastline import dsp
-from blastline.model import Check, Event, Phase, Window
+from blastline.model import Check, Event, Phase, Rejection, Window
 from blastline.report.choice import MAX_FIGURES, pictured
 from blastline.report.figures import ShotPictures
 from blastline.report.overview import Overview
 from blastline.report.sounds import envelope, event_sound, spectrum_db
-from blastline.report.summary import verdict
+from blastline.report.summary import heading, verdict
+from blastline.report.tables import origin_list, rejections_table
 from blastline.report.track import film_track
-from blastline.report.words import allowed, measured
+from blastline.report.words import allowed, duration, measured
+from blastline.timecode import timecode_at
+
+
+def figures_in(text: str) -> list[float]:
+    return [float(found.replace("−", "-")) for found in re.findall(r"−?\d+(?:\.\d+)?", text)]
 
 
 def many(count: int) -> tuple[Event, ...]:
@@ -150,6 +158,18 @@ def test_a_film_without_shots_is_not_said_to_rest_where_its_sound_plays_on() -> 
         assert said in verdict(checked)
 
 
+@pytest.mark.parametrize("at_s", [0.71239, 59.97, 754.80321, 14_399.96])
+def test_what_was_nearly_a_shot_can_be_added_at_the_time_that_the_page_tells(at_s: float) -> None:
+    """Who types it puts the event on the sound that was turned down, however long the film: within a millisecond."""
+    source = make_film(onsets_s=(0.1,), peaks=(0.01,), seconds=0.5).timeline.source
+    turned_down = Rejection(round(at_s * source.sample_rate_hz), "below the threshold", {"probability": 0.4})
+    [(timecode, told_s)] = re.findall(
+        r">([\d:;]+), ([\d.]+) s \(probability 0.4\)<", rejections_table([turned_down], source)
+    )
+    assert abs(float(told_s) - turned_down.at_sample / source.sample_rate_hz) < 0.001
+    assert timecode == timecode_at(source, turned_down.at_sample)
+
+
 @pytest.mark.parametrize(("excess", "told"), [(0, "as many as the film"), (3, "3 more than"), (-5, "5 fewer than")])
 def test_frames_are_told_as_a_difference(excess: int, told: str) -> None:
     check = Check("frames", None, excess == 0, excess, 0.0, "frames")
@@ -172,3 +192,48 @@ def test_frames_are_told_as_a_difference(excess: int, told: str) -> None:
 def test_a_figure_that_fails_below_is_not_said_to_be_allowed(name: str, unit: str, limit: float, text: str) -> None:
     """A drive of half its level is 6 dB short: it must not read "-6 dB, up to 1.5 dB"."""
     assert allowed(Check(name, None, False, -6.0, limit, unit)) == text
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "value", "limit"),
+    [
+        ("felt_lag", "ms", 0.5004, 0.5),
+        ("felt_lag", "ms", -0.50001, 0.5),
+        ("drive_peak", "of the limit", 1.0000004, 1.0),
+        ("felt_correlation", "", 0.89996, 0.9),
+        ("pre_echo", "dB", -39.9999, -40.0),
+        ("level_as_rendered", "dB", 1.23464, 1.23456),
+        ("drive_speed", "ratio", 1.00000871, 1.0000087),
+        ("drive_speed", "ratio", 0.99999129, 1.0000087),
+    ],
+)
+def test_a_figure_that_just_fails_reads_as_one_that_fails(name: str, unit: str, value: float, limit: float) -> None:
+    """What is beyond a limit must not be rounded to it: "0.5 ms, up to 0.5 ms either way" is no failure."""
+    check = Check(name, None, False, value, limit, unit)
+    said, bounds = figures_in(measured(check)), figures_in(allowed(check))
+    assert (value > limit) == (said[0] > bounds[-1])
+    assert all(abs(said[0]) != abs(bound) for bound in bounds)
+    assert measured(msgspec.structs.replace(check, passed=True)) == measured(
+        msgspec.structs.replace(check, passed=True, limit=None)
+    )
+
+
+@pytest.mark.parametrize(("count", "told"), [(1, "1 channel"), (2, "2 channels")])
+def test_the_head_of_the_page_and_its_end_tell_the_channels_alike(count: int, told: str) -> None:
+    film = make_film(onsets_s=(0.1,), peaks=(0.01,), seconds=0.5).timeline
+    film = msgspec.structs.replace(film, source=msgspec.structs.replace(film.source, channels=count))
+    for text in (heading(film), origin_list(film, {})):
+        assert re.findall(r"\d+ channels?", text) == [told]
+
+
+@pytest.mark.parametrize("seconds", [0.0, 9.96, 59.949, 59.951, 59.99, 60.0, 60.4, 119.6, 3599.7, 14_400.2])
+def test_a_duration_is_the_nearest_of_its_kind(seconds: float) -> None:
+    said = duration(seconds)
+    if " s" in said:
+        assert abs(float(said.removesuffix(" s")) - seconds) <= 0.0500001
+        assert float(said.removesuffix(" s")) < 60.0
+    else:
+        hours, minutes, whole = (int(part) for part in said.split(":"))
+        assert abs(3600 * hours + 60 * minutes + whole - seconds) <= 0.5
+        assert minutes < 60
+        assert whole < 60

@@ -5,6 +5,7 @@ Exit codes
     70 a bug of blastline        130 interrupted           141 whoever read the output closed it
 """
 
+import io
 import os
 import sys
 import traceback
@@ -64,6 +65,7 @@ def describe(
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code; what a user can mend is one line on stderr."""
     let_signals_interrupt()
+    _spell_out_what_has_no_letter()
     try:
         words = (sys.argv[1:] if arguments is None else arguments) or ["--help"]
         code = app(words, prog_name="blastline", standalone_mode=False)
@@ -93,6 +95,12 @@ def _say(message: str, code: int) -> int:
     with suppress(OSError):  # where nobody can be told, the exit code still tells
         typer.echo("blastline: " + " ".join(message.splitlines()), err=True)
     return code
+
+
+def _spell_out_what_has_no_letter() -> None:
+    """Let standard output write `\\u05e9` for a letter that its alphabet lacks, as Python has standard error do."""
+    if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
+        sys.stdout.reconfigure(errors="backslashreplace")
 
 
 def _drop_unwritten_output() -> None:

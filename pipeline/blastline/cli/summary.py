@@ -7,6 +7,7 @@ import typer
 from ..model import Check, Edits, Timeline
 
 FAILED_CHECK = 1
+_ALL_DIGITS = 17
 
 
 def say_summary(timeline: Timeline, results: Path) -> None:
@@ -52,10 +53,14 @@ def say_checks(timeline: Timeline, *, quiet: bool, err: bool) -> int:
 
 
 def _described(check: Check) -> str:
-    """Return a check's name, its event, what was measured and what it had to stay within."""
-    digits = 11 if check.name == "drive_speed" else 6
-    measured = "not measured" if check.measured is None else f"{check.measured:.{digits}g} {check.unit}".rstrip()
-    limit = "" if check.limit is None else f" (limit {check.limit:.{digits}g} {check.unit}".rstrip() + ")"
+    """Return a check's name, its event, what was measured and what it had to stay within: told apart, however near."""
+    value, bound, unit = check.measured, check.limit, f" {check.unit}" if check.unit else ""
+    usual = 11 if check.name == "drive_speed" else 6
+    digits = usual
+    if value is not None and bound is not None:
+        digits = next((n for n in range(usual, _ALL_DIGITS) if f"{value:.{n}g}" != f"{bound:.{n}g}"), usual)
+    measured = "not measured" if value is None else f"{value:.{digits}g}{unit}"
+    limit = "" if bound is None else f" (limit {bound:.{digits}g}{unit})"
     return f"{check.name}, {check.event or 'the film'}: {measured}{limit}"
 
 

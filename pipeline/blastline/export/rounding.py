@@ -48,7 +48,7 @@ def _line(timeline: Timeline, names: Iterable[str], way: str, shift: Shift) -> s
     if not shifts:
         return f"{', '.join(names)}: {way}; there are no events"
     largest, event = max(shifts, key=lambda each: abs(each[0]))
-    return f"{', '.join(names)}: {way}; {event} moves farthest, by {float(1000 * largest):+.3f} ms"
+    return f"{', '.join(names)}: {way}; {event} moves farthest, by {float(1000 * largest):+z.3f} ms"
 
 
 def _way(name: str, source: Source) -> tuple[str, Shift] | None:

@@ -23,7 +23,7 @@ def label(event: Event) -> str:
     """Return an event in a few words: its id first, then confidence, burst and shot, peak and drive model."""
     burst = "" if event.burst is None else f" burst {event.burst}.{event.shot_in_burst}"
     model = f" {event.drive.model}" if event.drive else ""
-    return f"{one_line(event.id)} {event.confidence:.2f}{burst} {event.peak_dbfs:.1f} dBFS{model}"
+    return f"{one_line(event.id)} {event.confidence:.2f}{burst} {event.peak_dbfs:z.1f} dBFS{model}"
 
 
 def note(event: Event, offset_s: Fraction) -> str:
@@ -31,7 +31,7 @@ def note(event: Event, offset_s: Fraction) -> str:
     said = [f"confidence {event.confidence:.2f}"]
     if event.burst is not None:
         said.append(f"burst {event.burst} shot {event.shot_in_burst}")
-    said.append(f"peak {event.peak_dbfs:.1f} dBFS")
+    said.append(f"peak {event.peak_dbfs:z.1f} dBFS")
     if event.azimuth_deg is not None:
         said.append(f"azimuth {azimuth_text(event.azimuth_deg)}")
     if event.drive is not None:
@@ -54,10 +54,10 @@ def azimuth_text(azimuth_deg: float) -> str:
 def offset_text(offset_s: Fraction) -> str:
     """Return a sub-frame offset with its sign, in milliseconds.
 
-    >>> offset_text(Fraction(1, 80)), offset_text(Fraction(-1, 48_000))
-    ('+12.50 ms', '-0.02 ms')
+    >>> offset_text(Fraction(1, 80)), offset_text(Fraction(-1, 48_000)), offset_text(Fraction(-1, 10**6))
+    ('+12.50 ms', '-0.02 ms', '+0.00 ms')
     """
-    return f"{float(1000 * offset_s):+.2f} ms"
+    return f"{float(1000 * offset_s):+z.2f} ms"
 
 
 def framed_label(event: Event, at: FrameTime) -> str:

@@ -59,7 +59,7 @@ def _page(
 ) -> Iterator[str]:
     """Yield the page part by part."""
     failed = failures(timeline.checks)
-    rejected = rejections_table(timeline.rejections, timeline.source.sample_rate_hz)
+    rejected = rejections_table(timeline.rejections, timeline.source)
     title = f"{timeline.source.name} – blastline report"
     yield (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'

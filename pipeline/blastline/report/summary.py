@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from statistics import median
 
 from ..model import Check, Event, Timeline
-from .words import allowed, claim, duration, figure, measured, safe, signed
+from .words import allowed, channels, claim, duration, figure, measured, safe, signed
 
 _SHOWN_FAILURES = 6
 
@@ -17,7 +17,7 @@ def heading(timeline: Timeline) -> str:
         f"from {source.start_timecode}" if source.start_timecode else "no timecode",
         f"{source.frame_rate} frames a second" if source.frame_rate else "",
         f"{figure(source.sample_rate_hz / 1000, 3)} kHz",
-        f"{source.channels} channel{'s' if source.channels != 1 else ''}",
+        channels(source),
     ]
     return (
         '<p class="product">blastline report</p>'

@@ -3,8 +3,9 @@
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 
-from ..model import Check, Edits, Event, Rejection, Timeline
-from .words import allowed, claim, duration, figure, fixed, link, measured, safe
+from ..model import Check, Edits, Event, Rejection, Source, Timeline
+from ..timecode import timecode_at
+from .words import allowed, channels, claim, figure, fixed, link, measured, safe
 
 _STRONGEST = 5
 
@@ -91,18 +92,18 @@ def _checks_table(checks: Sequence[Check], linked: Collection[str]) -> str:
     return f'<div class="scroll"><table><thead><tr>{heads}</tr></thead><tbody>{"".join(rows)}</tbody></table></div>'
 
 
-def rejections_table(rejections: Sequence[Rejection], rate_hz: int) -> str:
-    """Return how many candidates were not taken for shots, by reason, with those that came nearest, folded."""
+def rejections_table(rejections: Sequence[Rejection], source: Source) -> str:
+    """Return how many candidates were not taken for shots, by reason, with those that came nearest, folded.
+
+    Each has its time as a shot has it in the table of shots: who adds it to the timeline types that.
+    """
     if not rejections:
         return "<p>No candidate was turned down.</p>"
     counts = Counter(rejection.reason for rejection in rejections)
     rows = []
     for reason, count in counts.most_common():
         nearest = sorted((r for r in rejections if r.reason == reason), key=lambda r: (-_probability(r), r.at_sample))
-        shown = "; ".join(
-            f"{duration(r.at_sample / rate_hz)} ({_evidence(r)})" if r.evidence else duration(r.at_sample / rate_hz)
-            for r in nearest[:_STRONGEST]
-        )
+        shown = "; ".join(_rejection(rejection, source) for rejection in nearest[:_STRONGEST])
         rows.append(f'<tr><td>{safe(reason)}</td><td class="n">{count}</td><td class="wide">{safe(shown)}</td></tr>')
     heads = '<th>Reason</th><th class="n">Candidates</th><th>The nearest to being shots, with the evidence</th>'
     return (
@@ -114,6 +115,12 @@ def rejections_table(rejections: Sequence[Rejection], rate_hz: int) -> str:
 
 def _probability(rejection: Rejection) -> float:
     return rejection.evidence.get("probability", max(rejection.evidence.values(), default=0.0))
+
+
+def _rejection(rejection: Rejection, source: Source) -> str:
+    at = rejection.at_sample
+    where = f"{timecode_at(source, at)}, {at / source.sample_rate_hz:.4f} s"
+    return f"{where} ({_evidence(rejection)})" if rejection.evidence else where
 
 
 def _evidence(rejection: Rejection) -> str:
@@ -133,7 +140,7 @@ def origin_list(timeline: Timeline, options: Mapping[str, str]) -> str:
         **_edits(timeline.edits),
         "Film": source.name,
         "Film's SHA-256": source.sha256,
-        "Sound": f"stream {source.stream}, mix {source.mix}, {source.channels} channels, "
+        "Sound": f"stream {source.stream}, mix {source.mix}, {channels(source)}, "
         f"{source.sample_rate_hz} Hz, {source.frames} frames",
         "First sample after the picture's start": f"{figure(source.start_offset_s, 6)} s",
         "Actuator": f"{actuator.name} ({actuator.digest})" if actuator else "none",

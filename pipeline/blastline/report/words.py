@@ -5,7 +5,7 @@ import math
 from fractions import Fraction
 from urllib.parse import quote
 
-from ..model import Check
+from ..model import Check, Source
 from ..timecode import clock_text
 from ..units import SILENCE_DB
 
@@ -40,6 +40,7 @@ _EXACT = {"sample_rate", "frames", "drive_samples", "timeline_order"} | _OUTSIDE
 _AT_LEAST = {"felt_correlation", "drive_correlation", "fade_in_before_onset", "audio_rise"}
 _EITHER_WAY = {"drive_shift", "drive_drift", "felt_lag", "drive_lag", "level_as_rendered", "peak_as_rendered"}
 _ONSETS = {"felt_onset", "drive_onset"}
+_MOST_DECIMALS = 16
 
 
 def claim(check: Check) -> str:
@@ -125,7 +126,14 @@ def allowed(check: Check) -> str:
 
 
 def _digits(check: Check) -> int:
-    return 7 if check.name == "drive_speed" else 3
+    """Return how many decimals a check has: where it failed, as many as tell what was measured from what is allowed."""
+    usual = 7 if check.name == "drive_speed" else 3
+    value, limit = check.measured, check.limit
+    if check.passed or value is None or limit is None:
+        return usual
+    bounds = (limit, 2.0 - limit if check.name == "drive_speed" else -limit)
+    digits = range(usual, _MOST_DECIMALS)
+    return next((n for n in digits if all(figure(value, n) != figure(bound, n) for bound in bounds)), usual)
 
 
 def _unit(check: Check) -> str:
@@ -133,11 +141,15 @@ def _unit(check: Check) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Return a duration as h:mm:ss, or in seconds where it is short.
+    """Return a duration as h:mm:ss to the nearest second, or, where it is short, in seconds to the nearest tenth.
 
-    >>> duration(7384.2), duration(12.34)
-    ('2:03:04', '12.3 s')
+    >>> duration(7384.2), duration(12.34), duration(59.94), duration(59.97), duration(119.6)
+    ('2:03:04', '12.3 s', '59.9 s', '0:01:00', '0:02:00')
     """
-    if seconds < 60.0:
-        return f"{figure(seconds, 1)} s"
-    return clock_text(Fraction(int(seconds)), 0, hour_digits=1)
+    tenths = figure(seconds, 1)
+    return f"{tenths} s" if seconds < 60.0 and tenths != "60" else clock_text(Fraction(seconds), 0, hour_digits=1)
+
+
+def channels(source: Source) -> str:
+    """Return how many channels a film's sound has, in words."""
+    return f"{source.channels} channel{'s' if source.channels != 1 else ''}"

@@ -6,6 +6,7 @@ R1,shot-0002 0.88,0:02.000,0:02.400,0:00.400
 """
 
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -74,19 +75,21 @@ def _edit(cells: Mapping[str, Cell], *, in_samples: bool) -> Edit:
 
 def _paired(markers: Sequence[Edit], regions: Sequence[Edit]) -> list[Edit]:
     """Return the events, with a marker and a region of one name, if there is one of each and they meet, as one."""
-    free = list(regions)
+    named = Counter(marker.text for marker in markers)
+    of_name: dict[str, list[Edit]] = {}
+    for region in regions:
+        of_name.setdefault(region.text, []).append(region)
     edits = []
     for marker in markers:
-        own = [region for region in free if marker.text and region.text == marker.text]
-        alone = sum(other.text == marker.text for other in markers) == 1
-        if len(own) == 1 and alone and own[0].window_stop and _holds(own[0], marker):
+        own = of_name.get(marker.text, []) if marker.text else []
+        if len(own) == 1 and named[marker.text] == 1 and _holds(own[0], marker):
             region = own[0]
-            free.remove(region)
             earlier = region.onset if _order(region.onset) < _order(marker.onset) else None
             edits.append(replace(marker, window_start=earlier, window_stop=region.window_stop))
         else:
             edits.append(marker)
-    return edits + free
+    taken = {edit.text for edit in edits if edit.window_stop}
+    return edits + [region for region in regions if region.text not in taken]
 
 
 def _holds(region: Edit, marker: Edit) -> bool:
