@@ -373,7 +373,7 @@ def test_without_a_drive_a_shot_at_the_films_beginning_need_not_rise_over_itself
 
 
 def test_shots_that_share_a_window_of_half_a_film_are_checked_without_reading_it_for_each_of_them() -> None:
-    """A battle is one window: to read all of it for each of a thousand shots took hours."""
+    """A battle is one window: to read all of it for each shot takes the square of its length."""
 
     @dataclass(frozen=True, eq=False)
     class Counted(Held):
