@@ -1,6 +1,6 @@
 """A right drive passes every check, and each way to break one is caught by the check meant for it, and measured."""
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 
 import msgspec
@@ -9,7 +9,7 @@ import pytest
 
 from align_films import RATE_HZ, RULES, Film, Held, Samples, checks_of, failed, figure, make_film
 from blastline.align import check_timeline
-from blastline.model import Background, Check, DriveModel, Phase, Window
+from blastline.model import Background, Check, Clip, DriveModel, Event, Phase, Span, Window
 
 
 @cache
@@ -370,3 +370,26 @@ def test_without_a_drive_a_shot_at_the_films_beginning_need_not_rise_over_itself
         [rise] = rises_of(film.with_events(msgspec.structs.replace(first, onset_sample=onset)))
         told.append((rise.passed, rise.limit))
     assert told == [(True, None)] * 3 + [(False, RULES.rise_db)]
+
+
+def test_shots_that_share_a_window_of_half_a_film_are_checked_without_reading_it_for_each_of_them() -> None:
+    """A battle is one window: to read all of it for each shot takes the square of its length."""
+
+    @dataclass(frozen=True, eq=False)
+    class Counted(Held):
+        lengths: list[int] = field(default_factory=list)
+
+        def read(self, span: Span, *, sides: bool = False) -> Clip:
+            self.lengths.append(len(span))
+            return super().read(span, sides=sides)
+
+    def frames_read(events: tuple[Event, ...]) -> int:
+        counted = Counted(apart.audio.samples, RATE_HZ)
+        checks_of(replace(apart.with_events(*events), audio=counted))
+        return sum(counted.lengths)
+
+    apart = make_film(onsets_s=(0.7, 1.7, 2.7, 3.7, 4.7), seconds=6.0)
+    events = apart.timeline.events
+    shared = Window(events[0].window.start, events[-1].window.stop, 240, 1920)
+    together = tuple(msgspec.structs.replace(event, window=shared) for event in events)
+    assert frames_read(together) - frames_read(events) < 2 * apart.audio.frames  # each part once, and around it

@@ -10,6 +10,9 @@ import msgspec
 import numpy as np
 import pytest
 
+from blastline.conform import Course, Placed, write_events, write_segments
+from blastline.conform.lines import Line
+from blastline.conform.path import MatchedSegment
 from blastline.export import read_timeline
 from blastline.model import (
     SCHEMA,
@@ -124,6 +127,13 @@ def test_a_film_without_shots_gets_an_empty_timeline_and_its_stretches(
     assert (made.events, made.rejections, made.source.name) == ((), (), "new.wav")
     with (tmp_path / "out" / "stretches.csv").open() as file:
         assert [float(row["old_start_s"]) for row in csv.DictReader(file)] == pytest.approx([3.0, 14.0], abs=0.02)
+
+
+def test_what_rounds_to_nothing_has_no_sign_in_the_tables(tmp_path: Path) -> None:
+    course = Course(MatchedSegment(Line(1.0, -1e-9, 0.0, 9.0), 0.0, 9.0, 0.9), 1.0, 0.0, 6)
+    write_segments(tmp_path / "stretches.csv", [course])
+    write_events(tmp_path / "conform.csv", [event(1, 2.0)], [Placed(2.0, -1e-6, 0.9, 0)])
+    assert "-0.0" not in (tmp_path / "stretches.csv").read_text() + (tmp_path / "conform.csv").read_text()
 
 
 def test_every_span_of_an_event_moves_with_it(films: tuple[Path, Path, Path], tmp_path: Path) -> None:

@@ -1,5 +1,7 @@
 """Shots near each other: which of them stay, and whose an echo is that two of them claim."""
 
+import time
+
 import msgspec
 import numpy as np
 import pytest
@@ -73,3 +75,37 @@ def test_an_echo_that_two_shots_claim_is_the_later_ones_alone(beside_ms: float, 
     )
     assert [echo.delay_ms for echo in first.reflections] == [20, *left]
     assert second == later
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_each_echo_is_left_to_the_shots_as_when_all_are_compared_with_all(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    onsets_ms = np.sort(rng.integers(0, rng.choice([400, 4000]), 60)).tolist()
+    shots = [shot(at, echoes_at_ms=tuple(at + rng.integers(-30, 300, rng.integers(0, 7)))) for at in onsets_ms]
+    asked = [msgspec.structs.replace(each, reflections=_inside(each.reflections)) for each in shots]
+    claimed: list[int] = []
+    expected = []
+    for each in reversed(asked):
+        later = [other.onset for other in asked if other.onset > each.onset]
+        own = [
+            echo.start
+            for echo in each.reflections
+            if not any(onset - GAP // 2 < echo.start < onset + GAP for onset in later)
+            and not any(abs(echo.start - other) <= sample(1.0) for other in claimed)
+        ]
+        claimed += own
+        expected.append(own)
+    left = drop_claimed_reflections(asked, rate_hz=RATE_HZ, rules=RULES)
+    assert [[echo.start for echo in each.reflections] for each in left] == expected[::-1]
+
+
+def test_the_echoes_of_a_film_of_nothing_but_fire_are_told_apart_in_seconds() -> None:
+    fired = [shot(100.0 * n, echoes_at_ms=tuple(100.0 * n + d for d in (55, 155, 255, 355))) for n in range(40_000)]
+    began = time.process_time()
+    left = drop_claimed_reflections(fired, rate_hz=RATE_HZ, rules=RULES)
+    assert time.process_time() - began < 2.0  # 8 s where all shots are compared with all
+    assert all(len(each.reflections) == 1 for each in left[:-3])
+
+
+def _inside(echoes: tuple[Reflection, ...]) -> tuple[Reflection, ...]:
+    return tuple(echo for echo in echoes if echo.start >= 0)

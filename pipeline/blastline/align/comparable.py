@@ -1,6 +1,6 @@
 """Which shots can be checked: those whose drive is comparable with their sound."""
 
-from ..model import Event
+from ..model import Event, Span
 from .comparison import Comparison
 from .hearing import Part, is_direct
 from .sanity import audio_rise_db
@@ -8,6 +8,8 @@ from .sounds import TimeMap, drive_at, read_padded
 
 _LEAST_MS = {"causal": 5.0, "zero": 20.0}
 """So much of a shot is compared at least: less, before the next shot or the window's end, leaves its lag open."""
+
+_PIECE_MS = 1000.0
 
 _SOFTER_DB = 30.0
 """A shot asked to be so much softer than the one before it lies beneath what is left of that."""
@@ -32,8 +34,13 @@ def is_comparable(shared: Comparison, event: Event, part: Part) -> bool:
 
 
 def _is_still(shared: Comparison, event: Event) -> bool:
-    """Return whether both sound and drive are silent in a shot's window."""
-    span = event.window.span
-    if read_padded(shared.audio, span, event.made_of).any():
-        return False
-    return not drive_at(shared.drive, span, rate_hz=shared.rate_hz, time_map=TimeMap())[0].any()
+    """Return whether both sound and drive are silent in a shot's window.
+
+    Read piece by piece up to the first that is not: a thousand shots of a battle may share a window of minutes.
+    """
+    whole, piece = event.window.span, shared.samples(_PIECE_MS)
+    spans = [Span(start, min(start + piece, whole.stop)) for start in range(whole.start, whole.stop, piece)]
+    return not (
+        any(read_padded(shared.audio, span, event.made_of).any() for span in spans)
+        or any(drive_at(shared.drive, span, rate_hz=shared.rate_hz, time_map=TimeMap())[0].any() for span in spans)
+    )

@@ -31,9 +31,9 @@ def write_events(path: Path, events: Sequence[Event], found: Sequence[Placed | L
     rows = []
     for event, each in zip(events, found, strict=True):
         if isinstance(each, Placed):
-            rest = [f"{each.new_s:.9f}", f"{each.residual_ms:.4f}", f"{each.likeness:.3f}", each.course + 1, ""]
+            rest = [f"{each.new_s:.9f}", f"{each.residual_ms:z.4f}", f"{each.likeness:z.3f}", each.course + 1, ""]
         else:
-            rest = [f"{each.near_s:.9f}", "", f"{each.likeness:.3f}", "", each.reason.value]
+            rest = [f"{each.near_s:.9f}", "", f"{each.likeness:z.3f}", "", each.reason.value]
         rows.append([event.id, "yes" if isinstance(each, Placed) else "no", f"{event.onset_s:.9f}", *rest])
     _write(path, EVENT_COLUMNS, rows)
 
@@ -48,7 +48,7 @@ def write_segments(path: Path, courses: Sequence[Course]) -> None:
     for number, course in enumerate(courses, start=1):
         segment = course.segment
         start_s, stop_s = segment.new_span_s
-        times = [f"{time_s:.6f}" for time_s in (segment.start_s, segment.stop_s, start_s, stop_s)]
+        times = [f"{time_s:z.6f}" for time_s in (segment.start_s, segment.stop_s, start_s, stop_s)]
         speed, pitch = 1.0 / segment.line.scale, 1.0 / course.pitch_scale
         agree = [f"{segment.alike:.3f}", course.anchors, f"{course.agree_s * 1000.0:.4f}"]
         rows.append([number, *times, f"{speed:.7f}", f"{pitch:.7f}", *agree])

@@ -1,6 +1,6 @@
 """Which shots are one, which are echoes, and which belong together as automatic fire."""
 
-from bisect import bisect_left
+from bisect import bisect_left, bisect_right, insort
 from collections.abc import Iterable, Sequence
 
 import msgspec
@@ -67,20 +67,26 @@ def drop_claimed_reflections(shots: Sequence[Shot], *, rate_hz: int, rules: Burs
     again is that shot's as well.
     """
     gap, same = samples_from_ms(rules.shortest_gap_ms, rate_hz), samples_from_ms(_SAME_ECHO_MS, rate_hz)
-    onsets = np.array([shot.onset for shot in shots])
-    claimed = np.zeros(0, np.intp)
+    onsets = sorted(shot.onset for shot in shots)
+    claimed: list[int] = []  # negated, ascending: of shots from the last to the first, the next go in near its end
     left: list[Shot] = []
     for shot in reversed(shots):
-        later = onsets[onsets > shot.onset]
         echoes = tuple(
             echo
             for echo in shot.reflections
-            if not np.any((echo.start > later - gap // 2) & (echo.start < later + gap))
-            and not np.any(np.abs(claimed - echo.start) <= same)
+            if not _any_between(onsets, max(shot.onset, echo.start - gap), echo.start + gap // 2)
+            and not _any_between(claimed, -echo.start - same - 1, -echo.start + same + 1)
         )
-        claimed = np.concatenate([claimed, np.array([echo.start for echo in echoes], np.intp)])
+        for echo in echoes:
+            insort(claimed, -echo.start)
         left.append(msgspec.structs.replace(shot, reflections=echoes))
     return tuple(reversed(left))
+
+
+def _any_between(places: Sequence[int], above: int, below: int) -> bool:
+    """Return whether any of the places, ascending, lies above the one limit and below the other."""
+    first = bisect_right(places, above)
+    return first < len(places) and places[first] < below
 
 
 def group_bursts(shots: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> tuple[Shot, ...]:

@@ -5,7 +5,7 @@
      window.start                                window.stop
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -52,13 +52,8 @@ def plan_windows(
             raise ValueError(f"shot {index} begins at sample {shot.onset}, outside the film's {frames} frames")
         sounding = Span(shot.onset, min(max(shot.span.stop, shot.onset + 1), frames))
         own.append((given.get(index) or _around(sounding, frames=frames, rate_hz=rate_hz, rules=rules), index))
-    planned: list[PlannedWindow] = []
-    for window, index in sorted(own, key=lambda one: (one[0].start, shots[one[1]].onset, one[1])):
-        if planned and window.start <= planned[-1].window.stop:
-            planned[-1] = _joined(planned[-1], window, index, shots)
-        else:
-            planned.append(PlannedWindow(window, (index,)))
-    return tuple(planned)
+    own.sort(key=lambda one: (one[0].start, shots[one[1]].onset, one[1]))
+    return tuple(_joined(group, shots) for group in _meeting(own))
 
 
 def with_gains(
@@ -96,24 +91,37 @@ def window_between(
     return Window(begin, end, fade_in, fade_out)
 
 
-def _joined(planned: PlannedWindow, window: Window, index: int, shots: Sequence[Shot]) -> PlannedWindow:
-    """Return a planned window together with one that starts no earlier and meets it; no fade reaches into an onset.
+def _meeting(own: Sequence[tuple[Window, int]]) -> Iterator[Sequence[tuple[Window, int]]]:
+    """Yield the runs of windows, ascending by their starts, that touch or overlap."""
+    first, stop = 0, own[0][0].stop if own else 0
+    for place, (window, _) in enumerate(own):
+        if window.start > stop:
+            yield own[first:place]
+            first = place
+        stop = max(stop, window.stop)
+    if own:
+        yield own[first:]
+
+
+def _joined(group: Sequence[tuple[Window, int]], shots: Sequence[Shot]) -> PlannedWindow:
+    """Return windows that meet, each with its shot's index, as one; no fade reaches into an onset.
 
     A fade-out that somebody has set may begin while a later shot sounds: it takes at most half of the room after that.
     """
-    before = planned.window
-    members = tuple(sorted((*planned.shots, index), key=lambda i: (shots[i].onset, i)))
-    last = max(before, window, key=lambda w: (w.stop, -w.fade_out_samples))
-    room, silent = last.stop - shots[members[-1]].onset, last.stop - max(shots[i].span.stop for i in members)
-    return PlannedWindow(
-        Window(
-            before.start,
+    (window, index), *others = group
+    first = latest = shots[index].onset
+    sounding = shots[index].span.stop
+    for other, index in others:
+        shot = shots[index]
+        first, latest, sounding = min(first, shot.onset), max(latest, shot.onset), max(sounding, shot.span.stop)
+        last = max(window, other, key=lambda w: (w.stop, -w.fade_out_samples))
+        window = Window(
+            window.start,
             last.stop,
-            min(before.fade_in_samples, shots[members[0]].onset - before.start),
-            min(last.fade_out_samples, max(silent, room // 2)),
-        ),
-        members,
-    )
+            min(window.fade_in_samples, first - window.start),
+            min(last.fade_out_samples, max(last.stop - sounding, (last.stop - latest) // 2)),
+        )
+    return PlannedWindow(window, tuple(sorted((index for _, index in group), key=lambda i: (shots[i].onset, i))))
 
 
 def _around(sounding: Span, *, frames: int, rate_hz: int, rules: WindowRules) -> Window:
