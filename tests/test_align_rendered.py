@@ -100,6 +100,15 @@ def test_a_coarse_drive_passes_at_any_rate(tmp_path: Path, rate_hz: int) -> None
     assert failures(rendered(path, onsets, options)) == []
 
 
+@pytest.mark.parametrize("level_db", [30.0, 36.0])
+def test_a_burst_far_beyond_the_limit_is_as_calm_before_its_shots_in_draft(tmp_path: Path, level_db: float) -> None:
+    """There a drive is at its limit most of the time, and a coarse one turns over at the wrong moments."""
+    onsets = [14_400 + number * 60 * 48 for number in range(6)]
+    path = film(tmp_path / "film.wav", onsets, [0.9, 0.8, 0.9, 0.7, 0.9, 0.8])
+    options = RenderOptions(report=False, quality="draft", drive="constrained", level_db=level_db)
+    assert failures(rendered(path, onsets, options)) == []
+
+
 RINGING_SEAT = """
 schema = 1
 name = "rings"
