@@ -100,6 +100,34 @@ def test_a_coarse_drive_passes_at_any_rate(tmp_path: Path, rate_hz: int) -> None
     assert failures(rendered(path, onsets, options)) == []
 
 
+@pytest.mark.parametrize("level_db", [30.0, 36.0])
+def test_a_burst_far_beyond_the_limit_is_as_calm_before_its_shots_in_draft(tmp_path: Path, level_db: float) -> None:
+    """There a drive is at its limit most of the time, and a coarse one turns over at the wrong moments."""
+    onsets = [14_400 + number * 60 * 48 for number in range(6)]
+    path = film(tmp_path / "film.wav", onsets, [0.9, 0.8, 0.9, 0.7, 0.9, 0.8])
+    options = RenderOptions(report=False, quality="draft", drive="constrained", level_db=level_db)
+    assert failures(rendered(path, onsets, options)) == []
+
+
+@pytest.mark.parametrize(("corner_hz", "order"), [(1000, 3), (1000, 4), (700, 3), (1000, 8), (300, 4)])
+def test_a_drive_may_be_as_late_as_its_band_has_to_be_and_no_later(tmp_path: Path, corner_hz: int, order: int) -> None:
+    """A low-pass of 700 Hz delays by .48 ms, and the actuator's limit bends that beyond the .5 ms of the rules."""
+    shipped = rules_path("actuators/crowson-t108sm.toml").read_text(encoding="utf-8")
+    seat = tmp_path / "mine.toml"
+    seat.write_text(shipped.replace("1000.0\norder = 3", f"{corner_hz}.0\norder = {order}"), encoding="utf-8")
+    onsets = [14_400, 26_400, 40_000, 52_000]
+    path = film(tmp_path / "film.wav", onsets, [0.9, 0.3, 0.1, 0.6])
+    options = RenderOptions(report=False, actuator=str(seat), quality="draft", level_db=18.0)
+    assert failures(rendered(path, onsets, options)) == []
+    drive, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    bend = 0.1 * max(1.0, 1000.0 / corner_hz) * RATE_HZ / 1000
+    for by in (round(2.2 * bend), -round(2.2 * bend)):
+        soundfile.write(tmp_path / "wrong.wav", np.roll(drive, by), RATE_HZ, subtype="PCM_24")
+        checked = run.check(tmp_path / "out", audio=path, drive=tmp_path / "wrong.wav", actuator=str(seat))
+        names = {name for name, _, _ in failures(checked)}
+        assert {"drive_shift", "felt_lag"} <= names if by > 0 else "drive_shift" in names
+
+
 RINGING_SEAT = """
 schema = 1
 name = "rings"

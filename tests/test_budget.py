@@ -17,11 +17,13 @@ from blastline.run import costs
 from blastline.run.budget import BEST_FIRST, RESERVE, Allowance, allowance, choose_quality, chosen, pick
 from blastline.run.checking import checked
 from blastline.run.costs import FilmCost
+from blastline.run.listening import HeardFilm, listen
 from blastline.run.options import RenderOptions
 from blastline.run.sampling import EXCERPT_FRAMES, counted_s, sample_film, timed_s
 from blastline.soundtrack import open_soundtrack
 from blastline.study.codecs import encode
 from commands import RATE_HZ, blastline, write_film
+from render_signals import shot_at
 
 SECONDS = st.floats(1e-3, 1e5)
 COSTS = st.builds(FilmCost, SECONDS, st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(0.0, 2.0))
@@ -106,6 +108,29 @@ def test_what_is_measured_is_checked_as_the_run_will_be(film: Path, monkeypatch:
     options = RenderOptions(phase="zero", background="direct", level_db=-6.0, report=False)
     choose_quality(film, Allowance("--budget 1h", cpu_s=3600.0), options, drives=True, since_cpu_s=0.0)
     assert {(made.phase, made.background, made.level_db) for made in seen} == {("zero", "direct", -6.0)}
+
+
+def test_of_a_window_with_many_shots_a_few_are_rendered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A minute of one machine gun is one window: to render all of it would cost more than the budget."""
+    seen: list[int] = []
+    shots = [shot_at(RATE_HZ + number * 4_000, decay_ms=200.0, rate_hz=RATE_HZ) for number in range(100)]
+
+    def one_window(*heard: Any) -> HeardFilm:
+        return costs._with_shots(listen(*heard), shots, heard[1])
+
+    def counted(timeline: Timeline, *rest: Any, **options: Any) -> Timeline:
+        seen.append(len(timeline.events))
+        return checked(timeline, *rest, **options)
+
+    monkeypatch.setattr(costs, "listen", one_window)
+    monkeypatch.setattr(costs, "checked", counted)
+    path = tmp_path / "film.wav"
+    soundfile.write(path, 0.1 * np.random.default_rng(1).standard_normal(12 * RATE_HZ), RATE_HZ)
+    with costs.open_gauge(path, RenderOptions(report=False), drives=True) as gauge:
+        cost = gauge.cost("draft")
+    assert max(seen) < 2 * costs.FEW_SHOTS
+    assert cost.shots_per_s * gauge.film_s == pytest.approx(100.0)
+    assert cost.per_shot > 0.0
 
 
 @given(SECONDS, SECONDS, st.booleans())

@@ -152,19 +152,10 @@ def _shot_checks(shared: Comparison, event: Event, figures: ShotFigures | None, 
 
     A shot that is not found in the drive has no lag, and fails by that.
     """
-    rules, rate_hz = shared.rules, shared.rate_hz
+    rules = shared.rules
     subject = "drive" if is_direct(event) else "felt"
-    allowed_ms = rules.lag_causal_ms
-    if shared.phase == "zero":
-        allowed_ms = ms_from_samples(rules.lag_zero_samples * shared.coarseness, rate_hz)
-    late_ms = None if lag is None or figures is None else ms_from_samples(lag + figures.delay, rate_hz)
-    delay_ms = 0.0 if figures is None else ms_from_samples(figures.delay, rate_hz)
-    if late_ms is not None and delay_ms > allowed_ms and abs(late_ms - delay_ms) <= shared.bend_ms:
-        allowed_ms = delay_ms + shared.bend_ms  # late as it is meant to be: the profile's own band delays by more
-    if figures is not None and not figures.exact:
-        allowed_ms = max(allowed_ms, shared.bend_ms)  # so much the actuator's limit alone may bend a lag of nothing
-    if not _can_lead(shared, event):
-        allowed_ms = max(allowed_ms, shared.lead_ms)
+    late_ms = None if lag is None or figures is None else ms_from_samples(lag + figures.delay, shared.rate_hz)
+    allowed_ms = _allowed_lag_ms(shared, event, figures, late_ms)
     yield Check(f"{subject}_lag", event.id, _within(late_ms, allowed_ms), late_ms, allowed_ms, "ms")
     likeness, wanted = figures.match.correlation if figures else 0.0, likeness_limit(shared, event)
     yield Check(f"{subject}_correlation", event.id, likeness >= wanted, likeness, wanted, "ratio")
@@ -177,6 +168,26 @@ def _shot_checks(shared: Comparison, event: Event, figures: ShotFigures | None, 
     still = early_db is None or early_db <= allowed_db
     yield Check("pre_echo", event.id, still, early_db, allowed_db, "dB of its peak")
     yield Check("peak", event.id, figures.peak <= rules.peak, figures.peak, rules.peak, "of the limit")
+
+
+def _allowed_lag_ms(shared: Comparison, event: Event, figures: ShotFigures | None, late_ms: float | None) -> float:
+    """Return by how much a shot may lag: as the rules have it, or where its band delays it by more, by as much.
+
+    A drive is as late as it is meant to be within what the actuator's limit may bend; a lag in which that has no part,
+    within what any has to without delay.
+    """
+    rules, exact_ms = shared.rules, ms_from_samples(shared.rules.lag_zero_samples * shared.coarseness, shared.rate_hz)
+    allowed_ms = exact_ms if shared.phase == "zero" else rules.lag_causal_ms
+    if figures is not None:
+        spare_ms, delay_ms = (
+            exact_ms if figures.exact else shared.bend_ms,
+            ms_from_samples(figures.delay, shared.rate_hz),
+        )
+        if late_ms is not None and delay_ms > 0.0 and abs(late_ms - delay_ms) <= spare_ms:
+            allowed_ms = max(allowed_ms, delay_ms + spare_ms)
+        if not figures.exact:
+            allowed_ms = max(allowed_ms, shared.bend_ms)  # so much the actuator's limit alone may bend a lag of nothing
+    return allowed_ms if _can_lead(shared, event) else max(allowed_ms, shared.lead_ms)
 
 
 def _can_lead(shared: Comparison, event: Event) -> bool:

@@ -168,12 +168,15 @@ class Gauge:
         return verifier_s, (process_time() - began) / (timed[-1].span.stop / rate_hz)
 
     def _shots(self, heard: HeardFilm, rules: Rules, most: int) -> Sequence[Shot]:
-        """Return the shots of windows from all over the sample, `most` or a few more; else its loudest moment."""
+        """Return the first shots of windows from all over the sample, `most` or a few more; else its loudest moment.
+
+        A window may hold hundreds: none is rendered with more than `most` of its shots.
+        """
         windows = heard.windows
         if windows:
             chosen: list[int] = []
             for planned in windows[:: -(-len(windows) // most)]:
-                chosen += planned.shots if len(chosen) < most else ()
+                chosen += planned.shots[:most] if len(chosen) < most else ()
             return [heard.found.shots[index] for index in chosen]
         at, rate_hz = self._sample.loudest, self._track.rate_hz
         sound = self._track.read(audio_around(at, frames=heard.source.frames, rate_hz=rate_hz, tier=rules.tier))
