@@ -62,7 +62,7 @@ class CandidateFeatures:
     rows: NDArray[np.float64]
 
 
-Test = Callable[[NDArray[np.float64], NDArray[np.intp]], NDArray[np.bool_]]
+Passes = Callable[[NDArray[np.float64], NDArray[np.intp]], NDArray[np.bool_]]
 """Says of each row of a table, whose candidates' places in the chunk are given, whether it is worth a closer look."""
 
 
@@ -147,7 +147,9 @@ def candidate_places(chunk: Chunk, grid: Grid, tier: QualityRules) -> NDArray[np
     return places[places < chunk.stop - chunk.start]
 
 
-def describe_candidates(chunk: Chunk, grid: Grid, tier: QualityRules, *, gate: Test, screen: Test) -> CandidateFeatures:
+def describe_candidates(
+    chunk: Chunk, grid: Grid, tier: QualityRules, *, gate: Passes, screen: Passes
+) -> CandidateFeatures:
     """Return the core's candidates that pass the gate, by their rough shapes, and the screen, by all features.
 
     The onset of those that are left is found to the sample.
