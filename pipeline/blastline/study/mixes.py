@@ -1,7 +1,7 @@
 """Film-like mixes for training and measuring: sounds with known onsets over beds, mastered as a film would be.
 
-    bed (speech, music, ambience, or none) + sounds at random times, levels and colours -> compressor, limiter,
-    bandwidth, gain -> 16 bit
+    bed (speech, music, ambience, or none) + sounds at random times, levels and colours
+        -> perhaps a limiter -> perhaps less than the full band -> gain -> 16 bit
 
 Level, bandwidth, colour and mastering are drawn alike for shots and for everything else, so that a model cannot learn
 the archive instead of the gun.
