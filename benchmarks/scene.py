@@ -25,7 +25,7 @@ from blastline import scene
 from blastline.detect import Verifier, find_shots, fire, load_verifier
 from blastline.detect.chunks import chunks
 from blastline.detect.contrast import contrasts
-from blastline.detect.find import Test, candidate_places, describe_candidates, let_all_pass, select_shots
+from blastline.detect.find import Passes, candidate_places, describe_candidates, let_all_pass, select_shots
 from blastline.detect.forest import forest_log_odds
 from blastline.detect.network import network_log_odds
 from blastline.detect.segment import segment
@@ -85,7 +85,7 @@ def _probability(odds: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.round(1.0 / (1.0 + np.exp(-odds)), 4), np.float64)
 
 
-def passing(sieve: Sieve) -> Test:
+def passing(sieve: Sieve) -> Passes:
     """Return what a sieve lets pass, wherever it is."""
     return lambda rows, _: sieve.lets_pass(rows)
 

@@ -76,7 +76,7 @@ def test_noise_takes_no_part_in_the_levels_and_its_size_is_told() -> None:
     seat = Seat()
     measured = identify(*run_of(seat, rate_hz=8_000, length_s=60.0, snr_db=-5.0), rules=MEASURING.identify).measured
     target = fit_target(measured, None, rules=RULES, name="seat.csv")
-    error = (target.product_db - seat.level_db(target.frequencies_hz)) / target.error_db
+    error = (target.target_db - seat.level_db(target.frequencies_hz)) / target.error_db
     assert abs(np.mean(error)) < 0.25
     assert 0.8 < np.sqrt(np.mean(error**2)) < 1.25
 

@@ -15,7 +15,7 @@ import pytest
 import webvtt
 
 from blastline.export import FORMATS, export_timeline, resolution, rounding
-from blastline.export.midi import NOTE, pulse, velocity
+from blastline.export.midi import NOTE, beat_of, velocity
 from blastline.export.table import COLUMNS, table
 from blastline.export.words import label, note, one_line
 from blastline.model import Timeline, encode
@@ -72,7 +72,7 @@ def test_midi_ticks_are_samples(tmp_path: Path, rate_hz: int) -> None:
     assert rounding(timeline, ["midi"]) == ()
 
 
-def test_midi_of_a_rate_without_a_pulse_is_at_the_nearest_tick(tmp_path: Path) -> None:
+def test_midi_of_a_rate_without_a_beat_is_at_the_nearest_tick(tmp_path: Path) -> None:
     timeline = film(rate_hz=44_101)
     file = mido.MidiFile(written(timeline, tmp_path, "midi"))
     for (start, _, _), onset in zip(notes(file), in_order(timeline), strict=True):
@@ -145,7 +145,7 @@ def test_midi_start_is_that_of_the_sound(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("rate_hz", [*RATES_HZ, 47_952, 44_101, 1_000, 12_345])
 def test_the_pulse_is_a_tempo_that_midi_can_hold(rate_hz: int) -> None:
-    beat = pulse(rate_hz)
+    beat = beat_of(rate_hz)
     assert 1 <= beat.ticks_per_beat <= 0x7FFF
     assert 1 <= beat.tempo_us <= 0xFFFFFF
     for sample in (0, 1, rate_hz, 7 * 3600 * rate_hz + 1):

@@ -10,7 +10,7 @@ from blastline.synth import random_shot
 from blastline.synth.chance import generator
 from blastline.synth.colour import CLEAN, air, draw_colour, record
 from blastline.synth.echoes import with_acoustics
-from blastline.synth.images import SPEED_OF_SOUND, Axis, image_echoes
+from blastline.synth.images import SPEED_OF_SOUND_M_S, Axis, image_echoes
 from blastline.synth.rooms import ENVIRONMENTS, Acoustics, Environment, draw_acoustics, tail_noise
 from blastline.synth.shots import fire
 from blastline.synth.tone import compress, highpass, lowpass, peak, tilt
@@ -97,7 +97,7 @@ def test_the_ground_answers_after_the_detour_and_as_weakly_as_it_is_long() -> No
     direct, (echo,) = image_echoes(axes, order=0, corner_hz=20_000.0)
     bounce = math.hypot(far, source + listener)
     assert direct == pytest.approx(math.hypot(far, source - listener))
-    assert echo.delay_s == pytest.approx((bounce - direct) / SPEED_OF_SOUND)
+    assert echo.delay_s == pytest.approx((bounce - direct) / SPEED_OF_SOUND_M_S)
     assert echo.gain == pytest.approx(0.8 * direct / bounce)
 
 
@@ -108,7 +108,7 @@ def test_two_walls_answer_at_the_images_of_the_source() -> None:
     # the near wall, the far wall, and both in turn
     for across, hits in ((2 * at, 1), (2 * (width - at), 1), (2 * width, 2)):
         path = math.hypot(across, 6.0)
-        found = [echo for echo in echoes if echo.delay_s == pytest.approx((path - 6.0) / SPEED_OF_SOUND)]
+        found = [echo for echo in echoes if echo.delay_s == pytest.approx((path - 6.0) / SPEED_OF_SOUND_M_S)]
         assert found
         assert found[0].gain == pytest.approx(6.0 / path * 0.9**hits)
 

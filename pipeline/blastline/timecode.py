@@ -155,8 +155,8 @@ def timecode_at(source: Source, sample: int) -> str:
     """Return the timecode of a sample: that of the frame which starts nearest to it.
 
     Without a frame rate, or with one that SMPTE does not know, it is the clock HH:MM:SS.mmm; a start that counts frames
-    begins it at its whole second, since nothing says how long a frame lasts. Hours start
-    again after 24; a sample before the first frame counts back from midnight.
+    begins it at its whole second, since nothing says how long a frame lasts. Hours start again after 24; a sample
+    before the first frame counts back from midnight.
     """
     scale = frame_scale(source)
     if scale is None:

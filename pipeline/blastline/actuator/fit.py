@@ -1,15 +1,15 @@
 """The rational model that comes nearest to what was measured, of as many poles and zeros as that is worth.
 
-Models compete: eq. (2) of the paper, k (s + w1) / (s + w2)^3, and general ones of 1 to `most_poles` poles and up to as
-many zeros less one. The one with the least Bayesian information criterion (BIC; Schwarz 1978) wins,
+Models compete: eq. (2) of the paper, k (s + w1) / (s + w2)^3, and general ones of 1 to `most_poles` poles and one to
+four fewer zeros. The one with the least Bayesian information criterion (BIC; Schwarz 1978) wins,
 
     n ln(1 + mean(e^2 / (e0^2 + m^2))) + p ln n
 
-with n points, p free parameters, a model's error e in dB, the measurement's standard error m, and e0 = `negligible_db`,
-an error that cannot be felt: a parameter has to earn its place. The mean is over log frequency.
+with n points, p free parameters, a model's error e in dB, the measurement's standard error m in dB, and
+e0 = `negligible_db`, an error that cannot be felt: a parameter has to earn its place. The mean is over log frequency.
 
-Levels alone are fitted: the phase of a stable model without zeros on the right
-follows from them, and a measured phase beyond that, a delay or an all-pass, has no stable causal inverse.
+Levels alone are fitted: the phase of a stable model without zeros on the right follows from them, and a measured phase
+beyond that, a delay or an all-pass, has no stable causal inverse.
 """
 
 import math
@@ -28,8 +28,14 @@ from .target import FitTarget
 Values = NDArray[np.float64]
 
 _MOST_EXCESS = 4
+"""A model has at most so many more poles than zeros."""
+
 _POINTS_PER_PARAMETER = 2.0
+"""A model with fewer measured points to a parameter follows their noise."""
+
 _ROOM = (0.1, 2.0)
+"""Corners lie from this share of the band's lowest frequency to so many times its highest."""
+
 _SPARE_DB = 1.0
 """The response is raised to the inverse's bound wherever it is weaker, and a model of it errs to both sides."""
 

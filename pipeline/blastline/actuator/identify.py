@@ -28,9 +28,16 @@ INDEPENDENT = 0.947
 """Of Hann segments that overlap by half, the share that counts as independent (Welch 1967)."""
 
 _HIGHEST_OF_RATE = 0.45
+"""Nearer to half the sample rate the converters' own filters are measured as well."""
+
 _DELAY_BLOCKS = 8
+
 _ALIKE = 0.9
+"""Peaks of the correlation that reach this share of the highest may each be that of the delay."""
+
 _LEAST_STEADY = 0.2
+"""Of a sweep each frequency is heard in one or two of 30 segments and more; of noise, in the mean, in half of them."""
+
 _TOLERATED_SHIFT = 0.005
 """A response that lies this share of a segment late is measured 0.04 dB too weak."""
 

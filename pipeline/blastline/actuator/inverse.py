@@ -8,8 +8,8 @@ from ..ruleset import FitRules, HighPass, LowPass
 from .rational import Model, level_db
 from .target import FitTarget
 
-_LEAST_LOWPASS, _MOST_HIGHPASS = 3, 4
-_BEYOND = 10.0
+_LEAST_LOWPASS, _MOST_HIGHPASS = 3, 4  # orders
+_BEYOND = 10.0  # times the band's ends: farther out the band filters make the compensator fall
 _POINTS = 2000
 
 

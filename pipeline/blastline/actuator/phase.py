@@ -18,8 +18,12 @@ from .measured import MeasuredResponse
 Values = NDArray[np.float64]
 
 _EDGE_OCTAVES = 0.5
+"""Over so much at either end the slope is taken with which the Bode plot goes on beyond."""
+
 _STEPS_PER_OCTAVE = 24
+
 _SEARCH_S = 0.05
+"""So far to either side of the delay that was taken out already the exact one is sought."""
 
 
 @dataclass(frozen=True)

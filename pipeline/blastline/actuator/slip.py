@@ -35,7 +35,8 @@ _LIKELY = 4.0
 _RELATED = 1.94
 """By so much neighbouring bins of a Hann window, correlated by 2/3 and 1/6, raise the variance of a sum over them."""
 
-_TRIED, _LEAST_GAIN = 4096, 1e-3
+_TRIED = 4096  # frequencies at which a slip is judged
+_LEAST_GAIN = 1e-3  # a gain below this is as good as none
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ def part_delays(excitation: Recording, response: Recording, identified: Identifi
     """
     rate_hz = excitation.rate_hz
     segment = round(identified.segment_s * rate_hz)
-    lag = round((identified.measured.delay_s or 0.0) * rate_hz)
+    lag = round(identified.measured.delay_s * rate_hz)
     shared = common(excitation, response, lag)
     count = max(1, min(_PARTS, identified.segments // 3))  # so that each holds two segments
     edges = np.linspace(shared.start, shared.stop, count + 1).astype(np.int64).tolist()

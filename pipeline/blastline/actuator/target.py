@@ -26,13 +26,12 @@ _FEWEST_POINTS = 8
 class FitTarget:
     """Felt levels in dB over frequency, shape (points,) each, from the first to the last that the inverse may reach.
 
-    `product_db` is actuator times skin, `target_db` the same with notches filled up to the bound of the inverse.
-    `error_db` is the standard error of either; `weights` are the shares of the octaves that the points stand for, of
-    sum 1.
+    `target_db` is actuator times skin, with notches filled up to the bound of the inverse. `error_db` is the standard
+    error of what was measured; `weights` are the shares of the octaves that the points stand
+    for, of sum 1.
     """
 
     frequencies_hz: Values
-    product_db: Values
     target_db: Values
     error_db: Values
     weights: Values
@@ -64,7 +63,6 @@ def fit_target(
     weights = np.gradient(np.log(frequencies_hz[ends]))
     return FitTarget(
         frequencies_hz[ends],
-        felt_db[ends],
         np.maximum(felt_db[ends], floor_db),
         error_db[ends],
         weights / np.sum(weights),

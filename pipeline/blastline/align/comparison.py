@@ -39,8 +39,9 @@ class Comparison:
     """Films, rules, and the actuator's filters at the soundtrack's rate.
 
     `level_db` is how much stronger than usual every shot was asked to be, `corner_ms` how far apart the corners are of
-    the straight lines that a solved drive is made of. `compensated` makes of a sound the drive
-    that is felt like it where nothing limits it. `step` is 1 / max |H|^2: so long a step down the slope of
+    the straight lines that a solved drive is made of. `felt` and `band` are second-order sections, shape (sections, 6);
+    `band_gains` gives the band's magnitudes for a real transform of so many samples. `compensated` makes of a sound the
+    drive that is felt like it where nothing limits it. `step` is 1 / max |H|^2: so long a step down the slope of
     |H u - t|^2 / 2 never overshoots. `settle` is how many samples the filters run before what is compared, `memory` how
     many H remembers. `bend_ms` is by how much the limit alone may displace what is felt.
     """
@@ -85,7 +86,7 @@ class Comparison:
         return samples_from_ms(duration_ms, self.rate_hz)
 
     def adjoint(self, samples: Samples) -> Samples:
-        """Return H'x, the adjoint of the felt response: H run backwards in time.
+        """Return H'x, shape (frames,), the adjoint of the felt response: H run backwards in time.
 
         The gradient of 1/2 |H u - t|^2 is H'(H u - t).
         """

@@ -31,7 +31,10 @@ _LONG = 16.0
 
 @dataclass(frozen=True, eq=False)
 class Adjoints:
-    """H't and H'H u, the adjoint of H on what is intended and on what is felt: what of them a drive can do about."""
+    """H't and H'H u, the adjoint of H on what is intended and on what is felt: what of them a drive can do about.
+
+    Shape (frames,) each, over the span of `Heard`.
+    """
 
     intended: Samples
     felt: Samples
@@ -39,7 +42,7 @@ class Adjoints:
 
 @dataclass(frozen=True, eq=False)
 class DueDrive:
-    """The drive that is due in the open window, from the shot's lead on, if it was rendered with a gain."""
+    """The drive that is due in the open window, from the shot's lead on, if rendered with a gain; shape (frames,)."""
 
     gain: float
     drive: Samples

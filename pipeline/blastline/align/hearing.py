@@ -38,10 +38,11 @@ class Part:
 class Heard:
     """The sound of a shot in the band of vibration, over `span`, of which `core` holds the shot itself.
 
-    `intended` has the delay that the drive is meant to have, `undelayed` none; `direct` is what direct conversion
-    would make felt of the window alone, from rest. `wet` is the drive of an open window if nothing limited it, None
-    where nothing asks for it: in the window of a `solved` drive before the second shot. `weights` blends it with the
-    drive of the `background`. `gain` is how much stronger than usual the shot was asked to be.
+    All arrays have the span's length. `intended` has the delay that the drive is meant to have, `undelayed` none;
+    `direct` is what direct conversion would make felt of the window alone, from rest. `wet` is the drive of an open
+    window if nothing limited it, None where nothing asks for it: in the window of a `solved` drive before the second
+    shot. `weights` blends it with the drive of the `background`. `gain` is how much stronger than usual the shot was
+    asked to be.
     """
 
     span: Span
@@ -58,9 +59,9 @@ class Heard:
 
 @dataclass(frozen=True, eq=False)
 class Felt:
-    """The drive of a shot over a span: its vibration as felt, and what of it is to follow the sound.
+    """The drive of a shot over a span, in arrays of its length: its vibration as felt, and what is to follow the sound.
 
-    They are the same but for a `direct` drive, which does not compensate: there the drive itself is to follow, in
+    The two are the same but for a `direct` drive, which does not compensate: there the drive itself is to follow, in
     the band of vibration. `own` is what is felt of the shot's window alone, from rest: a seat that rings for long still
     moves with what was before. `free` marks the samples at which the drive is not at the actuator's limit.
     """

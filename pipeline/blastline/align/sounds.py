@@ -43,7 +43,7 @@ class TimeMap:
 
 
 def read_padded(sound: Sound, span: Span, made_of: MadeOf = "mains") -> NDArray[np.float64]:
-    """Return what of a file becomes, or is, a drive that is made of that inside `span`; zeros beyond its ends."""
+    """Return what of a file becomes, or is, a drive that is made of that, over `span`; zeros beyond its ends."""
     samples = np.zeros(len(span))
     inside = span & Span(0, sound.frames)
     if inside:

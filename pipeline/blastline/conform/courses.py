@@ -18,14 +18,16 @@ from .lines import FITTED_S, SPEED_STEP, SPEEDS
 from .path import MatchedSegment
 from .waveform import look
 
-_ANCHOR_S = (0.0, 0.5)
-_SHORT_ANCHOR_S = (0.005, 0.06)
+_ANCHOR_S = (0.0, 0.5)  # what of the sound is compared, before and after an anchor's moment
+_SHORT_ANCHOR_S = (0.005, 0.06)  # where the pitch was kept, whose tool moves each piece of sound by itself
 _EVERY_S = 5.0
 _FEWEST, _MOST = 6, 60
-_SEARCH_S = 0.06
-_ALIKE = 0.4
-_AGREE_S = 0.5e-3
-_AGREE_STRETCHED_S = 0.03
+"""A segment has an anchor every so often, but no fewer and no more than so many."""
+
+_SEARCH_S = 0.06  # to either side of where the line leads
+_ALIKE = 0.4  # an anchor less alike than this is not found
+_AGREE_S = 0.5e-3  # an anchor so near to a line lies on it
+_AGREE_STRETCHED_S = 0.03  # the same where the pitch was kept: by so much its tool moves sounds
 _STEEPEST = 0.005
 """By how much a course may be steeper than its line: a step of the speeds that are tried, at 0.9 of the speed."""
 
@@ -39,6 +41,8 @@ _LEAST_REST_S = 3.0
 """What lies before or after all anchors of a course, and lasts so long, may have a course of its own."""
 
 _PULLS = (1.0, 1001.0 / 1000.0, 1000.0 / 1001.0)
+"""By so much a copy may run faster besides, where pictures are counted at 23.976 for 24, or the other way round."""
+
 _ROUNDS = 3
 _SHARP_S = 20e-6
 """Anchors are exact to some microseconds; those that are not are dropped, round by round."""

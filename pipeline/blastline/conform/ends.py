@@ -16,9 +16,9 @@ from .courses import Course
 from .film import Film
 from .waveform import WORK_HZ, piece
 
-_EDGE_S = 2.0
+_EDGE_S = 2.0  # how far around a coarse end the exact one is looked for
 _BLOCK_S = 0.02
-_ALIKE = 0.5
+_ALIKE = 0.5  # blocks more alike than this are the same sound
 _AT_ONCE = 500
 """Blocks that are compared at once: two segments may claim the same minutes, where a scene comes twice."""
 

@@ -70,7 +70,10 @@ def find_segments(
 
 @dataclass(frozen=True, eq=False)
 class Lane:
-    """A line with how alike the films are along it at every step from `first` on, not far from where it was found."""
+    """A line with how alike the films are along it at every step from `first` on, not far from where it was found.
+
+    `likeness`, shape (steps,), is a correlation.
+    """
 
     line: Line
     first: int
@@ -78,7 +81,7 @@ class Lane:
 
     @property
     def gain(self) -> NDArray[np.float32]:
-        """Return how much more alike than by chance the films are."""
+        """Return how much more alike than by chance the films are, shape (steps,)."""
         return self.likeness - np.float32(_CHANCE_LIKENESS)
 
 

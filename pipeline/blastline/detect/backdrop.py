@@ -50,5 +50,5 @@ def sounds(shown: Spectrograms) -> list[tuple[int, ...]]:
 
 
 def hamming_distance(first: NDArray[np.int64], second: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the number of bits by which fingerprints differ."""
+    """Return the number of bits by which fingerprints differ, of the shape that both broadcast to."""
     return np.asarray(np.bitwise_count(first ^ second), np.int64)

@@ -19,7 +19,11 @@ LEFT_PIECES, CORE_PIECES, RIGHT_PIECES = 4, 32, 3
 
 @dataclass(frozen=True, eq=False)
 class Chunk:
-    """A chunk of film with its tracks; `core` is what it owns: the shots that begin there. The rest is context."""
+    """A chunk of film with its tracks; `core` is what it owns: the shots that begin there. The rest is context.
+
+    `samples` has shape (frames,), `peak` and `slope` (steps,), `bands` (hops, BANDS), as in `Piece`. `start`, `stop`
+    and `core` are in samples of the film as it is listened to; beyond `stop` the film is over and stays level.
+    """
 
     samples: NDArray[np.float32]
     peak: NDArray[np.float32]
@@ -60,7 +64,7 @@ def aligned_chunks(*films: Iterable[Piece]) -> Iterator[tuple[Chunk, ...]]:
 
 
 def track_peaks_dbfs(chunk: Chunk, places: NDArray[np.intp], grid: Grid) -> NDArray[np.float64]:
-    """Return roughly how loud the first 20 ms from each place of a chunk on get, by the scan's track."""
+    """Return roughly how loud 20 ms from each of n places of a chunk on get, shape (n,), by the scan's track."""
     steps = places[:, None] // grid.step + np.arange(samples_from_ms(PEAK_MS, grid.rate_hz) // grid.step)
     return levels_db(chunk.peak[np.minimum(steps, chunk.peak.shape[0] - 1)].max(axis=1, initial=0.0))
 

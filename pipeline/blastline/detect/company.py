@@ -152,7 +152,7 @@ def _refused(shot: Shot, why: str) -> Rejection:
 def worth_segmenting(
     scored: ScoredCandidates, rows: Sequence[EvenRow | None], *, rate_hz: int, tier: QualityRules, core: Span
 ) -> NDArray[np.bool_]:
-    """Return which candidates `in_company` could believe, given those of a chunk's core and the rows among them.
+    """Return which of n candidates of a chunk's core `in_company` could believe, shape (n,), given their rows.
 
     The others need not be segmented: they are rounds of no burst. What a burst or a row beyond the core may reach is
     worth it, a slow row of shots too, which the networks alone may believe.

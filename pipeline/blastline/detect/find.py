@@ -31,7 +31,7 @@ from .spectrogram import spectrograms
 from .tracks import Grid, pieces
 from .verify import Verifier, log_odds_in
 
-_SAME_ONSET_MS = 3.0
+_SAME_ONSET_MS = 3.0  # candidates of one rise, which the refined onset has brought together
 
 LATENCY_S = 40.0
 """A shot is found at the latest so long after it has gone by: a core with what follows it, and some blocks."""
@@ -62,12 +62,12 @@ class CandidateFeatures:
     rows: NDArray[np.float64]
 
 
-Test = Callable[[NDArray[np.float64], NDArray[np.intp]], NDArray[np.bool_]]
+Passes = Callable[[NDArray[np.float64], NDArray[np.intp]], NDArray[np.bool_]]
 """Says of each row of a table, whose candidates' places in the chunk are given, whether it is worth a closer look."""
 
 
 def let_all_pass(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
-    """Let every candidate pass, as training needs it."""
+    """Let every candidate pass, as training needs it; shape (n,)."""
     return np.ones(rows.shape[0], bool)
 
 
@@ -141,13 +141,15 @@ def search_chunks(
 
 
 def candidate_places(chunk: Chunk, grid: Grid, tier: QualityRules) -> NDArray[np.intp]:
-    """Return roughly where a chunk's candidates are, as indices into it, ascending."""
+    """Return roughly where a chunk's n candidates are, as indices into it, ascending, shape (n,)."""
     steps = candidate_steps(chunk.peak, chunk.slope, chunk.bands, grid=grid, rules=tier.scan)
     places = steps * grid.step
     return places[places < chunk.stop - chunk.start]
 
 
-def describe_candidates(chunk: Chunk, grid: Grid, tier: QualityRules, *, gate: Test, screen: Test) -> CandidateFeatures:
+def describe_candidates(
+    chunk: Chunk, grid: Grid, tier: QualityRules, *, gate: Passes, screen: Passes
+) -> CandidateFeatures:
     """Return the core's candidates that pass the gate, by their rough shapes, and the screen, by all features.
 
     The onset of those that are left is found to the sample.

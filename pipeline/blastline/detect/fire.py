@@ -71,7 +71,7 @@ def shot_by_shot(tier: QualityRules) -> Pace:
 def rows_at(
     onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], pace: Pace, *, rate_hz: int
 ) -> list[NDArray[np.intp]]:
-    """Return the rows at a pace among onsets, ascending, the longest row first; no sound is in two."""
+    """Return the rows at a pace among onsets, ascending, the longest row first, as indices; no sound is in two."""
     gaps = (samples_from_ms(pace.shortest_gap_ms, rate_hz), samples_from_ms(pace.longest_gap_ms, rate_hz))
     at, loud_db = onsets.tolist(), peaks_dbfs.tolist()  # a few at a time: lists are faster than arrays
     told: set[tuple[int, int]] = set()
@@ -164,7 +164,7 @@ def worth_a_look(
     rate_hz: int,
     tier: QualityRules,
 ) -> NDArray[np.bool_]:
-    """Return which candidates, ascending, the screen finds likely enough to be looked at more closely.
+    """Return which of n candidates, ascending, the screen finds likely enough to be looked at closely, shape (n,).
 
     That is `look_from`, and where it finds some of a row of fire so likely, `least` for the others.
     """

@@ -15,7 +15,8 @@ from ..units import samples_from_ms, samples_from_s
 from .backdrop import hamming_distance
 
 _SAME_LAG_MS = 1.0
-_NEAR_TURNS, _FEWEST_TURNS = 4, 2
+_NEAR_TURNS = 4  # within so many turns to either side a candidate has to come again
+_FEWEST_TURNS = 2  # and so often
 _AT_ONCE = 256  # candidates that are held against the others: an hour of a machine has millions of pairs
 
 
@@ -34,7 +35,7 @@ class LoopCandidates:
 
 
 def in_loops(heard: LoopCandidates, *, rate_hz: int, rules: RowRules) -> NDArray[np.bool_]:
-    """Return which candidates turn with a loop of ambience.
+    """Return which of n candidates turn with a loop of ambience, shape (n,).
 
     That there is a loop is told by what comes again after the same time, beyond an even row's gaps and up to
     `longest_loop_s`, `fewest_turns` times in all and each time with the same backdrop. What turns twice and more within

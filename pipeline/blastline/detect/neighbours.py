@@ -12,7 +12,8 @@ PAST_MS, FUTURE_MS = 3000.0, 2500.0
 SHAPE_SEGMENTS = 5  # attack and the 30 ms after it
 LEVEL_STEPS_DB = (-12.0, -6.0, -3.0)
 RIVAL_DB = 9.0  # a neighbour this much weaker is no rival
-ALIKE_DB, FARTHEST_DB = 5.0, 50.0
+ALIKE_DB = 5.0  # attacks whose shapes differ by less, rms over bands and segments, are alike
+FARTHEST_DB = 50.0  # what stands for the distance where there is no neighbour
 RUN_GAP_MS = 300.0
 _AT_ONCE = 128  # candidates that are held against their neighbours together
 _SLACK_MS = 1.0
@@ -32,7 +33,8 @@ def neighbourhood(
 ) -> NDArray[np.float64]:
     """Return how the candidates with the ascending indices `wanted` stand among all of the seconds around them.
 
-    `places` are the candidates' sample indices, ascending, `levels` their band levels.
+    Shape (wanted, names), in the order of `neighbourhood_names`. `places` are the sample indices of all n candidates,
+    ascending, `levels` their `band_levels`, shape (n, BANDS + 1, segments).
     """
     at_ms = places.astype(np.float64) * (1000.0 / rate_hz)
     rows = [np.zeros((0, len(neighbourhood_names())))]

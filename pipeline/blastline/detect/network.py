@@ -47,7 +47,10 @@ class NetworkFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """A layer as arrays; a convolution's weights are (9 * input channels, outputs), so that windows copy in runs."""
+    """A layer as arrays: `weights`, shape (inputs, outputs), `biases`, shape (outputs,), `stride` as in `LayerFile`.
+
+    A convolution's inputs are (9 * input channels), place by place, so that windows copy in runs.
+    """
 
     stride: int
     weights: Values
@@ -56,7 +59,7 @@ class Layer:
 
 @dataclass(frozen=True, eq=False)
 class Network:
-    """A network as arrays."""
+    """A network as arrays; `means` and `spreads` are those of its features, shape (features,)."""
 
     means: NDArray[np.float64]
     spreads: NDArray[np.float64]

@@ -34,9 +34,9 @@ _FAINTEST = 1e-30
 def discrete_reflections(
     wave: NDArray[np.float64], before: NDArray[np.float64], *, rate_hz: int, rules: SegmentRules
 ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """Return the reflections' lags in samples, ascending, and their gains.
+    """Return the lags of n reflections in samples, ascending, and their gains against the blast, shape (n,) each.
 
-    `wave` begins with the onset, and `before` is what lies directly before it.
+    `wave`, shape (frames,), begins with the onset, and `before` is what lies directly before it.
     """
     from scipy.signal import find_peaks
 
@@ -94,7 +94,7 @@ class _Heard:
         self._around = _around(answer, grain) + _FAINTEST
 
     def spikes(self, prominence: float) -> NDArray[np.bool_]:
-        """Return which values stand out by so much, however late they come."""
+        """Return which values of `answer` stand out by so much, however late they come."""
         return (self.answer >= self._loud) & (self.answer >= prominence * self._around)
 
     def clearness(self, places: NDArray[np.intp], lag_ms: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ from ..units import samples_from_ms
 def in_even_rows(
     onsets: NDArray[np.intp], sure: NDArray[np.bool_], *, rate_hz: int, rules: RowRules
 ) -> NDArray[np.bool_]:
-    """Return which onsets, ascending, belong to an even row of which fewer than half are sure.
+    """Return which of n onsets, ascending, belong to an even row of which fewer than half are sure, shape (n,).
 
     Somebody may fire at an even pace, and then most shots are sure, each by itself or the row as a whole. Steps and
     blows are so now and then, and would take the others of their row along.
@@ -26,7 +26,7 @@ def in_even_rows(
 def in_endless_fire(
     onsets: NDArray[np.intp], sure: NDArray[np.bool_], *, rate_hz: int, rules: BurstRules
 ) -> NDArray[np.bool_]:
-    """Return which onsets, ascending, belong to a run at a gun's pace that goes on as no gun does.
+    """Return which of n onsets, ascending, belong to a run at a gun's pace that goes on as no gun does, shape (n,).
 
     More than a magazine holds, half of the gaps near their median, and fewer than half of its sounds sure by
     themselves: so do jackhammers and engines. Several guns at once may go on for as long, but keep no pace.

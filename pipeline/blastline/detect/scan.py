@@ -13,8 +13,9 @@ _AROUND_MS = 2000.0
 def rise_ratios(track: NDArray[np.float32], history: int, floor: float | NDArray[np.float32]) -> NDArray[np.float32]:
     """Return the ratio of each step's value to the largest one in the `history` steps before it, the last one left out.
 
-    `track` is (steps,) or (steps, bands), each band on its own; what lies under the floor, one for all or one for each
-    step, is silence. A rise that straddles two steps would hide itself if the step right before it counted.
+    `track` is (steps,) or (steps, bands), each band on its own, and so is what is returned; what lies under the floor,
+    one for all or one for each step, is silence. A rise that straddles two steps would hide itself if the step right
+    before it counted.
     """
     padded = np.concatenate([np.zeros((history + 1, *track.shape[1:]), np.float32), track])
     past = sliding_maximum(padded, history)[: track.shape[0]]
@@ -22,7 +23,7 @@ def rise_ratios(track: NDArray[np.float32], history: int, floor: float | NDArray
 
 
 def sliding_maximum(values: NDArray[np.float32], length: int) -> NDArray[np.float32]:
-    """Return the largest of every `length` successive rows, from each row on that has so many.
+    """Return the largest of every `length` successive rows, from each row on that has so many: `length` - 1 rows fewer.
 
     By doubling: the largest of eight is the larger of two largest of four. A few passes over whole arrays are several
     times as fast as a filter that looks at each sample, and the scan spends most of its time here.
@@ -39,7 +40,7 @@ def sliding_maximum(values: NDArray[np.float32], length: int) -> NDArray[np.floa
 
 
 def band_rises(bands: NDArray[np.float32], history: int, floor: float | NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return each frame's rise as an amplitude ratio: the mean, in dB, of the two bands that rise most.
+    """Return each frame's rise as an amplitude ratio, shape (hops,): the mean, in dB, of the two bands that rise most.
 
     A shot under a loud dialogue still towers in the bands that the voice leaves free; two bands, since a single one
     rises with any tone. A frame overlaps its neighbours, so the history ends two frames before it, as in `rise_ratios`.
@@ -52,7 +53,7 @@ def band_rises(bands: NDArray[np.float32], history: int, floor: float | NDArray[
 
 
 def silence(peak: NDArray[np.float32], *, grid: Grid, rules: ScanRules) -> NDArray[np.float32]:
-    """Return up to which peak each step is silence: `floor_dbfs`, or `range_db` under the loudest step around it.
+    """Return up to which peak each step is silence, shape (steps,): `floor_dbfs`, or `range_db` under the loudest near.
 
     So what is silence in a film is silence in a quieter copy.
     """
@@ -63,7 +64,7 @@ def silence(peak: NDArray[np.float32], *, grid: Grid, rules: ScanRules) -> NDArr
 
 
 def loudest_around(peak: NDArray[np.float32], steps: NDArray[np.intp], *, grid: Grid) -> NDArray[np.float32]:
-    """Return the largest peak within two seconds of each of some steps, as `silence` counts them."""
+    """Return the largest peak within two seconds of each of n steps, shape (n,), as `silence` counts them."""
     reach = grid.steps(_AROUND_MS)
     around = [peak[max(0, step - reach) : step + reach + 1] for step in steps.tolist()]
     return np.array([part.max(initial=0.0) for part in around], np.float32)
@@ -77,7 +78,7 @@ def candidate_steps(
     grid: Grid,
     rules: ScanRules,
 ) -> NDArray[np.intp]:
-    """Return the steps that are candidates, ascending.
+    """Return the n steps that are candidates, ascending, shape (n,); the tracks are those of a `Chunk`.
 
     A step is one where its rise, over the required jump, is at least 1 in any track and nothing within
     `separation_ms` rises more.

@@ -28,7 +28,7 @@ in made scenes the softest was 24 dB under the mains."""
 
 
 def are_audible(sides: Chunk, mains: Chunk, places: NDArray[np.intp], grid: Grid) -> NDArray[np.bool_]:
-    """Return which places of a chunk of the sides are heard under the mains, with which they play."""
+    """Return which of n places of a chunk of the sides are heard under the mains, with which they play, shape (n,)."""
     heard_db = track_peaks_dbfs(sides, places, grid) - track_peaks_dbfs(mains, places, grid)
     return np.asarray(heard_db >= -_COVERED_DB, np.bool_)
 

@@ -81,7 +81,8 @@ class Grid:
 class Piece:
     """One piece of the film with its tracks; `samples` beyond the film's end stay at the last one's level.
 
-    `bands` has no frames where nobody scans them.
+    `samples` has shape (Grid.piece,), of which the first `frames` are the film's; `peak` and `slope`, amplitudes, have
+    shape (steps,), `bands`, energies, (hops, BANDS), or (0, BANDS) where nobody scans them.
     """
 
     samples: NDArray[np.float32]
@@ -181,7 +182,7 @@ def _bands(samples: NDArray[np.float32], before: _Before, grid: Grid) -> tuple[N
 
 @cache
 def kernels(grid: Grid) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return the window times cosines and sines, for the earlier and the later hop of a frame.
+    """Return the window times cosines and sines for the earlier and the later hop of a frame, shape (hop, parts) each.
 
     Scaled so that a full-scale sine gives energy 1 in its band. Frequencies a film's sample rate cannot hold give 0.
     What a constant would give is taken off, so that it gives 0 as well; but for the first, whose changes are heard.

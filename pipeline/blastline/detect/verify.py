@@ -75,7 +75,10 @@ class Sieve:
 
 @dataclass(frozen=True, eq=False)
 class Verdicts:
-    """Of n candidates: the probability that each is a shot, that by the screen alone, and how many networks judged."""
+    """Of n candidates: the probability that each is a shot, that by the screen alone, and how many networks judged.
+
+    Shape (n,) each; probabilities are to four digits.
+    """
 
     probability: NDArray[np.float64]
     screen_probability: NDArray[np.float64]
@@ -138,7 +141,7 @@ def log_odds_in(verdicts: Verdicts) -> LogOdds:
 
 
 def log_odds_of(probability: NDArray[np.float64] | float) -> NDArray[np.float64]:
-    """Return the log-odds of probabilities; those of 0 and 1 are what rounding may have left of them."""
+    """Return the log-odds of probabilities, in their shape; those of 0 and 1 are what rounding may have left them."""
     p = np.clip(probability, _SMALLEST, 1.0 - _SMALLEST)
     return np.asarray(np.log(p / (1.0 - p)), np.float64)
 

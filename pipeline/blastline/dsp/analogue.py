@@ -24,7 +24,7 @@ A film that stands off zero is a step where they begin: the band's high-pass nee
 
 @dataclass(frozen=True, eq=False)
 class Analogue:
-    """An analogue filter: zeros and poles in rad/s, and its gain."""
+    """An analogue filter: its zeros and its poles in rad/s, one-dimensional, and k, its gain in the formula above."""
 
     zeros: NDArray[np.complex128]
     poles: NDArray[np.complex128]
@@ -39,7 +39,7 @@ class Analogue:
         )
 
     def at(self, frequencies_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
-        """Return the complex response at the given frequencies."""
+        """Return the complex response at n frequencies, shape (n,)."""
         s = 2j * math.pi * frequencies_hz[:, None]
         return np.asarray(
             self.gain * np.prod(s - self.zeros, axis=1) / np.prod(s - self.poles, axis=1), dtype=np.complex128

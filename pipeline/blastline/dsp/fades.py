@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 
 def fade(samples: int) -> NDArray[np.float64]:
-    """Return the rising half of an equal-gain cross-fade, sin^2 at the middle of each of its samples.
+    """Return the rising half of an equal-gain cross-fade, sin^2 at the middle of each of its samples, shape (samples,).
 
     Dry and compensated sound are one signal, so the weights of a fade, not their squares, sum to one:
     `fade(n) + fade(n)[::-1]` is 1, to the last bit or two.

@@ -16,7 +16,7 @@ Samples = NDArray[np.float64]
 
 
 def band_sections(profile: ActuatorProfile, rate_hz: int, phase: Phase, *, lean: bool = False) -> Samples:
-    """Return the band of vibration as second-order sections, half of it with phase "zero"; see `discretise`."""
+    """Return the band of vibration as second-order sections, half of it with phase "zero"; as `discretise`."""
     return discretise(_shape(profile, phase), rate_hz, lean=lean)
 
 
@@ -26,12 +26,12 @@ def compensator_sections(profile: ActuatorProfile, rate_hz: int, phase: Phase, *
 
 
 def run_backwards(sections: Samples, samples: Samples) -> Samples:
-    """Return samples through sections backwards in time, from rest after the last of them."""
+    """Return samples through sections backwards in time, shape (frames,), from rest after the last of them."""
     return run_filter(sections, samples[::-1])[::-1]
 
 
 def run_both_ways(sections: Samples, samples: Samples, *, backwards: Samples | None) -> Samples:
-    """Return samples through sections, and then backwards through others, None where the phase is causal."""
+    """Return samples through sections, shape (frames,), and then backwards through others, None in causal phase."""
     forwards = run_filter(sections, samples)
     return forwards if backwards is None else run_backwards(backwards, forwards)
 

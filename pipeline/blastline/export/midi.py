@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mido import MetaMessage, MidiTrack
     from mido.messages import BaseMessage
 
-NOTE = 60
+NOTE = 60  # middle C
 _MICROSECONDS = 1_000_000
 _MOST_TICKS_PER_BEAT = 0x7FFF
 _MOST_TICKS_BETWEEN = 0x0FFFFFFF
@@ -29,8 +29,8 @@ _MOST_TICKS_BETWEEN = 0x0FFFFFFF
 _SMPTE_RATES = {Fraction(24): 24, Fraction(25): 25, Fraction(30_000, 1001): 29.97, Fraction(30): 30}
 
 
-class Pulse(NamedTuple):
-    """How time is counted: ticks in a beat, and microseconds a beat lasts."""
+class Beat(NamedTuple):
+    """How a file counts time: the ticks in a beat (MIDI's division), and how long a beat lasts (its tempo)."""
 
     ticks_per_beat: int
     tempo_us: int
@@ -41,11 +41,11 @@ class Pulse(NamedTuple):
         return math.floor(exact + Fraction(1, 2))
 
 
-def pulse(rate_hz: int) -> Pulse:
-    """Return the pulse whose tick is one sample, nearest to 120 beats a minute; 24,000 ticks a beat where none is.
+def beat_of(rate_hz: int) -> Beat:
+    """Return the beat whose tick is one sample, nearest to 120 beats a minute; 24,000 ticks a beat where none is.
 
-    >>> pulse(48_000), pulse(96_000)
-    (Pulse(ticks_per_beat=24000, tempo_us=500000), Pulse(ticks_per_beat=24000, tempo_us=250000))
+    >>> beat_of(48_000), beat_of(96_000)
+    (Beat(ticks_per_beat=24000, tempo_us=500000), Beat(ticks_per_beat=24000, tempo_us=250000))
     """
     smallest = _MICROSECONDS // math.gcd(_MICROSECONDS, rate_hz)
     tempos = [
@@ -54,9 +54,9 @@ def pulse(rate_hz: int) -> Pulse:
         if tempo * rate_hz // _MICROSECONDS <= _MOST_TICKS_PER_BEAT and _MICROSECONDS % tempo == 0
     ]
     if not tempos:
-        return Pulse(24_000, 500_000)
+        return Beat(24_000, 500_000)
     tempo = min(tempos, key=lambda each: (abs(math.log(each / 500_000)), each))
-    return Pulse(tempo * rate_hz // _MICROSECONDS, tempo)
+    return Beat(tempo * rate_hz // _MICROSECONDS, tempo)
 
 
 def velocity(peak_dbfs: float) -> int:
@@ -77,7 +77,7 @@ def write_midi(timeline: Timeline, path: Path) -> None:
     import mido
 
     source, events = timeline.source, tuple(with_ends(timeline))
-    beat = pulse(source.sample_rate_hz)
+    beat = beat_of(source.sample_rate_hz)
     onsets = [beat.ticks(event.onset_sample, source.sample_rate_hz) for event, _ in events]
     tempo = mido.MetaMessage("set_tempo", tempo=beat.tempo_us)
     name = mido.MetaMessage("track_name", name=one_line(source.name))
@@ -90,7 +90,7 @@ def write_midi(timeline: Timeline, path: Path) -> None:
     file.save(path)
 
 
-def _notes(events: Iterable[tuple[Event, int]], beat: Pulse, rate_hz: int) -> Iterator[tuple[int, "BaseMessage"]]:
+def _notes(events: Iterable[tuple[Event, int]], beat: Beat, rate_hz: int) -> Iterator[tuple[int, "BaseMessage"]]:
     """Yield the notes' starts and ends in order of time; a note ends before the next one starts."""
     import mido
 

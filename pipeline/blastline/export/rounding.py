@@ -7,7 +7,7 @@ from fractions import Fraction
 from ..model import Source, Timeline
 from ..timecode import frame_scale, frame_time, picture_time
 from .frames import FRAME_FORMATS, scale_in
-from .midi import pulse
+from .midi import beat_of
 from .webvtt import STEP_S
 
 Shift = Callable[[int], Fraction]
@@ -63,7 +63,7 @@ def _way(name: str, source: Source) -> tuple[str, Shift] | None:
         return words, lambda sample: -frame_time(source, sample, scale).offset_s
     if name == "webvtt":
         return "times are whole milliseconds", lambda sample: _stepped(picture_time(source, sample), STEP_S)
-    beat = pulse(source.sample_rate_hz)
+    beat = beat_of(source.sample_rate_hz)
     tick_s = Fraction(beat.tempo_us, 1_000_000 * beat.ticks_per_beat)
     if name == "midi" and tick_s * source.sample_rate_hz != 1:
         return f"a tick is {float(10**6 * tick_s):.2f} us", lambda sample: _stepped(

@@ -22,7 +22,8 @@ _LONGEST_STRIDE = 64
 class Recursion:
     """H as a recursive filter, by its poles: A's coefficients at a film's rate would lose slow poles in rounding.
 
-    `impulse` is its response until it has faded, of which all but the first `free` samples are made of these poles.
+    `poles`, shape (order,), are in z, inside the unit circle. `impulse`, shape (frames,), is its response until it has
+    faded, of which all but the first `free` samples are made of these poles.
     A drive of straight lines steers it with corners at most `longest_stride` samples apart.
     """
 
@@ -36,7 +37,8 @@ class Recursion:
 class BandedHessian:
     """Q: the same diagonals in every row, `lags` from the main one on, and what differs in its last rows.
 
-    `max_power_gain` is the greatest of |H|^2.
+    `feedback`, shape (order + 1,), are A's coefficients, 1 first; `lags` has shape (width,), `ending` is square, of
+    width - 1 rows. `max_power_gain` is the greatest of |H|^2.
     """
 
     feedback: Samples
@@ -108,17 +110,17 @@ def _banded_columns(feedback: Samples, size: int) -> Samples:
 
 
 def apply_a(q: BandedHessian, v: Samples) -> Samples:
-    """Return A v."""
+    """Return A v, shape (unknowns,)."""
     return np.convolve(v, q.feedback)[: len(v)]
 
 
 def apply_a_transposed(q: BandedHessian, u: Samples) -> Samples:
-    """Return A'u."""
+    """Return A'u, shape (unknowns,)."""
     return np.convolve(u[::-1], q.feedback)[: len(u)][::-1]
 
 
 def apply_q(q: BandedHessian, v: Samples) -> Samples:
-    """Return Q v."""
+    """Return Q v, shape (unknowns,), which are no fewer than the rows of `ending`."""
     size = len(q.lags) - 1
     product = np.convolve(v, np.concatenate([q.lags[:0:-1], q.lags]))[size : size + len(v)]
     product[-size:] += np.sum(q.ending * v[-size:], axis=1)
@@ -139,6 +141,6 @@ def newton_diagonals(q: BandedHessian, curvature: Samples) -> Samples:
 
 
 def hat(stride: int) -> Samples:
-    """Return the straight rise to 1 and fall from it over `stride` samples each."""
+    """Return the straight rise to 1 and fall from it over `stride` samples each, shape (2 stride - 1,)."""
     rise = np.arange(1.0, stride + 1.0) / stride
     return np.concatenate([rise, rise[-2::-1]])

@@ -41,7 +41,7 @@ _ALREADY = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Iterate:
-    """A drive u, N u, and the objective; worked out once, since N u takes two transforms."""
+    """A drive u and N u, shape (frames,) each, and the objective; worked out once, since N u takes two transforms."""
 
     drive: Samples
     normal: Samples
@@ -50,7 +50,10 @@ class Iterate:
 
 @dataclass(frozen=True, eq=False)
 class BoxProblem:
-    """1/2 u'Nu - b'u over |u| <= 1, N a symmetric Toeplitz matrix by its spectrum on a zero-padded circle."""
+    """1/2 u'Nu - b'u over |u| <= 1, N a symmetric Toeplitz matrix by its spectrum on a zero-padded circle.
+
+    `spectrum` is |H|^2 at the frequencies of a real transform of `padded` samples, `rhs` is b, shape (frames,).
+    """
 
     spectrum: Samples
     padded: int

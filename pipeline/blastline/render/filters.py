@@ -33,7 +33,7 @@ _LARGEST_GAIN = 1e6  # 120 dB either way: beyond any unit that an actuator is me
 
 @dataclass(frozen=True, eq=False)
 class DriveFilters:
-    """Second-order sections, float64, for one actuator at one sample rate.
+    """Second-order sections, shape (sections, 6), float64, for one actuator at one sample rate.
 
     `band` and `compensator` run forwards. With phase "zero" they hold half of the band's roll-off each, and `band`
     runs backwards over their output as well. After `ring_samples` of silence both have faded. `felt` is H, `impulse`
@@ -97,27 +97,27 @@ def needed_audio(planned: PlannedWindow, *, frames: int, filters: DriveFilters, 
 
 
 def in_band(samples: Samples, filters: DriveFilters) -> Samples:
-    """Return the sound in the band of vibration, which the felt vibration is to follow; after it is silence."""
+    """Return the sound in the band, shape (frames,), which the felt vibration is to follow; after it is silence."""
     return _both_ways(filters.band, samples, filters)
 
 
 def compensated(samples: Samples, filters: DriveFilters) -> Samples:
-    """Return the drive that would make the felt vibration the sound in the band, if the actuator had no limit."""
+    """Return the drive, shape (frames,), that would make felt the sound in the band if the actuator had no limit."""
     return _both_ways(filters.compensator, samples, filters)
 
 
 def settled_band(samples: Samples, inside: slice, filters: DriveFilters, rules: RenderRules) -> Samples:
-    """Return `in_band` for the samples inside alone, those around them being its pre-roll."""
+    """Return `in_band` for the samples inside alone, shape (inside,), those around them being its pre-roll."""
     return _inside(filters.band, samples, inside, filters, preroll(filters, rules))
 
 
 def settled_compensated(samples: Samples, inside: slice, filters: DriveFilters, rules: RenderRules) -> Samples:
-    """Return `compensated` for the samples inside alone, those around them being its pre-roll."""
+    """Return `compensated` for the samples inside alone, shape (inside,), those around them being its pre-roll."""
     return _inside(filters.compensator, samples, inside, filters, preroll(filters, rules))
 
 
 def felt(drive: Samples, filters: DriveFilters) -> Samples:
-    """Return what is felt of a drive that starts from rest, predicted by H."""
+    """Return what is felt of a drive that starts from rest, shape (frames,), predicted by H."""
     return dsp.run_filter(filters.felt, drive)
 
 

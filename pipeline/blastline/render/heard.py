@@ -13,7 +13,7 @@ from .windows import PlannedWindow
 
 @dataclass(frozen=True, eq=False)
 class HeardWindow:
-    """A window with its sound, exactly over its span, and how it is to be rendered.
+    """A window with its sound, exactly over its span, shape (frames,), and how it is to be rendered.
 
     `gains` are those of its shots, sample by sample. With them and the level of the rules, `asked` is the sound,
     `target` the sound in the band, which is to be felt, and `unlimited` the compensator's drive. `made_of` says

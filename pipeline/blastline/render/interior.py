@@ -41,7 +41,7 @@ _LEAST_PRODUCT = 0.15  # of the mean |gradient|, for each slack times its multip
 
 @dataclass(frozen=True, eq=False)
 class BoxQpSolution:
-    """What the solver found: the unknowns within the limit, the steps it took, whether rounding let it finish."""
+    """What the solver found: `drive`, shape (corners,), within the limit, its steps, whether rounding let it finish."""
 
     drive: Samples
     steps: int

@@ -29,10 +29,9 @@ class FitRules(Table, frozen=True):
     """How a measured response becomes a rational model, and which band filters its profile gets.
 
     What lies more than `largest_gain_db` below the peak is taken as no weaker than that, so that the inverse is
-    bounded. Models of up to `most_poles` compete; a further one has to be worth it by Schwarz's criterion, to
-    which an error of `negligible_db` is none. Nothing above
-    `highest_hz` is fitted. The profile's low-pass is at `band_hz`, or where less is known there; its high-pass at
-    the lowest known frequency, at least `rumble_hz`.
+    bounded. Models of up to `most_poles` compete; a further one has to be worth it by Schwarz's criterion, to which an
+    error of `negligible_db` is none. Nothing above `highest_hz` is fitted. The profile's low-pass is at `band_hz`, or
+    where what is known ends, if lower; its high-pass at the lowest known frequency, at least `rumble_hz`.
     """
 
     largest_gain_db: Annotated[float, Meta(ge=6.0, le=120.0)]

@@ -9,7 +9,6 @@ from .table import Count, Difference, Positive, Ratio, Table, ascending, not_fal
 LARGEST_LEVEL_DB = 40.0
 """How far the sound may be raised or lowered before it becomes vibration."""
 
-
 LONGEST_DECAY_MS = 3000.0
 """How long a shot may be.
 
@@ -197,10 +196,10 @@ class RenderRules(Table, frozen=True):
     """How the drive is computed inside a window.
 
     The filters start `preroll_ms` before it, and earlier in proportion where their slowest time constant is more than
-    50 ms. The sound is raised by `level_db`; the target is it in the band. The
-    constrained drive of a shot may begin `lead_ms` before its onset. It is solved at `solver_rate_hz` or up to twice
-    that, higher where the actuator answers above the band, never above the soundtrack's rate, in at most `iterations`
-    steps, until no more than `tolerance` of the explained energy can be gained, then at the full rate with at most
+    50 ms. The sound is raised by `level_db`; what of it lies in the band of vibration is to be felt. The constrained
+    drive of a shot may begin `lead_ms` before its onset. It is solved at `solver_rate_hz` or up to twice that, higher
+    where the actuator answers above the band, never above the soundtrack's rate, in at most `iterations` steps, until
+    no more than `tolerance` of the explained energy can be gained, then at the full rate with at most
     `polish_iterations`.
     """
 

@@ -20,7 +20,7 @@ from .progress import Progress, no_progress
 BEST_FIRST: tuple[Quality, ...] = ("reference", "standard", "draft")
 
 RESERVE = 1.1
-"""What a tier is predicted to take, times this, has to fit: predictions are a few per cent off, either way."""
+"""What a tier is predicted to take, times this, has to fit: predictions are off either way; see docs/scene.md."""
 
 _UNITS_S = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0}
 

@@ -15,12 +15,18 @@ from ..ruleset import QualityRules
 from .mixes import RATE_HZ, Mix
 
 ON_TARGET_MS, NEAR_TARGET_MS = 8.0, 20.0
+"""The nearest candidate so near to a shot's onset is the shot; others, up to the second, are left out."""
+
 SHOCK_LEAD_MS, SHOCK_ON_TARGET_MS = 60.0, 3.0
+"""A shock up to so long before a shot without a candidate is its own, and so near to it a candidate stands for both."""
 
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """Of n candidates: lesson, onset, largest peak around, features, whether a shot; and the shots without any."""
+    """Of n candidates: lesson, onset, largest peak around, features, whether a shot; and the shots without any.
+
+    `rows` has shape (n, features), the others (n,). Onsets are samples of their lesson.
+    """
 
     lesson: NDArray[np.intp]
     onsets: NDArray[np.intp]

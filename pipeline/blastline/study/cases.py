@@ -31,8 +31,9 @@ Bursts = tuple[tuple[int, ...], ...]
 class Case:
     """A sound file with a known truth: its shots, their levels, and where else each may be said to begin.
 
-    `snr_db` is NaN where it is not known. At `forgiven_ms` a detection is neither right nor wrong. Of shots that are
-    not `timed` the truth is unsure by some milliseconds. `bursts` are indices into `true_ms`.
+    `true_ms`, ascending, `snr_db` and `timed` have shape (shots,). `snr_db` is NaN where it is not known. At
+    `forgiven_ms` a detection is neither right nor wrong. Of shots that are not `timed` the truth is unsure by some
+    milliseconds. `bursts` are indices into `true_ms`.
     """
 
     name: str

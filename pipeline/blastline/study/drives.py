@@ -22,8 +22,8 @@ Drive = Literal["direct", "clipped", "scaled", "constrained"]
 
 DRIVES: tuple[Drive, ...] = ("direct", "clipped", "scaled", "constrained")
 _MODELS: dict[Drive, DriveModel] = {"direct": "direct", "scaled": "filter", "constrained": "constrained"}
-_SEARCH_MS = 5.0
-_SHORTEST_MS = 5.0
+_SEARCH_MS = 5.0  # how far a lag is looked for
+_SHORTEST_MS = 5.0  # a shot that has less to itself is not judged
 
 
 class FeltShot(msgspec.Struct, frozen=True):
@@ -84,7 +84,11 @@ def render_setup(profile: ActuatorProfile, rate_hz: int, phase: Phase, rules: Re
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """A window with the sound that rendering it needs, and its drives over exactly its span, with their CPU times."""
+    """A window with the sound in the band and its drives, all over exactly its span, shape (frames,), with CPU times.
+
+    `target` has the delay of the phase in question, `heard` none. `needed` is the compensator's peak, `steps` are the
+    solver's for each shot, `cpu_s` seconds for each drive.
+    """
 
     planned: PlannedWindow
     shots: tuple[Shot, ...]

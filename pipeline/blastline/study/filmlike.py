@@ -1,7 +1,8 @@
 """Film-like sounds made of recordings, to measure on: mixes at given levels, and clips as DCASE 2017 asked for.
 
-Each film has a seed of its own, so that the same recordings always give the same films. Shots and other sounds are as
-they were recorded: no variants, nothing synthetic, but for a bed or other sounds where the recordings have none.
+Each film has a seed of its own, so that the same recordings always give the same films. Shots and other sounds are the
+recordings themselves: no variants of speed, place or repetition, and nothing synthetic, but for a bed or other sounds
+where the recordings have none. Mixes are coloured and mastered as `mixes` does it.
 """
 
 from collections.abc import Iterator, Sequence

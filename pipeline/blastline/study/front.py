@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 
 def on_front(costs: Sequence[float], accuracies: Sequence[float]) -> NDArray[np.bool_]:
-    """Return which of some settings no other dominates: costs no more, is no less accurate and in one better.
+    """Return which of n settings no other dominates, shape (n,): costs no more, is no less accurate, in one better.
 
     >>> on_front([1.0, 2.0, 3.0], [0.5, 0.4, 0.9]).tolist()
     [True, False, True]

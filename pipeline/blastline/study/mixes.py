@@ -1,7 +1,7 @@
 """Film-like mixes for training and measuring: sounds with known onsets over beds, mastered as a film would be.
 
-    bed (speech, music, ambience, or none) + sounds at random times, levels and colours -> compressor, limiter,
-    bandwidth, gain -> 16 bit
+    bed (speech, music, ambience, or none) + sounds at random times, levels and colours
+        -> perhaps a limiter -> perhaps less than the full band -> gain -> 16 bit
 
 Level, bandwidth, colour and mastering are drawn alike for shots and for everything else, so that a model cannot learn
 the archive instead of the gun.
@@ -50,10 +50,10 @@ class Sound:
 
 @dataclass(frozen=True, eq=False)
 class Mix:
-    """A mixed stretch: float32 samples, the shots' onsets, ascending, and their levels.
+    """A mixed stretch: samples, shape (frames,), the shots' onsets, ascending, and their levels, shape (shots,).
 
     `level_db` is a shot's own peak over the rms of the bed around it, or how far its sound's rms is over the bed's
-    less what the shot is softer than the loudest one of its sound.
+    less what the shot is softer than the loudest one of its sound. `unsure` are places as in `Sound`.
     """
 
     samples: NDArray[np.float32]

@@ -21,9 +21,8 @@ from .optimum import Optimum, against_optimum
 from .truth import TrueScene, scenes_with_shots, true_scenes
 
 PHASES: tuple[Phase, ...] = ("causal", "zero")
-_OPTIMA = 3
-_OPTIMUM_S = 0.08
-_OPTIMUM_HZ = 5000
+_OPTIMA = 3  # shots, each of another scene, that are held against the optimum
+_OPTIMUM_S, _OPTIMUM_HZ = 0.08, 5000  # over so long, with corners so dense: it takes dense matrices
 
 
 class Means(msgspec.Struct, frozen=True):
@@ -208,7 +207,7 @@ def _suits(row: WindowRow, window: Window, optima: Sequence[Optimum]) -> bool:
 
 
 def _optimum(window: Window, shot: ShotRow, setup: RenderSetup) -> Optimum:
-    """Return how near the solver comes to the optimum over the first tenth of a second of a shot."""
+    """Return how near the solver comes to the optimum over the first 80 ms of a shot."""
     filters, rules = setup.filters, setup.rules
     first = max(
         0, window.shots[0].onset - samples_from_ms(rules.lead_ms, filters.rate_hz) - window.planned.window.start

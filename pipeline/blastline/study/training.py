@@ -46,7 +46,10 @@ TILTED = (1.0, 0.0, 1.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Examples:
-    """What networks learn from: spectrograms (half precision, to save memory), features and whether a shot."""
+    """What networks learn from: spectrograms (half precision, to save memory), features and whether a shot.
+
+    Of n examples: `near` and `wide`, shape (n, frames, bands), `rows`, (n, features), `shots`, (n,).
+    """
 
     near: NDArray[np.float16]
     wide: NDArray[np.float16]

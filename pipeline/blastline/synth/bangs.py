@@ -6,6 +6,7 @@ import numpy as np
 
 from .chance import between, chance, fork, log_between, pick
 from .echoes import overlaid
+from .images import SPEED_OF_SOUND_M_S
 from .impacts import draw_body, struck
 from .noises import coloured, slow
 from .tone import Samples, bandpass, lowpass, resonance
@@ -24,7 +25,7 @@ def thunder(rng: np.random.Generator, rate_hz: int, *, near: bool) -> Samples:
     along = np.cumsum(rng.exponential(length_m / count, count))
     paths = nearest_m + np.abs(along * between(rng, (0.3, 1.0)) + 20.0 * rng.standard_normal(count))
     strengths = np.exp(0.8 * rng.standard_normal(count)) * nearest_m / paths
-    delays = np.round((paths - paths.min()) / 343.0 * rate_hz).astype(np.int64)
+    delays = np.round((paths - paths.min()) / SPEED_OF_SOUND_M_S * rate_hz).astype(np.int64)
     pulse = friedlander(rate_hz, positive_ms=log_between(rng, (3.0, 12.0)), rise_ms=0.5 if near else 3.0)
     parts = []
     for delay, strength, path in zip(delays, strengths, paths, strict=True):

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from ..units import gain_from_db
 
-SPEED_OF_SOUND = 343.0
-"""Metres per second at 20 degrees Celsius."""
+SPEED_OF_SOUND_M_S = 343.0
+"""At 20 degrees Celsius."""
 
 FAINTEST_ECHO = gain_from_db(-40.0)
 MOST_ECHOES = 60
@@ -62,6 +62,6 @@ def image_echoes(axes: tuple[Axis, Axis, Axis], *, order: int, corner_hz: float)
         loss = math.prod(axis.reflection**count for axis, (_, count) in zip(axes, images, strict=True))
         gain = direct / path * loss
         if hits > 0 and gain > FAINTEST_ECHO:
-            echoes.append(Echo((path - direct) / SPEED_OF_SOUND, gain, corner_hz / hits))
+            echoes.append(Echo((path - direct) / SPEED_OF_SOUND_M_S, gain, corner_hz / hits))
     strongest = sorted(echoes, key=lambda echo: -echo.gain)[:MOST_ECHOES]
     return direct, tuple(sorted(strongest, key=lambda echo: echo.delay_s))

@@ -15,10 +15,11 @@ import numpy as np
 
 from ..units import gain_from_db
 from .chance import between, chance, log_between
-from .images import SPEED_OF_SOUND, Axis, Echo, image_echoes
+from .images import SPEED_OF_SOUND_M_S, Axis, Echo, image_echoes
 from .tone import Samples, bandpass, lowpass
 
 DAMPED_CHANCE = 0.4
+_SABINE_S_M = 0.161  # 24 ln 10 / c, of the reverberation times of Sabine and Eyring, with c = 343 m/s
 
 Environment = Literal["indoors", "street", "field", "hall", "far"]
 ENVIRONMENTS: tuple[Environment, ...] = ("indoors", "street", "field", "hall", "far")
@@ -90,9 +91,9 @@ def _room(rng: np.random.Generator, distance_m: float | None, *, hall: bool) -> 
     _, echoes = image_echoes(axes, order=1 if hall else 2, corner_hz=log_between(rng, (3_000.0, 16_000.0)))
     volume, surface = math.prod(size), 2.0 * sum(a * b for a, b in itertools.combinations(size, 2))
     absorption = 1.0 - reflection**2
-    reverberation = 0.161 * volume / (-surface * math.log(1.0 - absorption))
+    reverberation = _SABINE_S_M * volume / (-surface * math.log(1.0 - absorption))
     level = 16.0 * math.pi * direct**2 * (1.0 - absorption) / (surface * absorption)
-    free_path = 4.0 * volume / surface / SPEED_OF_SOUND
+    free_path = 4.0 * volume / surface / SPEED_OF_SOUND_M_S
     return Acoustics(direct, echoes, _room_tail(rng, 10.0 * math.log10(level), free_path, reverberation))
 
 
@@ -179,7 +180,7 @@ def _far_reflectors(
         detour = 2.0 * log_between(rng, distances_m)
         gain = math.sqrt(direct_m / (direct_m + detour)) * gain_from_db(-between(rng, loss_db))
         corner = log_between(rng, (600.0, 6_000.0))
-        echoes.append(Echo(detour / SPEED_OF_SOUND, gain, corner, between(rng, smear_ms)))
+        echoes.append(Echo(detour / SPEED_OF_SOUND_M_S, gain, corner, between(rng, smear_ms)))
     return tuple(echoes)
 
 

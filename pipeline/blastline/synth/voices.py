@@ -8,6 +8,7 @@ import numpy as np
 from ..units import SILENCE_DB
 from .chance import between, chance, log_between
 from .colour import CLEAN, Colour, draw_colour
+from .images import SPEED_OF_SOUND_M_S
 from .rooms import Acoustics, Environment, draw_acoustics
 from .weapons import WEAPONS, WeaponName
 
@@ -138,7 +139,7 @@ def _draw_shock(rng: np.random.Generator, far_m: float) -> Shock:
     """
     mach = between(rng, (1.15, 2.6))
     return Shock(
-        lead_s=min(0.9, far_m / 343.0 * (1.0 - 1.0 / mach) * between(rng, (0.3, 1.0))),
+        lead_s=min(0.9, far_m / SPEED_OF_SOUND_M_S * (1.0 - 1.0 / mach) * between(rng, (0.3, 1.0))),
         level_db=between(rng, (-16.0, 8.0)),
         length_ms=between(rng, (0.2, 0.5)),
         rise_ms=log_between(rng, (0.005, 0.1)),

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """Points in order of time: `samples` are frames of the film, strictly ascending; `values` one for each."""
+    """Points in order of time: `samples` are frames of the film, strictly ascending, `values` one for each."""
 
     samples: NDArray[np.int64]
     values: NDArray[np.float64]

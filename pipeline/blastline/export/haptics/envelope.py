@@ -28,7 +28,7 @@ _FRAMES = 512
 
 
 def grid(attacks: list[int], stop: int, *, step: int, gap: int) -> NDArray[np.int64]:
-    """Return the points to read up to `stop`: each attack, every step after it, and `gap` before the next attack."""
+    """Return the points to read up to `stop`, ascending: each attack, every step after it, `gap` before the next."""
     points: list[NDArray[np.int64]] = []
     for start, end in zip(attacks, [*attacks[1:], stop], strict=True):
         steps = np.arange(start, max(start + 1, end - gap - step + 1), step, dtype=np.int64)
@@ -38,7 +38,7 @@ def grid(attacks: list[int], stop: int, *, step: int, gap: int) -> NDArray[np.in
 
 
 def amplitudes(drive: Samples, points: NDArray[np.int64], attacks: list[int], *, average: int) -> Samples:
-    """Return the amplitude at each point, as in the formula above; all are indices into `drive`."""
+    """Return the amplitude at each point, shape (points,), as in the formula above; all are indices into `drive`."""
     energy = np.concatenate([[0.0], np.cumsum(drive * drive)])
     walls = np.array(attacks)
     starts = np.maximum(walls[np.searchsorted(walls, points, side="right") - 1], points - average)
@@ -56,7 +56,7 @@ def frequencies(
     rules: HapticRules,
     band: tuple[float, float],
 ) -> Samples:
-    """Return the power-weighted mean frequency in Hz at each point, within the band; silence keeps the last one heard.
+    """Return the power-weighted mean frequency in Hz at each point, (points,), within the band; silence keeps the last.
 
     What happens at the point itself counts most: the window falls like the second half of a Hann window.
     """

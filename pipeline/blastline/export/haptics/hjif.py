@@ -4,8 +4,8 @@
 
 So a transient is only what its attack's peak is above the wave, at least a tenth of it, and the wave leaves it that
 room: a wave of 0.95 beside a transient of 0.1 is written as 0.9. Transients that exceed 1 with one another are weakened
-alike. Positions are whole milliseconds: at the finest
-timescale a wave could last no more than 1.4 s in the 16 bits that the binary form has for its keyframes.
+alike. Positions are whole milliseconds: at the finest timescale a wave could last no more than 1.4 s in the 16 bits
+that the binary form has for its keyframes.
 """
 
 import itertools

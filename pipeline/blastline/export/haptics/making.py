@@ -1,6 +1,6 @@
 """From a timeline and its drive to the haptic track that every haptic format is written from.
 
-windows ─► joined where they touch ─► the drive in each ─► pulses at shots and echoes ─► amplitude, frequency
+windows ─► joined where they are within 2 ms ─► the drive in each ─► pulses at shots and echoes ─► amplitude, frequency
 """
 
 from bisect import bisect_right
