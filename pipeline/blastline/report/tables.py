@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 
 from ..model import Check, Edits, Event, Rejection, Timeline
+from ..streams import streams_text
 from .words import allowed, claim, duration, figure, fixed, link, measured, safe
 
 _STRONGEST = 5
@@ -133,7 +134,7 @@ def origin_list(timeline: Timeline, options: Mapping[str, str]) -> str:
         **_edits(timeline.edits),
         "Film": source.name,
         "Film's SHA-256": source.sha256,
-        "Sound": f"stream {source.stream}, mix {source.mix}, {source.channels} channels, "
+        "Sound": f"stream {streams_text(source.stream)}, mix {source.mix}, {source.channels} channels, "
         f"{source.sample_rate_hz} Hz, {source.frames} frames",
         "First sample after the picture's start": f"{figure(source.start_offset_s, 6)} s",
         "Actuator": f"{actuator.name} ({actuator.digest})" if actuator else "none",
