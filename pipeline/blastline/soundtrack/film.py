@@ -128,7 +128,7 @@ class FilmTrack:
             declared, present = self._table.data_bytes, self._table.present_bytes
             lines.append(f"the header declares {declared} bytes of sound but {present} follow: the end is missing")
         if self._end_is_missing:
-            lines.append("the file stops before its own end: the end of the sound is missing")
+            lines.append("the file stops or breaks before its own end: the end of the sound is missing")
         if tally.stopped:
             lines.append(f"reading stopped early: {tally.stopped}")
         return lines + stamp_warnings(self.facts)
