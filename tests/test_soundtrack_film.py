@@ -513,6 +513,23 @@ def test_an_mp4_in_fragments_that_breaks_off_is_noticed(tmp_path: Path, flags: s
         assert BROKEN_OFF in source.warnings
 
 
+@pytest.mark.parametrize("codec", ["aac", "ac3", "eac3"])
+def test_what_damage_displaces_in_a_file_without_time_stamps_is_told(tmp_path: Path, codec: str) -> None:
+    """Nothing says how much was lost: at what was one frame, half a second may be."""
+    path = tmp_path / f"film.{codec}"
+    write_media(path, [impulses(LONG, LONG_SHOTS)], codec=codec, container_format="adts" if codec == "aac" else codec)
+    data = path.read_bytes()
+    whole = read(path)[0]
+    start, length = len(data) * 7 // 10, len(data) // 20
+    path.write_bytes(data[:start] + bytes(length) + data[start + length :])
+    samples, source = read(path)
+    displaced = onsets(whole[:, 0])[-1] - onsets(samples[:, 0])[-1]
+    assert displaced > 0.3 * RATE_HZ
+    assert any("if more is missing there, what follows plays early" in line for line in source.warnings)
+    path.write_bytes(data[:start])  # nothing follows
+    assert not any("plays early" in line for line in read(path)[1].warnings)
+
+
 def test_a_film_cut_before_its_index_is_refused(tmp_path: Path) -> None:
     path = write_media(tmp_path / "film.mp4", [impulses(FRAMES, SHOTS)], codec="aac")
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])

@@ -10,7 +10,7 @@ from ..errors import SoundtrackError
 from .chunks import ChunkTable, overflow_warning
 from .decode import Tally, check_sums, decoded, packed
 from .ending import stops_early
-from .facts import film_facts, header_frames, origin_of, sound_streams
+from .facts import UNSTAMPED, film_facts, header_frames, origin_of, sound_streams
 from .placement import Placement, origin_by_others
 from .singles import joining_hint
 from .track import Samples, TrackFacts, stamp_warnings
@@ -110,6 +110,8 @@ class FilmTrack:
             total_s, first_s = sum(gap for _, gap in gaps) / rate_hz, gaps[0][0] / rate_hz
             count = "1 gap was" if len(gaps) == 1 else f"{len(gaps)} gaps were"
             lines.append(f"{count} filled with silence, {total_s:.3f} s in all, first at {first_s:.3f} s")
+            if self._container.format.name in UNSTAMPED:
+                lines[-1] += "; the file has no time stamps: if more is missing there, what follows plays early"
         if self._first_stamp_off_s:
             lines.append(
                 f"the first time stamp is {self._first_stamp_off_s:+.3f} s off those that follow; these were believed"
