@@ -1,6 +1,8 @@
 """Streams of one channel each, as film masters keep them, read side by side as the channels of one sound.
 
 Each is read from the file by itself, all in step: so however the file interleaves them, no more than a piece is held.
+What grows with the film is FFmpeg's index of it, once for each stream: up to 50 MB in two hours of a finely interleaved
+MOV. One pass for all would need it once, but hold whole streams where a file has one after the other.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
