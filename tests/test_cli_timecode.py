@@ -1,6 +1,7 @@
 """The film's timecode on the command line: said by the user, asked for where it is needed, told where it rounds."""
 
 import json
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from blastline.export.frames import FRAME_FORMATS
 from blastline.model import encode
 from commands import BELIEVE, RATE_HZ, blastline, write_film
 from films import COUNTINGS, film
+from media import impulses, write_media
 
 
 @pytest.fixture(scope="module")
@@ -52,6 +54,35 @@ def test_a_mix_gets_timecode_and_frame_formats_when_the_rate_is_said(mix: Path, 
         assert f'<a href="{known.file_name}">' in report
         assert (tmp_path / "out" / known.file_name).exists()
     assert blastline("check", tmp_path / "out", "--audio", mix, "--quiet").code == 0
+
+
+@pytest.mark.parametrize(("said", "early"), [(None, True), ("01:00:00:00", False)])
+def test_sound_before_the_picture_is_stamped_where_it_plays_or_else_it_is_told(
+    rules: Path, tmp_path: Path, said: str | None, early: bool
+) -> None:
+    """A time stamp cannot be before midnight; a drive that is placed by one which is too late would lag the film."""
+    movie = write_media(
+        tmp_path / "film.mkv",
+        [impulses(96_000, [48_000])],
+        codec="pcm_s16le",
+        picture_rate=Fraction(24),
+        timecode=said,
+        audio_delay_s=-0.5,
+    )
+    common = ("--quality", "draft", "--rules", rules, "--no-report", "--quiet")
+    ended = blastline("render", movie, "-o", tmp_path / "out", *common)
+    source = read_timeline(tmp_path / "out" / "timeline.json").source
+    assert source.start_offset_s == -0.5
+    stamp_s = wavinfo.WavInfoReader(str(tmp_path / "out" / "drive.wav")).bext.time_reference / RATE_HZ
+    warnings = [line for line in ended.err.splitlines() if "before 00:00:00" in line]
+    if early:
+        assert stamp_s == 0.0
+        assert len(warnings) == 1
+        assert warnings[0].startswith("warning: the sound begins 0.500 s before 00:00:00")
+        assert source.warnings == (warnings[0].removeprefix("warning: "),)
+    else:
+        assert stamp_s == 3599.5
+        assert (warnings, source.warnings) == ([], ())
 
 
 def test_an_edited_timeline_keeps_a_start_that_was_said_as_a_clock(mix: Path, rules: Path, tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ GROUND = {
     "model",
     "ruleset",
     "staging",
+    "streams",
     "timebase",
     "timecode",
     "units",
@@ -32,8 +33,8 @@ MAY_IMPORT = (
     | {
         "study": GROUND | STAGES | {"study"},
         "run": GROUND | STAGES | {"run"},
-        "cli": {"cli", "run", "study", "ruleset", "model", "errors", "interruption", "staging", "timebase"}
-        | {"timecode", "__version__"},
+        "cli": {"cli", "run", "study", "ruleset", "model", "errors", "interruption", "staging", "streams"}
+        | {"timebase", "timecode", "__version__"},
         "__main__": {"cli"},
         "__init__": set(),
     }

@@ -27,6 +27,7 @@ FRAMES = 120_000
 LONG_SHOTS = [5_000, 247_000, 399_000]
 LONG = 480_000
 FILM_RATE = Fraction(24_000, 1001)
+BROKEN_OFF = "the file stops or breaks before its own end: the end of the sound is missing"
 
 LOSSLESS = [
     ("flac", "flac", 8),
@@ -342,7 +343,7 @@ def test_channels_in_streams_of_their_own_are_told_unless_one_is_chosen(tmp_path
     channels = [impulses(FRAMES, SHOTS, seed=seed) for seed in range(3)]
     path = write_media(tmp_path / "film.mov", channels, codec="pcm_s16le")
     [warning] = read(path)[1].warnings
-    assert "only sound stream 0 of 3 with one channel each is heard" in warning
+    assert warning.startswith("only sound stream 0 of 3 with one channel each is heard: --stream 0-1 joins 2 as stereo")
     assert not read(path, stream=1)[1].warnings
     pair = write_media(tmp_path / "pair.mov", [impulses(FRAMES, SHOTS, channels=2)] * 2, codec="pcm_s16le")
     assert not read(pair)[1].warnings
@@ -453,7 +454,7 @@ def test_a_missing_end_of_an_avi_is_noticed(tmp_path: Path, codec: str, picture_
     assert "the end is missing" in warning
     place = data.index(b"auds") + 32
     path.write_bytes((data[:place] + bytes(4) + data[place + 4 :])[: len(data) * 6 // 10])
-    assert "the file stops before its own end: the end of the sound is missing" in read(path)[1].warnings
+    assert BROKEN_OFF in read(path)[1].warnings
 
 
 def test_samples_that_an_avi_counts_and_does_not_have_are_told(tmp_path: Path) -> None:
@@ -486,7 +487,47 @@ def test_a_missing_end_of_an_ogg_is_noticed(tmp_path: Path, codec: str) -> None:
     pages = [found.start() for found in re.finditer(rb"OggS\0", data)]
     for kept in (len(data) // 2, pages[len(pages) // 2], pages[-1], len(data) - 1):
         path.write_bytes(data[:kept])
-        assert read(path)[1].warnings[0] == "the file stops before its own end: the end of the sound is missing"
+        assert (
+            read(path)[1].warnings[0] == "the file stops or breaks before its own end: the end of the sound is missing"
+        )
+
+
+@pytest.mark.parametrize("flags", ["frag_keyframe+empty_moov", "frag_keyframe", "dash"])
+def test_an_mp4_in_fragments_that_breaks_off_is_noticed(tmp_path: Path, flags: str) -> None:
+    """Such a film declares no length, and after a damaged fragment nothing leads to the next one: half may be gone."""
+    path = tmp_path / "film.mp4"
+    options = {"movflags": flags, "frag_duration": "500000"}
+    write_media(path, [impulses(LONG, LONG_SHOTS)], codec="aac", picture_rate=FILM_RATE, container_options=options)
+    data = path.read_bytes()
+    for padding in (b"", bytes(5_000)):
+        path.write_bytes(data + padding)
+        assert read(path)[1].warnings == ()
+    places = [found.start() - 4 for found in re.finditer(b"moof", data)]
+    middle = places[len(places) // 2]
+    lost = bytearray(data)
+    lost[middle : middle + 2_000] = bytes(2_000)
+    for damaged in (bytes(lost), data[: middle + 2_000], data[:middle] + data[middle + 1_000 :]):
+        path.write_bytes(damaged)
+        samples, source = read(path)
+        assert len(samples) < 0.7 * LONG
+        assert BROKEN_OFF in source.warnings
+
+
+@pytest.mark.parametrize("codec", ["aac", "ac3", "eac3"])
+def test_what_damage_displaces_in_a_file_without_time_stamps_is_told(tmp_path: Path, codec: str) -> None:
+    """Nothing says how much was lost: at what was one frame, half a second may be."""
+    path = tmp_path / f"film.{codec}"
+    write_media(path, [impulses(LONG, LONG_SHOTS)], codec=codec, container_format="adts" if codec == "aac" else codec)
+    data = path.read_bytes()
+    whole = read(path)[0]
+    start, length = len(data) * 7 // 10, len(data) // 20
+    path.write_bytes(data[:start] + bytes(length) + data[start + length :])
+    samples, source = read(path)
+    displaced = onsets(whole[:, 0])[-1] - onsets(samples[:, 0])[-1]
+    assert displaced > 0.3 * RATE_HZ
+    assert any("if more is missing there, what follows plays early" in line for line in source.warnings)
+    path.write_bytes(data[:start])  # nothing follows
+    assert not any("plays early" in line for line in read(path)[1].warnings)
 
 
 def test_a_film_cut_before_its_index_is_refused(tmp_path: Path) -> None:

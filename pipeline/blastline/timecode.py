@@ -35,6 +35,7 @@ SHAPE = re.compile(r"\d\d:\d\d:\d\d[:;.,]\d\d\d?")
 
 _SAME_RATE = Fraction(1, 5000)  # 24 and 23.976 differ by 1 in 1001; 23.98 is 23.976 rounded, by 1 in 6000
 _DAY_MS = 24 * 3600 * 1000
+_MIN_EARLY_S = 0.001
 _OFFSET_DENOMINATOR = 1_000_000  # finer than any container's clock, coarse enough to undo the float
 
 
@@ -166,10 +167,29 @@ def timecode_at(source: Source, sample: int) -> str:
 
 
 def time_of_start(source: Source) -> int:
-    """Return the samples between midnight and the first sample by the source's timecode; one without begins at 0."""
+    """Return the samples between midnight and the first sample by the source's timecode; one without begins at 0.
+
+    No time stamp is before midnight: sound that begins there has 0, `late_stamp` after it began.
+    """
+    return max(0, _nearest(_start_s(source) * source.sample_rate_hz))
+
+
+def late_stamp(source: Source) -> tuple[str, ...]:
+    """Return a warning where the sound begins before midnight, and the time stamp of its drive is later than that."""
+    early_s = float(-_start_s(source))
+    if early_s < _MIN_EARLY_S:
+        return ()
+    return (
+        f"the sound begins {early_s:.3f} s before 00:00:00, and no time stamp is that early: drive.wav says 00:00:00; "
+        f"place it {early_s:.3f} s before that, with the film's sound, or give the film's --start-timecode",
+    )
+
+
+def _start_s(source: Source) -> Fraction:
+    """Return when the first sample plays, in seconds after midnight."""
     scale = frame_scale(source)
     start = clock_seconds(source.start_timecode) if scale is None else scale.start / scale.rate
-    return max(0, _nearest((start + exact_offset(source)) * source.sample_rate_hz))
+    return start + exact_offset(source)
 
 
 def clock(samples: int, rate_hz: int, *, decimals: int) -> str:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..streams import parse_streams
 from ..timecode import clock_text
 from .options import NewMix, NewStream, Overwrite, Quiet, ResultFolder, RulesOption
 from .progress import shown_progress
@@ -49,7 +50,7 @@ def conform(
             old=old,
             new=new,
             mix=mix,
-            stream=stream,
+            stream=parse_streams(stream),
             rules=rules,
             overwrite=overwrite,
             progress=progress,

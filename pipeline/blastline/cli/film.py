@@ -8,6 +8,7 @@ import typer
 
 from ..errors import OutputError
 from ..model import Timeline, encode
+from ..streams import parse_streams
 from ..timebase import parse_timebase
 from .options import (
     WRITING,
@@ -81,7 +82,7 @@ def render(
         background=background,
         level_db=level_db,
         mix=mix,
-        stream=stream,
+        stream=parse_streams(stream),
         timebase=parse_timebase(start_timecode, frame_rate),
         formats=tuple(dict.fromkeys(("json", *listed(formats)))),  # `check`, `export` and `conform` read it
         report=report,
@@ -138,7 +139,12 @@ def detect(
     allowed = run.allowance(budget=budget, max_cost=max_cost, quality=quality)
     timebase = parse_timebase(start_timecode, frame_rate)
     options = run.RenderOptions(
-        quality=quality or "standard", rules=rules, mix=mix, stream=stream, timebase=timebase, report=False
+        quality=quality or "standard",
+        rules=rules,
+        mix=mix,
+        stream=parse_streams(stream),
+        timebase=timebase,
+        report=False,
     )
 
     def found() -> Timeline:
@@ -149,7 +155,7 @@ def detect(
                 quality=asked.quality,
                 rules=rules,
                 mix=mix,
-                stream=stream,
+                stream=options.stream,
                 timebase=timebase,
                 budget=asked.budget,
                 progress=progress,

@@ -100,12 +100,12 @@ Mix = Annotated[
     ),
 ]
 Stream = Annotated[
-    int | None,
+    str | None,
     typer.Option(
-        min=0,
-        metavar="N",
-        help="Which sound track of the film, from 0.",
-        show_default="the film's default track",
+        metavar="N[,N...]",
+        help="Which sound stream of the film, from 0. Several of one channel each, such as 0-5, are joined as the "
+        "channels of one sound, in the order L R C LFE Ls Rs.",
+        show_default="the film's default stream",
         rich_help_panel=FINDING,
     ),
 ]
@@ -181,12 +181,11 @@ NewMix = Annotated[
     ),
 ]
 NewStream = Annotated[
-    int | None,
+    str | None,
     typer.Option(
-        min=0,
-        metavar="N",
-        help="Which sound track of the new film, from 0.",
-        show_default="its default track",
+        metavar="N[,N...]",
+        help="Which sound stream of the new film, from 0; several are joined, as in `render`.",
+        show_default="its default stream",
         rich_help_panel=FINDING,
     ),
 ]

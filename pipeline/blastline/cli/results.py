@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from ..streams import parse_streams
 from ..timebase import parse_timebase
 from .options import (
     DRIVING,
@@ -44,8 +45,12 @@ def check(
         typer.Option(metavar="FILE", help="The drive to check.", show_default="drive.wav beside the timeline"),
     ] = None,
     stream: Annotated[
-        int | None,
-        typer.Option(min=0, help="The sound stream of --audio, from 0.", show_default="the one of the timeline"),
+        str | None,
+        typer.Option(
+            metavar="N[,N...]",
+            help="The sound stream of --audio, from 0; several are joined, as in `render`.",
+            show_default="as in the timeline",
+        ),
     ] = None,
     actuator: MadeFor = None,
     rules: RulesOption = None,
@@ -64,7 +69,7 @@ def check(
             audio=audio,
             drive=drive,
             actuator=actuator,
-            stream=stream,
+            stream=parse_streams(stream),
             rules=rules,
             progress=progress,
             note=notes.append,

@@ -23,6 +23,7 @@ class Source(msgspec.Struct, frozen=True):
     """The track that was read.
 
     `has_picture` tells a film from sound alone. `start_timecode` and `frame_rate` are None where the file has none.
+    `stream` counts the sound streams from 0; several were joined, each as a channel.
     `start_offset_s` is how much later than the picture the first sample plays. `warnings` say what the reader had to
     mend (damage, NaN, a missing tail).
     """
@@ -35,7 +36,7 @@ class Source(msgspec.Struct, frozen=True):
     start_timecode: str | None = None
     frame_rate: str | None = None
     start_offset_s: float = 0.0
-    stream: Index = 0
+    stream: Index | Annotated[tuple[Index, ...], Meta(min_length=2)] = 0
     mix: str = "mains"
     has_picture: bool = False
     warnings: tuple[str, ...] = ()

@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 
 from ..model import Check, Edits, Event, Rejection, Source, Timeline
+from ..streams import streams_text
 from ..timecode import timecode_at
 from .words import allowed, channels, claim, figure, fixed, link, measured, safe
 
@@ -140,7 +141,7 @@ def origin_list(timeline: Timeline, options: Mapping[str, str]) -> str:
         **_edits(timeline.edits),
         "Film": source.name,
         "Film's SHA-256": source.sha256,
-        "Sound": f"stream {source.stream}, mix {source.mix}, {channels(source)}, "
+        "Sound": f"stream {streams_text(source.stream)}, mix {source.mix}, {channels(source)}, "
         f"{source.sample_rate_hz} Hz, {source.frames} frames",
         "First sample after the picture's start": f"{figure(source.start_offset_s, 6)} s",
         "Actuator": f"{actuator.name} ({actuator.digest})" if actuator else "none",

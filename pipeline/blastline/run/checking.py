@@ -13,6 +13,7 @@ from ..export import read_timeline
 from ..model import Source, Timeline
 from ..ruleset import ActuatorProfile, Rules, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack
+from ..streams import Streams
 from . import names
 from .belonging import profile_of, require_length, require_same_film
 from .driving import open_drive
@@ -26,7 +27,7 @@ def check(
     audio: Path | None = None,
     drive: Path | None = None,
     actuator: str | None = None,
-    stream: int | None = None,
+    stream: Streams | None = None,
     rules: Path | None = None,
     progress: Progress = no_progress,
     note: Note = no_note,

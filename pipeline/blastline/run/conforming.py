@@ -35,6 +35,7 @@ from ..render import plan_windows, window_between
 from ..ruleset import ConformRules, Rules, WindowRules, load_conform, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack
 from ..staging import staged
+from ..streams import Streams
 from ..timecode import timecode_at
 from ..units import samples_from_ms, samples_from_s
 from . import names
@@ -67,7 +68,7 @@ def conform(
     old: Path,
     new: Path,
     mix: str | None = None,
-    stream: int | None = None,
+    stream: Streams | None = None,
     rules: Path | None = None,
     overwrite: bool = False,
     progress: Progress = no_progress,

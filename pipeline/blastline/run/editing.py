@@ -26,6 +26,7 @@ from ..render import is_lacking, plan_windows, with_gains
 from ..report import OverviewMeter
 from ..ruleset import Rules
 from ..soundtrack import Soundtrack, heard_mix, open_soundtrack
+from ..streams import Streams, streams_text
 from ..timebase import Timebase, recalled
 from ..units import ms_from_samples, samples_from_ms
 from . import names
@@ -76,7 +77,7 @@ def read_editing(path: Path, *, original: Path | None) -> Editing:
     return Editing(edited, {e.id: e for e in timeline.events}, timeline.rejections, timeline.source, original)
 
 
-def timebase_of(film: Path, editing: Editing, *, said: Timebase, stream: int | None, mix: str) -> Timebase:
+def timebase_of(film: Path, editing: Editing, *, said: Timebase, stream: Streams | None, mix: str) -> Timebase:
     """Return the time base of a film that is rendered again: what was said of it first holds until said anew."""
     earlier = editing.source
     if earlier is None:
@@ -131,8 +132,8 @@ def _require_same_film(editing: Editing, found: Source) -> None:
         return
     if found.sha256 == expected.sha256 and found.stream != expected.stream:
         raise TimelineError(
-            f"{editing.named_by}: is of sound stream {expected.stream} of {expected.name}, not {found.stream}; "
-            f"give --stream {expected.stream}"
+            f"{editing.named_by}: is of sound stream {streams_text(expected.stream)} of {expected.name}, "
+            f"not {streams_text(found.stream)}; give --stream {streams_text(expected.stream)}"
         )
     if found.sha256 == expected.sha256 and heard_mix(found.mix) != heard_mix(expected.mix):
         raise TimelineError(

@@ -13,6 +13,7 @@ from ..render import PlannedWindow, plan_windows
 from ..report import OverviewMeter
 from ..ruleset import Rules, load_rules, rules_path
 from ..soundtrack import Soundtrack, open_soundtrack
+from ..streams import Streams
 from ..timebase import AS_FILMED, Timebase
 from ..timecode import timecode_at
 from .progress import Progress, no_progress, report_progress
@@ -51,7 +52,7 @@ def detect(
     quality: Quality = "standard",
     rules: Path | None = None,
     mix: str = "mains",
-    stream: int | None = None,
+    stream: Streams | None = None,
     timebase: Timebase = AS_FILMED,
     budget: Budget | None = None,
     progress: Progress = no_progress,

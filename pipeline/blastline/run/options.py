@@ -8,6 +8,7 @@ import msgspec
 from ..errors import RuleError
 from ..model import ActuatorRef, Background, Budget, DriveChoice, Phase, Quality
 from ..ruleset import LARGEST_LEVEL_DB, ActuatorProfile, HapticRules, Rules, load_actuator, load_haptics, load_rules
+from ..streams import Streams
 from ..timebase import AS_FILMED, Timebase
 from .progress import Progress
 
@@ -24,7 +25,7 @@ class RenderOptions:
     background: Background = "mute"
     level_db: float | None = None
     mix: str = "mains"
-    stream: int | None = None
+    stream: Streams | None = None
     formats: tuple[str, ...] = ("json", "csv")
     timebase: Timebase = AS_FILMED
     report: bool = True

@@ -5,6 +5,7 @@ listen -> choose a model for each window -> render -> write -> check what was wr
 
 from collections.abc import Iterable
 from contextlib import AbstractContextManager
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
@@ -16,6 +17,7 @@ from ..render import require_renderable
 from ..report import OverviewMeter, write_report
 from ..soundtrack import Soundtrack, open_soundtrack
 from ..staging import require_free, require_utf_8, staged
+from ..timecode import late_stamp
 from . import names
 from .checking import checked
 from .driving import open_drive, write_drive_of
@@ -103,6 +105,8 @@ def _driven(
 ) -> Timeline:
     """Write the drive of a film and return its timeline, without checks."""
     heard, edits = _heard(track, setup, editing, meter)
+    warned = msgspec.structs.replace(heard.source, warnings=(*heard.source.warnings, *late_stamp(heard.source)))
+    heard = replace(heard, source=warned)
     timeline = driven_timeline(heard, write_drive_of(heard, folder / names.DRIVE, setup), setup)
     return msgspec.structs.replace(timeline, edits=edits, budget=setup.options.budget)
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SoundtrackError
+from ..streams import streams_text
 from .coded import first_burst
 from .repair import mended, repair_warning, require_usable
 from .track import Samples, TrackFacts
@@ -65,7 +66,7 @@ class Condition:
         if self._mended:
             yield repair_warning(self._mended, self._first_mended)
         if self._frames and not self._track_sounds:
-            yield f"sound stream {self._facts.stream} is silent from beginning to end{self._others()}"
+            yield f"sound stream {streams_text(self._facts.stream)} is silent from beginning to end{self._others()}"
         elif self._frames and not self._mix_sounds:
             yield f"the mix {self._mix} is silent, though the film is not: its channels cancel, or others sound"
         yield from self._missing()
@@ -75,8 +76,9 @@ class Condition:
         frame = first_burst(raw, self._heard)
         if frame is not None:
             others = "; --mix chooses other channels" if self._facts.channels > 2 else ""
+            of = streams_text(self._facts.stream)
             raise SoundtrackError(
-                f"sound stream {self._facts.stream} holds coded data (SMPTE 337M, as of Dolby E or AC-3) at "
+                f"sound stream {of} holds coded data (SMPTE 337M, as of Dolby E or AC-3) at "
                 f"{(self._frames + frame) / self._facts.rate_hz:.3f} s; expected PCM sound{others}{self._others()}"
             )
 

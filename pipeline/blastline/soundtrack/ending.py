@@ -1,11 +1,13 @@
-"""Whether a file stops before its own end, where FFmpeg takes what is there for the whole: Ogg and AVI.
+"""Whether a file stops before its own end, where FFmpeg takes what is there for the whole: Ogg, AVI, MP4 in fragments.
 
 Ogg   [page][page] ... [page, marked as the last of its stream]
 AVI   [RIFF, size, ...][RIFF, size, ...] ...    the further ones only beyond 1 GiB
+MP4   [size, moov, ...][size, moof, ...][size, mdat, ...][size, moof, ...] ...    no moof where it is in one piece
 """
 
 import struct
 from pathlib import Path
+from typing import BinaryIO
 
 _PAGE = struct.Struct("<4sBB20xB")
 _LONGEST_PAGE_BYTES = 27 + 255 + 255 * 255
@@ -19,6 +21,8 @@ def stops_early(path: Path, container_format: str) -> bool:
     """Return whether the end of a file is missing by what the file itself says; False for formats that do not say."""
     if container_format == "ogg":
         return not _has_last_page(path)
+    if "mp4" in container_format.split(","):
+        return _breaks_off_in_fragments(path)
     return container_format == "avi" and _is_cut_avi(path)
 
 
@@ -53,3 +57,33 @@ def _is_cut_avi(path: Path) -> bool:
             if place > file_bytes + _ODD_BYTES:
                 return True
             place += place % 2
+
+
+def _breaks_off_in_fragments(path: Path) -> bool:
+    """Return whether the boxes of an MP4 in fragments lead to its end; one in one piece declares its length instead.
+
+    Where a fragment was damaged, what follows cannot be found: FFmpeg ends there, as if the film did.
+    """
+    file_bytes, place, is_fragmented = path.stat().st_size, 0, False
+    with path.open("rb") as file:
+        while place < file_bytes:
+            file.seek(place)
+            head = file.read(16)
+            size, name = int.from_bytes(head[:4], "big"), head[4:8]
+            if size == 1:
+                size = int.from_bytes(head[8:], "big")
+            if size == 0:  # up to the end of the file, or no box at all
+                return is_fragmented and name != b"mdat" and _holds_more(file)
+            is_fragmented = is_fragmented or name == b"moof"
+            place += size
+            if size < 8 or place > file_bytes:
+                return is_fragmented
+    return False
+
+
+def _holds_more(file: BinaryIO) -> bool:
+    """Return whether anything but padding follows in a file."""
+    while block := file.read(1 << 20):
+        if block.strip(b"\0"):
+            return True
+    return False

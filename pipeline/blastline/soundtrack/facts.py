@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 _TIMECODE = re.compile(r"(\d\d:\d\d:\d\d)([:;.,])(\d\d\d?)")
 _TIME_STAMP = re.compile(r"\d{1,20}", re.ASCII)  # no more digits than a number of 64 bits
 _AVERAGE_OFF = Fraction(1, 200)  # so much less than the rate the average of a fragmented film may be
-_ESTIMATED = frozenset({"aac", "ac3", "dts", "dtshd", "eac3", "loas", "mlp", "mpeg", "mpegts", "truehd"})
+UNSTAMPED = frozenset({"aac", "ac3", "dts", "dtshd", "eac3", "loas", "mlp", "truehd"})
+"""Formats without time stamps: FFmpeg counts what it finds."""
+_ESTIMATED = UNSTAMPED | {"mpeg", "mpegts"}
 """Formats that declare no length: FFmpeg guesses one from the size of the file."""
 
 

@@ -1,6 +1,6 @@
 """Films and compressed sound through PyAV: which stream, when it starts, and its samples in one sequential pass."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import chain, islice
 from pathlib import Path
@@ -10,8 +10,9 @@ from ..errors import SoundtrackError
 from .chunks import ChunkTable, overflow_warning
 from .decode import Tally, check_sums, decoded, packed
 from .ending import stops_early
-from .facts import film_facts, header_frames, origin_of, sound_streams
+from .facts import UNSTAMPED, film_facts, header_frames, origin_of, sound_streams
 from .placement import Placement, origin_by_others
+from .singles import joining_hint
 from .track import Samples, TrackFacts, stamp_warnings
 
 if TYPE_CHECKING:
@@ -36,21 +37,22 @@ class FilmTrack:
         table: ChunkTable | None,
         *,
         is_cut: bool = False,
-        single_channels: int = 1,
+        singles: Sequence[int] = (),
     ) -> None:
         """Take over an open container and decode the first frame, which says what the sound really is.
 
-        `is_cut` tells that the file stops before its own end, `single_channels` among how many streams of one channel
-        nobody chose.
+        `is_cut` tells that the file stops before its own end. `singles` are the streams of one channel among which
+        nobody chose this one.
         """
-        self._container, self._stream, self._single_channels = container, stream, single_channels
+        self._container, self._stream, self._singles = container, stream, singles
+        self.number = container.streams.audio.index(stream)
         self._tally = Tally()
         check_sums(stream)
         self._frames = decoded(container, stream, self._tally)
         first = next(self._frames, None)
         if first is None:
             self._tally.require_readable()
-            raise SoundtrackError("no sound could be decoded")
+            raise SoundtrackError(f"no sound could be decoded from sound stream {self.number}")
         self._origin = origin_of(first, stream, self._tally)
         self._first = [first, *islice(self._frames, _COMPARED_FRAMES)]
         self._first_stamp_off_s = 0.0
@@ -60,6 +62,11 @@ class FilmTrack:
         self._table = table
         # where a length is declared, that tells whether any sound is missing
         self._end_is_missing = is_cut and header_frames(container, stream, self.facts.rate_hz) is None
+
+    @property
+    def origin(self) -> Fraction | None:
+        """Return when sample 0 plays by the file's clock, in seconds; None where nothing says."""
+        return self._origin
 
     def pieces(self) -> Iterator[Samples]:
         """Yield all samples in order, shape (frames, channels). Raises SoundtrackError where too much is damaged."""
@@ -94,11 +101,8 @@ class FilmTrack:
         """Return what was damaged, filled or overruled, one line each."""
         tally, rate_hz = self._tally, self.facts.rate_hz
         lines = []
-        if self._single_channels > 1:
-            lines.append(
-                f"only sound stream {self.facts.stream} of {self._single_channels} with one channel each is heard: "
-                "--stream chooses another; channels of one sound have to be joined in one stream first"
-            )
+        if len(self._singles) > 1:
+            lines.append(joining_hint(self.number, self._singles))
         if tally.failed:
             packets = f"{tally.failed} of {tally.packets} packets of sound"
             lines.append(f"{packets} could not be decoded ({tally.last_error}){self._place(tally.first_failed_time)}")
@@ -106,6 +110,8 @@ class FilmTrack:
             total_s, first_s = sum(gap for _, gap in gaps) / rate_hz, gaps[0][0] / rate_hz
             count = "1 gap was" if len(gaps) == 1 else f"{len(gaps)} gaps were"
             lines.append(f"{count} filled with silence, {total_s:.3f} s in all, first at {first_s:.3f} s")
+            if self._container.format.name in UNSTAMPED:
+                lines[-1] += "; the file has no time stamps: if more is missing there, what follows plays early"
         if self._first_stamp_off_s:
             lines.append(
                 f"the first time stamp is {self._first_stamp_off_s:+.3f} s off those that follow; these were believed"
@@ -124,7 +130,7 @@ class FilmTrack:
             declared, present = self._table.data_bytes, self._table.present_bytes
             lines.append(f"the header declares {declared} bytes of sound but {present} follow: the end is missing")
         if self._end_is_missing:
-            lines.append("the file stops before its own end: the end of the sound is missing")
+            lines.append("the file stops or breaks before its own end: the end of the sound is missing")
         if tally.stopped:
             lines.append(f"reading stopped early: {tally.stopped}")
         return lines + stamp_warnings(self.facts)
@@ -178,8 +184,8 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None
             raise SoundtrackError("is a list of other files; expected a film or sound file itself")
         is_cut = stops_early(path, container.format.name)
         chosen = _chosen(container, stream)
-        single_channels = 1 if stream is not None else _single_channels(container, chosen)
-        return FilmTrack(container, chosen, table, is_cut=is_cut, single_channels=single_channels)
+        singles = _singles(container, chosen) if stream is None else ()
+        return FilmTrack(container, chosen, table, is_cut=is_cut, singles=singles)
     except BaseException:
         container.close()
         raise
@@ -202,7 +208,8 @@ def _chosen(container: "InputContainer", index: int | None) -> "AudioStream":
     return stream
 
 
-def _single_channels(container: "InputContainer", chosen: "AudioStream") -> int:
-    """Return how many streams have one channel, as the one that was chosen has; masters keep 5.1 in six of them."""
-    streams = [each for each in container.streams.audio if each.codec_context and each.codec_context.channels == 1]
-    return len(streams) if chosen in streams else 1
+def _singles(container: "InputContainer", chosen: "AudioStream") -> tuple[int, ...]:
+    """Return the streams that have one channel, as the one that was chosen has; masters keep 5.1 in six of them."""
+    streams = container.streams.audio
+    singles = [each for each in streams if each.codec_context and each.codec_context.channels == 1]
+    return tuple(map(streams.index, singles)) if chosen in singles else ()

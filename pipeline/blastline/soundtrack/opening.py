@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from ..errors import SoundtrackError
+from ..streams import Streams, streams_text
 from ..timebase import AS_FILMED, Timebase
 from .chunks import chunk_table
 from .files import file_state, naming, require_file
@@ -18,7 +19,7 @@ MIN_RATE_HZ, MAX_RATE_HZ = 8_000, 384_000
 def open_soundtrack(
     path: Path,
     *,
-    stream: int | None = None,
+    stream: Streams | None = None,
     mix: str = "mains",
     spool_folder: Path | None = None,
     rereadable: bool = True,
@@ -26,11 +27,11 @@ def open_soundtrack(
 ) -> Soundtrack:
     """Open one sound track of an audio file or a film.
 
-    `stream` counts the sound tracks from 0; without it the one that the file marks as default is taken, else the
-    first. `mix` is explained in `mix.py`. Compressed sound is spooled to a temporary file in `spool_folder`,
-    unless it is not to be `rereadable`: nothing of it can be read again then.
-    `timebase` is what the user knows better about its timecode. Raises SoundtrackError where the file cannot be read
-    or has no such track or channel, RuleError where the time base does not go with the film.
+    `stream` counts the sound tracks from 0; several, of one channel each, are joined as the channels of one. Without it
+    the one that the file marks as default is taken, else the first. `mix` is explained in `mix.py`. Compressed sound is
+    spooled to a temporary file in `spool_folder`, unless it is not to be `rereadable`: nothing of it can be read again
+    then. `timebase` is what the user knows better about its timecode. Raises SoundtrackError where the file cannot be
+    read or has no such track or channel, RuleError where the time base does not go with the film.
     """
     with naming(path):
         require_file(path)
@@ -51,15 +52,18 @@ def open_soundtrack(
     return opened
 
 
-def _open_track(path: Path, stream: int | None) -> Track:
+def _open_track(path: Path, stream: Streams | None) -> Track:
     table = chunk_table(path)
     pcm = open_pcm(path, table)
     if pcm is None:
         from .film import open_film
+        from .joined import open_joined
 
+        if isinstance(stream, tuple):
+            return open_joined(path, stream, table=table)
         return open_film(path, stream=stream, table=table)
     if stream not in (None, 0):
         pcm.close()
         kind = f"{pcm.facts.channels} channel{'s' if pcm.facts.channels > 1 else ''}"
-        raise SoundtrackError(f"has no sound stream {stream}; it has 0 ({kind})")
+        raise SoundtrackError(f"has no sound stream {streams_text(stream or 0)}; it has 0 ({kind})")
     return pcm

@@ -7,6 +7,8 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..streams import Streams
+
 Samples = NDArray[np.float32]
 
 Length = Literal["stored", "counted", "rounded"]
@@ -35,7 +37,7 @@ class TrackFacts:
     layout: tuple[str, ...] | None
     declared_frames: int | None
     length: Length = "rounded"
-    stream: int = 0
+    stream: Streams = 0
     is_integer: bool = False
     start_timecode: str | None = None
     has_picture: bool = False

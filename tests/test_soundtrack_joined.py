@@ -1,0 +1,244 @@
+"""Streams of one channel each, joined: the same film as one stream with all channels, to the bit."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import av
+import msgspec
+import numpy as np
+import pytest
+import soundfile
+from numpy.typing import NDArray
+
+from blastline.errors import RuleError, SoundtrackError
+from blastline.model import Source, Timeline
+from blastline.soundtrack import open_soundtrack
+from blastline.soundtrack.singles import joining_hint, layout_of
+from blastline.streams import parse_streams, streams_text
+from blastline.synth import Scene, render_scene
+from commands import blastline
+from media import RATE_HZ, Samples, encoded, impulses, write_media
+
+SCENE = {
+    "schema": 1,
+    "rate_hz": RATE_HZ,
+    "duration_s": 2.5,
+    "seed": 15,
+    "layout": "5.1",
+    "beds": [{"kind": "ambience", "level_dbfs": -60.0}],
+    "shots": [
+        {"at_s": at_s, "weapon": weapon, "environment": "street", "distance_m": 12.0, "snr_db": 34.0}
+        for at_s, weapon in ((0.5, "rifle"), (1.6, "pistol"))
+    ],
+}
+SIX = (0, 1, 2, 3, 4, 5)
+FRAMES = 100_003
+
+
+def apart(samples: Samples) -> list[Samples]:
+    return [np.ascontiguousarray(channel)[:, None] for channel in samples.T]
+
+
+def different(frames: int = FRAMES, channels: int = 6) -> Samples:
+    """Return noise that differs from channel to channel, in whole 16-bit steps."""
+    noise = np.random.default_rng(channels).integers(-16_000, 16_000, (frames, channels))
+    return (noise / 32_768).astype(np.float32)
+
+
+@dataclass(frozen=True)
+class Single:
+    """A stream of one channel as it is to be written; packets whose time lies in `lost_s` are left out."""
+
+    samples: Samples
+    rate_hz: int = RATE_HZ
+    start_s: float = 0.0
+    lost_s: tuple[float, float] = (0.0, 0.0)
+
+
+def write_singles(path: Path, *singles: Single) -> Path:
+    with av.open(str(path), "w") as container:
+        streams: list[Any] = [container.add_stream("pcm_s16le", rate=each.rate_hz, layout="mono") for each in singles]
+        for stream, each in zip(streams, singles, strict=True):
+            start, (first_s, last_s) = round(each.start_s * each.rate_hz), each.lost_s
+            for packet in encoded(stream, each.samples, rate_hz=each.rate_hz, start=start):
+                if not first_s <= packet.pts * packet.time_base < last_s:
+                    container.mux(packet)
+    return path
+
+
+def heard(
+    path: Path, *, stream: int | tuple[int, ...] | None, mix: str = "mains", frames: int = 65_536
+) -> tuple[NDArray[np.float32], Source]:
+    with open_soundtrack(path, stream=stream, mix=mix, rereadable=False) as track:
+        blocks = [np.column_stack([clip.samples, *clip_sides(clip.sides)]) for clip in track.blocks(frames, sides=True)]
+        return np.concatenate(blocks), track.source()
+
+
+def clip_sides(sides: NDArray[np.floating] | None) -> list[NDArray[np.floating]]:
+    return [] if sides is None else [sides]
+
+
+def test_six_streams_are_the_film_of_one_stream_to_the_bit(tmp_path: Path) -> None:
+    scene = render_scene(msgspec.convert(SCENE, Scene))
+    samples = scene.read(0, scene.frames)
+    film = (np.rint(samples * (0.5 / np.abs(samples).max()) * 32_768) / 32_768).astype(np.float32)
+    picture = {"codec": "pcm_s16le", "picture_rate": Fraction(25), "timecode": "01:00:00:00"}
+    whole = write_media(tmp_path / "whole.mov", [film], **picture)  # type: ignore[arg-type]
+    split = write_media(tmp_path / "split.mov", apart(film), **picture)  # type: ignore[arg-type]
+    timelines: list[Timeline] = []
+    common = ("--quality", "draft", "--no-report", "--quiet")
+    for path, stream in ((whole, "0"), (split, "0-5")):
+        done = blastline("render", path, "-o", tmp_path / path.stem, "--stream", stream, *common)
+        assert (done.code, done.err) == (0, "")
+        timelines.append(msgspec.json.decode((tmp_path / path.stem / "timeline.json").read_bytes(), type=Timeline))
+    one, six = timelines
+    assert len(one.events) >= 2
+    assert any(event.azimuth_deg is not None for event in one.events)
+    assert (six.events, six.rejections, six.checks) == (one.events, one.rejections, one.checks)
+    for key in ("sample_rate_hz", "frames", "channels", "start_timecode", "frame_rate", "start_offset_s", "mix"):
+        assert getattr(six.source, key) == getattr(one.source, key)
+    assert (one.source.stream, six.source.stream) == (0, SIX)
+    drive = drive_of(tmp_path / "split")
+    assert np.any(drive)
+    assert np.array_equal(drive, drive_of(tmp_path / "whole"))
+    # what was made of it later on finds the same sound
+    assert blastline("check", tmp_path / "split", "--quiet").code == 0
+    edited = tmp_path / "split" / "timeline.csv"
+    line = blastline("render", split, "-o", tmp_path / "again", "--timeline", edited, *common).complaint
+    assert line.endswith("is of sound stream 0-5 of split.mov, not 0; give --stream 0-5")
+    options = ("--timeline", edited, "--stream", "0,1,2,3,4,5")
+    assert blastline("render", split, "-o", tmp_path / "again", *options, *common).code == 0
+    assert np.array_equal(drive_of(tmp_path / "again"), drive)
+
+
+def drive_of(folder: Path) -> NDArray[np.int32]:
+    return np.asarray(soundfile.read(folder / "drive.wav", dtype="int32")[0])
+
+
+@pytest.mark.parametrize(
+    ("codec", "extension"), [("pcm_s16le", "mov"), ("pcm_s24le", "mkv"), ("pcm_s16le", "avi"), ("alac", "mp4")]
+)
+def test_joined_samples_are_those_of_one_stream_whatever_the_block(tmp_path: Path, codec: str, extension: str) -> None:
+    film = different()
+    split = write_media(tmp_path / f"split.{extension}", apart(film), codec=codec)
+    whole = write_media(tmp_path / "whole.mkv", [film], codec="pcm_s16le")
+    expected, _ = heard(whole, stream=None)
+    for frames in (65_536, 7_001):
+        found, source = heard(split, stream=SIX, frames=frames)
+        assert np.array_equal(found, expected)
+    assert (source.channels, source.warnings) == (6, ())
+    for channel in (0, 3, 5):
+        alone, _ = heard(split, stream=SIX, mix=str(channel))
+        assert np.array_equal(alone[:, 0], film[:, channel])
+
+
+def test_the_order_that_is_given_is_that_of_the_channels(tmp_path: Path) -> None:
+    film = different()
+    shuffled = write_media(tmp_path / "film.mov", apart(film[:, [0, 2, 1, 4, 5, 3]]), codec="pcm_s16le")
+    ordered = write_media(tmp_path / "ordered.mov", apart(film), codec="pcm_s16le")
+    assert np.array_equal(heard(shuffled, stream=(0, 2, 1, 5, 3, 4))[0], heard(ordered, stream=SIX)[0])
+
+
+def test_a_rough_look_at_joined_streams_is_at_the_same_moment_of_each(tmp_path: Path) -> None:
+    film = np.repeat(different(channels=1), 2, axis=1)
+    path = write_media(tmp_path / "film.mov", apart(film), codec="pcm_s16le")
+    with open_soundtrack(path, stream=(0, 1), mix="mains", rereadable=False) as track:
+        both = track.read_approximately(1.0, 0.5, sides=True)
+    assert both.shape[0] >= 0.5 * RATE_HZ
+    assert np.any(both[:, 0])
+    assert not np.any(both[:, 1])  # two equal channels have nothing beside their middle
+
+
+def test_streams_that_are_not_channels_of_one_sound_are_refused(tmp_path: Path) -> None:
+    def complaint(path: Path, *streams: int) -> str:
+        with pytest.raises(SoundtrackError) as error:
+            open_soundtrack(path, stream=streams)
+        return str(error.value).removeprefix(f"{path}: ")
+
+    one, two = impulses(20_000, [100]), impulses(20_000, [100], channels=2)
+    mixed = write_media(tmp_path / "mixed.mov", [one, two, one], codec="pcm_s16le")
+    assert complaint(mixed, 0, 1) == ("sound stream 1 has 2 channels; expected one in each stream that is joined")
+    assert complaint(mixed, 0, 3).startswith("has no sound stream 3; it has 0 (pcm_s16le, 1 channel")
+    late = write_singles(tmp_path / "late.mkv", Single(one), Single(one, start_s=0.5))
+    assert complaint(late, 0, 1) == (
+        "sound stream 1 begins +0.500000 s off stream 0, with which it is joined; expected the same start"
+    )
+    rates = write_singles(tmp_path / "rates.mkv", Single(one), Single(one, rate_hz=44_100))
+    assert "has 44100 Hz; expected 48000 Hz" in complaint(rates, 0, 1)
+    wave = write_media(tmp_path / "film.wav", [two], codec="pcm_s16le")
+    assert complaint(wave, 0, 1) == "has no sound stream 0-1; it has 0 (2 channels)"
+
+
+def test_a_stream_that_ends_early_is_told_and_silent_from_there_on(tmp_path: Path) -> None:
+    film = different(channels=2)
+    path = write_media(tmp_path / "film.mov", [film[:, :1], film[:48_000, 1:]], codec="pcm_s16le")
+    found, source = heard(path, stream=(0, 1), mix="1")
+    assert np.array_equal(found[:48_000, 0], film[:48_000, 1])
+    assert found.shape[0] == FRAMES
+    assert not np.any(found[48_000:])
+    assert source.warnings == ("sound stream 1: ends at 1.000 s, others at 2.083 s: silence was put in its place",)
+
+
+def test_damage_is_told_with_its_stream_and_moves_no_channel(tmp_path: Path) -> None:
+    film = different(channels=2)
+    whole, damaged = apart(film)
+    path = write_singles(tmp_path / "film.mkv", Single(whole), Single(damaged, lost_s=(0.5, 1.0)))
+    found, source = heard(path, stream=(0, 1), mix="1")
+    [warning] = source.warnings
+    assert warning.startswith("sound stream 1: 1 gap was filled with silence")
+    assert found.shape[0] == FRAMES
+    kept = found[:, 0] == film[:, 1]
+    assert kept[: RATE_HZ // 2].all()
+    assert kept[RATE_HZ + 4_096 :].all()
+
+
+@pytest.mark.parametrize(
+    ("singles", "told"),
+    [
+        ((0, 1), "--stream 0-1 joins 2 as stereo"),
+        ((0, 1, 2, 3), "--stream 0-1 joins 2 as stereo"),
+        (SIX, "--stream 0-5 joins 6 as 5.1"),
+        ((1, 2, 3, 4, 5, 6), "--stream 1-6 joins 6 as 5.1"),
+        (tuple(range(8)), "--stream 0-5 joins 6 as 5.1, --stream 0-7 joins 8 as 7.1"),
+        (tuple(range(16)), "--stream 0-5 joins 6 as 5.1, --stream 0-7 joins 8 as 7.1"),
+    ],
+)
+def test_the_warning_says_what_to_type(singles: Sequence[int], told: str) -> None:
+    line = joining_hint(singles[0], singles)
+    assert f"only sound stream {singles[0]} of {len(singles)} with one channel each is heard: {told}; " in line
+
+
+def test_a_file_that_names_its_channels_is_believed_and_others_are_in_the_usual_order() -> None:
+    named = (("FC",), ("FL",), ("FR",))
+    assert layout_of(named) == ("FC", "FL", "FR")
+    mono = ("FC",)
+    assert layout_of([mono] * 6) == ("FL", "FR", "FC", "LFE", "SL", "SR")
+    assert layout_of([None] * 8) == ("FL", "FR", "FC", "LFE", "SL", "SR", "BL", "BR")
+    assert layout_of([mono] * 2) == ("FL", "FR")
+    assert layout_of([mono] * 5) is None
+
+
+@pytest.mark.parametrize(
+    ("text", "streams", "again"),
+    [
+        ("3", 3, "3"),
+        ("0-5", SIX, "0-5"),
+        ("0,1,2,3,4,5", SIX, "0-5"),
+        ("0-2, 5,3-4", (0, 1, 2, 5, 3, 4), "0-2,5,3-4"),
+        ("1-1", 1, "1"),
+    ],
+)
+def test_streams_are_read_as_they_are_written(text: str, streams: int | tuple[int, ...], again: str) -> None:
+    assert parse_streams(text) == streams
+    assert streams_text(streams) == again
+
+
+@pytest.mark.parametrize("text", ["", "x", "-1", "5-0", "0-", "0,,1", "0 1", "1.5", "٣", "0-99999"])
+def test_what_is_no_stream_is_refused(text: str) -> None:
+    with pytest.raises(RuleError, match="expected the number of a sound stream, from 0, or those of streams"):
+        parse_streams(text)
+    with pytest.raises(RuleError, match="names sound stream 1 twice"):
+        parse_streams("0-2,1")
