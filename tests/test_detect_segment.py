@@ -20,9 +20,9 @@ def decaying(fall_db_per_s: float, *, seconds: float = 2.0, seed: int = 0) -> ND
     return np.asarray(0.1 * noise * 10.0 ** (-fall_db_per_s * time_s / 20.0), np.float64)
 
 
-def segmented(*sounds: tuple[float, NDArray[np.float64]]) -> Shot:
-    """Return the first of some sounds, given with their begin in ms after it, over faint noise."""
-    film = 1e-5 * np.random.default_rng(9).standard_normal(3 * RATE_HZ)
+def segmented(*sounds: tuple[float, NDArray[np.float64]], constant: float = 0.0) -> Shot:
+    """Return the first of some sounds, given with their begin in ms after it, over faint noise beside zero."""
+    film = constant + 1e-5 * np.random.default_rng(9).standard_normal(3 * RATE_HZ)
     for at_ms, sound in sounds:
         start = ONSET + round(at_ms * RATE_HZ / 1000.0)
         film[start : start + sound.size] += sound[: film.size - start]
@@ -65,3 +65,13 @@ def test_the_decay_ends_and_says_so_where_another_sound_begins(next_ms: float, g
 def test_what_begins_while_the_shot_is_still_loud_does_not_end_it() -> None:
     length_ms, _ = ended(segmented((0.0, decaying(25.0)), (250.0, decaying(25.0, seed=1))))
     assert length_ms > 1000.0
+
+
+@pytest.mark.parametrize("constant", [-0.3, 0.05])
+def test_a_constant_is_no_sound(constant: float) -> None:
+    sounds = (0.0, decaying(60.0)), (90.0, 0.4 * decaying(60.0))
+    still, beside = segmented(*sounds), segmented(*sounds, constant=constant)
+    assert still.reflections
+    assert (beside.blast, beside.span) == (still.blast, still.span)
+    assert [each.start for each in beside.reflections] == [each.start for each in still.reflections]
+    assert (beside.peak_dbfs, beside.snr_db) == pytest.approx((still.peak_dbfs, still.snr_db), abs=0.02)
