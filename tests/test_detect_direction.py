@@ -78,6 +78,13 @@ def test_a_voice_that_goes_on_in_the_centre_does_not_pull(azimuth_deg: float) ->
     assert told(samples, places("5.1"))[0] == pytest.approx(azimuth_deg, abs=3.0)
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_what_goes_on_and_is_like_the_shot_by_chance_alone_does_not_pull_at_all(seed: int) -> None:
+    samples = 2.0 * blast()[:, None] * panned("5.1", -110.0)
+    samples[:, 2] += np.random.default_rng(seed).standard_normal(960)
+    assert told(samples, places("5.1")) == (-110.0, 1.0)
+
+
 @pytest.mark.parametrize("azimuth_deg", [-110.0, 75.0, 150.0])
 def test_a_voice_that_begins_with_the_shot_does_not_pull_where_the_shot_was_heard_without_it(
     azimuth_deg: float,
