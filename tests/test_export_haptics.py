@@ -110,6 +110,30 @@ def test_points_are_left_out_only_within_the_stated_error(tmp_path: Path, name: 
     assert np.max(np.abs(found.amplitude_at(samples / RATE_HZ) - values)) <= error + 2e-4
 
 
+def test_what_comes_with_an_attack_changes_nothing_before_it() -> None:
+    whole = film([event(RATE_HZ), event(RATE_HZ + 120 * MS, window=(RATE_HZ, 2 * RATE_HZ))], 2 * RATE_HZ)
+    one, other = (drive_of(whole), drive_of(whole))
+    other[RATE_HZ + 120 * MS :] = bang(RATE_HZ - 120 * MS, tone_hz=400.0, seed=7)
+    [first], [second] = (track_of(whole, drive).segments for drive in (one, other))
+    before = np.arange(RATE_HZ, RATE_HZ + 119 * MS)
+    np.testing.assert_allclose(first.amplitude.at(before), second.amplitude.at(before), rtol=1e-6)
+    np.testing.assert_allclose(first.frequency_hz.at(before), second.frequency_hz.at(before), rtol=1e-6)
+    assert second.frequency_hz.at(before + 2 * MS)[-1] > 2.0 * first.frequency_hz.at(before + 2 * MS)[-1]
+
+
+def test_a_wave_leaves_room_to_a_transient_of_the_window_before(tmp_path: Path) -> None:
+    onsets = RATE_HZ, RATE_HZ + 40 * MS
+    windows = (RATE_HZ - 6 * MS, RATE_HZ + 8 * MS), (RATE_HZ + 12 * MS, RATE_HZ + 100 * MS)
+    whole = film([event(at, window=reach) for at, reach in zip(onsets, windows, strict=True)], 2 * RATE_HZ)
+    drive = np.zeros(2 * RATE_HZ)
+    for start, stop in windows:
+        drive[start:stop] = 0.7  # a sine of this power is as strong as 0.99
+    drive[RATE_HZ - 6 * MS : RATE_HZ] = 0.0
+    track = track_of(whole, drive)
+    assert len(track.segments) == 2
+    assert played(track, tmp_path, "hjif").pulses, "the player has checked that all together keeps within 1"
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_an_impulse_loses_no_power(tmp_path: Path, name: str) -> None:
     """A sine of the amplitude that is played has the energy of what drives the seat."""
