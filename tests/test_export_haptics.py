@@ -121,6 +121,23 @@ def test_what_comes_with_an_attack_changes_nothing_before_it() -> None:
     assert second.frequency_hz.at(before + 2 * MS)[-1] > 2.0 * first.frequency_hz.at(before + 2 * MS)[-1]
 
 
+def test_a_pulse_is_as_strong_as_its_own_attack_and_not_the_next_ones() -> None:
+    whole = film([event(RATE_HZ), event(RATE_HZ + 10 * MS)], 2 * RATE_HZ)
+    drive = np.zeros(2 * RATE_HZ)
+    drive[RATE_HZ : RATE_HZ + 9 * MS] = 0.2
+    drive[RATE_HZ + 9 * MS : RATE_HZ + 60 * MS] = 0.9  # a drive may begin a millisecond before its shot
+    assert [pulse.amplitude for pulse in track_of(whole, drive).pulses] == [0.2, 0.9]
+
+
+def test_an_echo_that_the_drive_does_not_rise_at_is_no_pulse() -> None:
+    whole = film([event(RATE_HZ, echoes=[RATE_HZ + 80 * MS])], 2 * RATE_HZ)
+    drive = np.zeros(2 * RATE_HZ)
+    drive[RATE_HZ:] = 0.9 * np.exp(-np.arange(RATE_HZ) / (0.1 * RATE_HZ))
+    assert [pulse.is_echo for pulse in track_of(whole, drive).pulses] == [False]
+    drive[RATE_HZ + 80 * MS :] *= 2.0
+    assert [pulse.is_echo for pulse in track_of(whole, drive).pulses] == [False, True]
+
+
 def test_a_wave_leaves_room_to_a_transient_of_the_window_before(tmp_path: Path) -> None:
     onsets = RATE_HZ, RATE_HZ + 40 * MS
     windows = (RATE_HZ - 6 * MS, RATE_HZ + 8 * MS), (RATE_HZ + 12 * MS, RATE_HZ + 100 * MS)
