@@ -155,6 +155,13 @@ def test_of_two_claims_to_one_place_the_shorter_and_the_one_out_of_order_give_wa
     assert _losers([ordered[0], stray, ordered[1]], ()) == [(1, 22.0, 29.0)]
 
 
+def test_what_two_segments_share_of_the_new_film_counts_once() -> None:
+    early = MatchedSegment(Line(1.0, 10.0, 0.0, 20.0), 0.0, 20.0, 0.9)  # from 10 to 30
+    long = MatchedSegment(Line(1.0, -12.5, 22.0, 47.0), 22.0, 47.5, 0.8)  # from 9.5 to 35
+    last = MatchedSegment(Line(1.0, -20.0, 50.0, 80.0), 50.0, 80.0, 0.9)  # from 30 to 60
+    assert {index for index, _, _ in _losers([early, long, last], ())} == {1}, "5 s of the long one are the last one's"
+
+
 def repeating(length_s: float, *, seed: int) -> Samples:
     """Return a film in which one passage comes again every 6.13 s, under sound of its own."""
     phrase = film(6.13, (1.0, 3.5), seed=seed)

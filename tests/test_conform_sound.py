@@ -5,7 +5,7 @@ import pytest
 
 from blastline.conform.fingerprint import FRAME_HZ, Fingerprint, fingerprint
 from blastline.conform.search import Haystack
-from blastline.conform.waveform import look
+from blastline.conform.waveform import WORK_HZ, look, piece
 from conform_films import RATE_HZ, InMemory, film, heard, murmur, seconds
 
 ONSETS_S = (2.0, 3.1, 5.55, 7.025)
@@ -43,6 +43,14 @@ def test_a_delay_delays_the_fingerprint() -> None:
 
 def test_silence_has_an_empty_fingerprint() -> None:
     assert not printed(np.zeros(RATE_HZ)).frames.any()
+
+
+def test_a_piece_is_the_same_however_much_is_cut_out_around_it() -> None:
+    old = heard(murmur(3.0, seed=8, rate_hz=48_000), 48_000)
+    (whole, _), (inner, late_s) = piece(old, 1.0, 1.0), piece(old, 1.25, 0.5)
+    assert late_s == pytest.approx(0.0, abs=1e-12)
+    there = whole[WORK_HZ // 4 : WORK_HZ // 4 + len(inner)]
+    assert np.max(np.abs(inner - there)) <= 1e-4 * np.max(np.abs(there))
 
 
 def test_the_search_is_the_normalised_correlation_at_every_frame() -> None:

@@ -66,6 +66,15 @@ def test_too_little_to_compare_is_no_match() -> None:
         assert match.correlation == 0.0
 
 
+def test_beside_a_lag_at_which_too_little_counts_there_is_no_peak() -> None:
+    """The true place is hidden by the mask, and what is left beside it only leads up to it."""
+    pattern = np.exp(-0.5 * ((np.arange(101) - 50.0) / 1.5) ** 2)
+    moving = np.concatenate([np.zeros(13), pattern, np.zeros(7)])  # 3 samples late
+    mask = np.ones(len(moving), bool)
+    mask[13 + 50 - 6 : 13 + 50 + 3] = False
+    assert np.isnan(match_template(pattern, moving, mask).lag)
+
+
 @pytest.mark.parametrize("beside", [-0.5, -0.3, 0.0, 0.2, 0.5])
 def test_the_vertex_of_a_parabola_is_found_exactly(beside: float) -> None:
     at = np.arange(9.0)

@@ -37,10 +37,13 @@ def believed_ms(*shots: Shot) -> list[float]:
     return [s.onset * 1000 / RATE_HZ for s in kept]
 
 
-def scored(onsets: NDArray[np.intp], probability: NDArray[np.float64]) -> ScoredCandidates:
-    """Return candidates of which screen and networks think alike."""
+def scored(
+    onsets: NDArray[np.intp], probability: NDArray[np.float64], by_screen: NDArray[np.float64] | None = None
+) -> ScoredCandidates:
+    """Return candidates of which screen and networks think alike, or the screen otherwise."""
+    by_screen = probability if by_screen is None else by_screen
     return ScoredCandidates(
-        onsets, np.zeros(onsets.size), log_odds_in(Verdicts(probability, probability, np.full(onsets.size, 2)))
+        onsets, np.zeros(onsets.size), log_odds_in(Verdicts(probability, by_screen, np.full(onsets.size, 2)))
     )
 
 
@@ -171,12 +174,15 @@ def test_what_is_not_worth_segmenting_is_never_believed(seed: int) -> None:
     assert believed_ms(*shots) == believed_ms(*(s for s, kept in zip(shots, worth, strict=True) if kept))
 
 
-def test_a_round_at_the_edge_of_a_core_may_belong_to_a_burst_beyond_it() -> None:
+@pytest.mark.parametrize("by_screen", [VERIFY.round_threshold, 0.999])
+def test_a_round_at_the_edge_of_a_core_may_belong_to_a_burst_beyond_it(by_screen: float) -> None:
+    """The networks alone may find it less likely: a round of a burst is what all together take for one."""
     core = Span(0, 20 * RATE_HZ)
     edges_ms = (0.0, BURSTS.longest_gap_ms, 10_000.0, 20_000.0 - BURSTS.longest_gap_ms, 19_999.0)
     onsets = np.array([round(at_ms * RATE_HZ / 1000) for at_ms in edges_ms], np.intp)
     probability = np.full(onsets.size, VERIFY.round_threshold)
-    worth = worth_segmenting(scored(onsets, probability), [None] * onsets.size, rate_hz=RATE_HZ, tier=TIER, core=core)
+    candidates = scored(onsets, probability, np.full(onsets.size, by_screen))
+    worth = worth_segmenting(candidates, [None] * onsets.size, rate_hz=RATE_HZ, tier=TIER, core=core)
     assert worth.tolist() == [True, True, False, True, True]
 
 

@@ -78,6 +78,13 @@ def test_a_voice_that_goes_on_in_the_centre_does_not_pull(azimuth_deg: float) ->
     assert told(samples, places("5.1"))[0] == pytest.approx(azimuth_deg, abs=3.0)
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_what_goes_on_and_is_like_the_shot_by_chance_alone_does_not_pull_at_all(seed: int) -> None:
+    samples = 2.0 * blast()[:, None] * panned("5.1", -110.0)
+    samples[:, 2] += np.random.default_rng(seed).standard_normal(960)
+    assert told(samples, places("5.1")) == (-110.0, 1.0)
+
+
 @pytest.mark.parametrize("azimuth_deg", [-110.0, 75.0, 150.0])
 def test_a_voice_that_begins_with_the_shot_does_not_pull_where_the_shot_was_heard_without_it(
     azimuth_deg: float,
@@ -207,3 +214,24 @@ def test_channels_without_names_are_in_the_usual_order_or_nowhere() -> None:
     assert azimuths(None, 6) == azimuths(LAYOUTS["5.1"], 6)
     assert azimuths(None, 1) is None
     assert azimuths(None, 12) is None
+
+
+def test_straight_behind_is_180_from_either_side() -> None:
+    gains = panned("7.1", 180.0)
+    for channel in (4, 5):  # a hair louder on one side
+        leaning = gains.copy()
+        leaning[channel] *= 1.0 + 1e-5
+        assert told(blast()[:, None] * leaning, places("7.1"))[0] == 180.0
+
+
+def test_what_begins_after_a_shot_is_over_does_not_pull() -> None:
+    length = 3 * RATE_HZ
+    samples = np.zeros((length, 6))
+    shot, other = (blast()[ONSET:, None] * panned("5.1", deg) for deg in (30.0, -110.0))
+    samples[RATE_HZ : RATE_HZ + 96] = shot[:96]
+    samples[RATE_HZ + 96 : RATE_HZ + 96 + ONSET] = other
+    span = Span(RATE_HZ, RATE_HZ + 96)
+    channels = Channels(places("5.1"), 2, lambda asked: samples[asked.start : asked.stop])
+    short = Shot(RATE_HZ, 0.95, -6.0, 20.0, span, (), span)
+    [found] = with_azimuths([short], channels, rate_hz=RATE_HZ, rules=load_rules("standard").tier.channels)
+    assert found.azimuth_deg == 30.0

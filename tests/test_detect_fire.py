@@ -175,3 +175,9 @@ def test_what_the_screen_doubts_is_looked_at_where_it_makes_a_row_with_what_it_d
     assert looked_at(*[doubted] * count) == [False] * count
     assert looked_at(VERIFY.look_from, *[doubted] * (count - 2)) == [True] + [False] * (count - 2)
     assert looked_at(VERIFY.look_from, *[doubted] * (count - 2), 0.9 * least) == [True] + [False] * (count - 1)
+
+
+def test_of_two_sounds_where_a_round_is_due_the_nearer_is_the_round() -> None:
+    row_ms = 100.0 * np.arange(8)
+    all_ms = np.sort(np.concatenate([row_ms, row_ms[2:] - 0.8 * BURSTS.unevenness * 100.0])).tolist()
+    assert [all_ms[place] for place in rows(all_ms)[0]] == row_ms.tolist()

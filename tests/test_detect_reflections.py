@@ -243,3 +243,17 @@ def test_a_reflection_has_its_level_at_any_lag(lag_ms: float, true_db: float, wi
         found_db += [20.0 * np.log10(gain) for lag, gain in zip(lags, gains, strict=True) if abs(lag - late) <= 5]
     assert len(found_db) == 8
     assert np.mean(found_db) == pytest.approx(true_db, abs=within_db)
+
+
+def test_an_echo_is_found_to_the_sample_between_the_values_of_the_answer() -> None:
+    rng = np.random.default_rng(3)
+    shot = 0.5 * rng.standard_normal(RATE_HZ) * np.exp(-np.arange(RATE_HZ) / 100)
+    before, noise = 1e-5 * rng.standard_normal(RATE_HZ // 5), 1e-5 * rng.standard_normal(RATE_HZ)
+    errors = []
+    for lag in range(2400, 2424):
+        wave = shot + noise
+        wave[lag:] += 0.4 * shot[:-lag]
+        lags, _ = discrete_reflections(wave, before, rate_hz=RATE_HZ, rules=RULES)
+        errors.append(np.min(np.abs(lags - lag)))
+    assert max(errors) <= 1
+    assert np.mean(errors) <= 0.5

@@ -20,9 +20,9 @@ def decaying(fall_db_per_s: float, *, seconds: float = 2.0, seed: int = 0) -> ND
     return np.asarray(0.1 * noise * 10.0 ** (-fall_db_per_s * time_s / 20.0), np.float64)
 
 
-def segmented(*sounds: tuple[float, NDArray[np.float64]]) -> Shot:
-    """Return the first of some sounds, given with their begin in ms after it, over faint noise."""
-    film = 1e-5 * np.random.default_rng(9).standard_normal(3 * RATE_HZ)
+def segmented(*sounds: tuple[float, NDArray[np.float64]], constant: float = 0.0) -> Shot:
+    """Return the first of some sounds, given with their begin in ms after it, over faint noise beside zero."""
+    film = constant + 1e-5 * np.random.default_rng(9).standard_normal(3 * RATE_HZ)
     for at_ms, sound in sounds:
         start = ONSET + round(at_ms * RATE_HZ / 1000.0)
         film[start : start + sound.size] += sound[: film.size - start]
@@ -65,3 +65,50 @@ def test_the_decay_ends_and_says_so_where_another_sound_begins(next_ms: float, g
 def test_what_begins_while_the_shot_is_still_loud_does_not_end_it() -> None:
     length_ms, _ = ended(segmented((0.0, decaying(25.0)), (250.0, decaying(25.0, seed=1))))
     assert length_ms > 1000.0
+
+
+@pytest.mark.parametrize("constant", [-0.3, 0.05])
+def test_a_constant_is_no_sound(constant: float) -> None:
+    sounds = (0.0, decaying(60.0)), (90.0, 0.4 * decaying(60.0))
+    still, beside = segmented(*sounds), segmented(*sounds, constant=constant)
+    assert still.reflections
+    assert (beside.blast, beside.span) == (still.blast, still.span)
+    assert [each.start for each in beside.reflections] == [each.start for each in still.reflections]
+    assert (beside.peak_dbfs, beside.snr_db) == pytest.approx((still.peak_dbfs, still.snr_db), abs=0.02)
+
+
+def cracking(*, decay_ms: float = 2.0, seed: int = 0) -> NDArray[np.float64]:
+    """Return a short blast: noise that dies away within some milliseconds."""
+    return decaying(20.0 / np.log(10.0) * 1000.0 / decay_ms, seconds=0.1, seed=seed)
+
+
+@pytest.mark.parametrize("delay_ms", [6.0, 8.0, 40.0, 120.0])
+@pytest.mark.parametrize("gain", [0.35, 0.7])
+def test_a_blast_ends_before_its_echo_which_is_no_louder_than_what_is_there(delay_ms: float, gain: float) -> None:
+    shot = segmented((0.0, cracking(decay_ms=6.0)), (delay_ms, gain * cracking(decay_ms=6.0)))
+    assert shot.evidence is not None
+    assert shot.evidence.echo_room_db is not None
+    assert any(abs(each.delay_ms - delay_ms) < 0.5 for each in shot.reflections)
+    assert all(shot.blast.stop <= each.start for each in shot.reflections)
+    assert all(each.level_db <= shot.evidence.echo_room_db for each in shot.reflections)
+
+
+def test_a_louder_copy_is_another_shot_and_no_echo() -> None:
+    copies = [segmented((0.0, cracking()), (90.0, gain * cracking())).reflections for gain in (0.5, 2.0)]
+    assert [any(abs(each.delay_ms - 90.0) < 0.5 for each in found) for found in copies] == [True, False]
+
+
+def test_a_blast_is_over_where_it_is_no_louder_than_what_was_there_before() -> None:
+    noise = np.random.default_rng(5).standard_normal(3 * RATE_HZ)
+    lengths = []
+    for level in (0.0, 0.01, 0.05):
+        lengths.append(len(segmented((0.0, cracking(decay_ms=8.0)), (-500.0, level * noise)).blast))
+    assert lengths == sorted(lengths, reverse=True)
+    assert lengths[-1] < 0.8 * lengths[0]
+
+
+def test_a_tick_does_not_end_a_decay() -> None:
+    sound = decaying(25.0)
+    alone = ended(segmented((0.0, sound)))
+    sound[705 * RATE_HZ // 1000 : 715 * RATE_HZ // 1000] *= 10.0
+    assert ended(segmented((0.0, sound))) == alone

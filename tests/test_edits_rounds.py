@@ -110,6 +110,14 @@ def test_what_was_deleted_stays_deleted_in_the_next_round(tmp_path: Path, film: 
     assert at(1.2) in deletions
 
 
+def test_what_was_deleted_stays_silent_though_its_neighbour_is_moved(tmp_path: Path, film: Path, first: Path) -> None:
+    """Nothing else of its window is left to end what is measured anew as the decay of the shot that was moved."""
+    one = edited(film, first, tmp_path / "one", both(deleted("shot-0002"), deleted("shot-0003")))
+    two = edited(film, one, tmp_path / "two", moved("shot-0001", SHOTS_S[0] - 0.01))
+    assert np.any(drive_of(two)[at(SHOTS_S[0]) : at(SHOTS_S[1])])
+    assert not np.any(drive_of(two)[at(SHOTS_S[1]) : at(2.4)])
+
+
 def test_an_end_that_was_set_holds_in_the_next_round(tmp_path: Path, film: Path, first: Path) -> None:
     one = edited(film, first, tmp_path / "one", ends("shot-0003", 1.25))
     assert not np.any(drive_of(one)[at(1.25) : at(2.4)])

@@ -17,8 +17,8 @@ import pytest
 
 from blastline.errors import RuleError
 from blastline.export import export_timeline, require_frame_rate
-from blastline.export.frames import FRAME_FORMATS
-from blastline.model import Timeline
+from blastline.export.frames import FRAME_FORMATS, frame_markers
+from blastline.model import Timeline, Window
 from films import COUNTINGS, HOSTILE, ONSETS, Counting, film
 
 Found = list[tuple[str, Fraction]]
@@ -95,9 +95,22 @@ def test_events_on_one_frame_share_a_marker_that_names_them_all(tmp_path: Path) 
     timeline = film(counting, onsets=[48_000, 48_100, 48_200, 96_000])
     markers = resolve_markers(written(timeline, tmp_path, "resolve").read_text("utf-8"), counting)
     assert [len(re.findall("shot-", name)) for _, _, name, _, _ in markers] == [3, 1]
+    last = timeline.events[2]
+    lasts_s = Fraction(min(last.window.stop, 96_000) - last.onset_sample, 48_000)
+    assert abs(markers[0][-1] - lasts_s * counting.fraction) <= 1, "as long as the longest of them"
     assert_each_event_is_there([(f"{n} {name}", time_s) for n, _, name, time_s, _ in markers], timeline, counting)
     lines = written(timeline, tmp_path, "avid").read_text("utf-8").splitlines()
     assert [line.count("shot-") for line in lines] == [3, 1]
+
+
+def test_a_shot_in_the_last_half_frame_is_within_the_film_and_lasts_a_frame() -> None:
+    timeline = film(COUNTINGS[1], onsets=[47_000, 47_001])  # 24 frames of 2000 samples
+    events = [msgspec.structs.replace(each, window=Window(46_900, 47_100, 0, 0)) for each in timeline.events]
+    source = msgspec.structs.replace(timeline.source, frames=47_100)
+    timeline = msgspec.structs.replace(timeline, source=source, events=tuple(events))
+    found = frame_markers(timeline, format_name="otio")
+    assert [(marker.frame - found.start, marker.frames) for marker in found.markers] == [(24, 1), (24, 1)]
+    assert found.stop == found.start + 25
 
 
 @every_counting

@@ -4,6 +4,7 @@ import csv
 import itertools
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from blastline.export.haptics.ahap import _events
 from blastline.export.haptics.curve import Curve, reduced
 from blastline.export.haptics.reels import reel_edges
 from blastline.export.haptics.sharing import shared
+from blastline.export.haptics.track import VibrationSegment
 from blastline.model import Span
 from haptic_films import PROFILE, RATE_HZ, RULES, Samples, bang, drive_of, event, film, played, track_of, write
 from haptic_rules import haptic_played, hjif_played
@@ -94,6 +96,59 @@ def test_an_attack_is_whole_at_its_onset_and_absent_a_millisecond_before(tmp_pat
     assert before == 0.0
     assert (at, after) == (pytest.approx(0.6, abs=0.015), pytest.approx(0.6, abs=0.015))
     assert found.amplitude_at(np.array([1.1015]))[0] == 0.0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_points_are_left_out_only_within_the_stated_error(tmp_path: Path, name: str) -> None:
+    """A vibration near the limit that goes up and down by nearly twice that, as a player has it."""
+    track = track_of(film([event(RATE_HZ)], 2 * RATE_HZ), np.ones(2 * RATE_HZ))
+    error, samples = track.amplitude_error, RATE_HZ + 480 * np.arange(40)
+    values = np.where(np.arange(40) % 2, 0.97 - 1.8 * error, 0.97)
+    values[[0, -1]] = 0.0
+    segment = VibrationSegment(Curve(samples, values), Curve(samples, np.full(40, 80.0)))
+    found = played(replace(track, pulses=(), segments=(segment,)), tmp_path, name)
+    assert np.max(np.abs(found.amplitude_at(samples / RATE_HZ) - values)) <= error + 2e-4
+
+
+def test_what_comes_with_an_attack_changes_nothing_before_it() -> None:
+    whole = film([event(RATE_HZ), event(RATE_HZ + 120 * MS, window=(RATE_HZ, 2 * RATE_HZ))], 2 * RATE_HZ)
+    one, other = (drive_of(whole), drive_of(whole))
+    other[RATE_HZ + 120 * MS :] = bang(RATE_HZ - 120 * MS, tone_hz=400.0, seed=7)
+    [first], [second] = (track_of(whole, drive).segments for drive in (one, other))
+    before = np.arange(RATE_HZ, RATE_HZ + 119 * MS)
+    np.testing.assert_allclose(first.amplitude.at(before), second.amplitude.at(before), rtol=1e-6)
+    np.testing.assert_allclose(first.frequency_hz.at(before), second.frequency_hz.at(before), rtol=1e-6)
+    assert second.frequency_hz.at(before + 2 * MS)[-1] > 2.0 * first.frequency_hz.at(before + 2 * MS)[-1]
+
+
+def test_a_pulse_is_as_strong_as_its_own_attack_and_not_the_next_ones() -> None:
+    whole = film([event(RATE_HZ), event(RATE_HZ + 10 * MS)], 2 * RATE_HZ)
+    drive = np.zeros(2 * RATE_HZ)
+    drive[RATE_HZ : RATE_HZ + 9 * MS] = 0.2
+    drive[RATE_HZ + 9 * MS : RATE_HZ + 60 * MS] = 0.9  # a drive may begin a millisecond before its shot
+    assert [pulse.amplitude for pulse in track_of(whole, drive).pulses] == [0.2, 0.9]
+
+
+def test_an_echo_that_the_drive_does_not_rise_at_is_no_pulse() -> None:
+    whole = film([event(RATE_HZ, echoes=[RATE_HZ + 80 * MS])], 2 * RATE_HZ)
+    drive = np.zeros(2 * RATE_HZ)
+    drive[RATE_HZ:] = 0.9 * np.exp(-np.arange(RATE_HZ) / (0.1 * RATE_HZ))
+    assert [pulse.is_echo for pulse in track_of(whole, drive).pulses] == [False]
+    drive[RATE_HZ + 80 * MS :] *= 2.0
+    assert [pulse.is_echo for pulse in track_of(whole, drive).pulses] == [False, True]
+
+
+def test_a_wave_leaves_room_to_a_transient_of_the_window_before(tmp_path: Path) -> None:
+    onsets = RATE_HZ, RATE_HZ + 40 * MS
+    windows = (RATE_HZ - 6 * MS, RATE_HZ + 8 * MS), (RATE_HZ + 12 * MS, RATE_HZ + 100 * MS)
+    whole = film([event(at, window=reach) for at, reach in zip(onsets, windows, strict=True)], 2 * RATE_HZ)
+    drive = np.zeros(2 * RATE_HZ)
+    for start, stop in windows:
+        drive[start:stop] = 0.7  # a sine of this power is as strong as 0.99
+    drive[RATE_HZ - 6 * MS : RATE_HZ] = 0.0
+    track = track_of(whole, drive)
+    assert len(track.segments) == 2
+    assert played(track, tmp_path, "hjif").pulses, "the player has checked that all together keeps within 1"
 
 
 @pytest.mark.parametrize("name", NAMES)

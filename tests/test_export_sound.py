@@ -173,6 +173,11 @@ def test_webvtt_to_the_millisecond(tmp_path: Path) -> None:
     )
 
 
+def test_webvtt_shows_even_a_shot_that_the_next_one_ends_at_once(tmp_path: Path) -> None:
+    captions = webvtt.read(str(written(film(onsets=[48_000, 48_010]), tmp_path, "webvtt"))).captions
+    assert [_clock_s(each.end) > _clock_s(each.start) for each in captions] == [True, True]
+
+
 def test_webvtt_shows_what_comes_before_the_picture_at_its_start(tmp_path: Path) -> None:
     [caption] = webvtt.read(str(written(film(onsets=[480], offset_s=-0.5), tmp_path, "webvtt"))).captions
     assert caption.start == "00:00:00.000"

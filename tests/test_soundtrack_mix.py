@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 
 from blastline.errors import SoundtrackError
-from blastline.soundtrack.mix import LFE_GAIN, as_front, centre_of, is_identity, mix_matrix, mixed, sides_matrix
+from blastline.soundtrack.mix import (
+    LFE_GAIN,
+    as_front,
+    centre_of,
+    is_identity,
+    mix_matrix,
+    mixed,
+    names_of,
+    sides_matrix,
+    summing_order,
+)
 
 SIDE_5_1 = ("FL", "FR", "FC", "LFE", "SL", "SR")
 FILM_5_1 = ("FL", "FC", "FR", "SL", "SR", "LFE")
@@ -94,6 +104,11 @@ def test_a_pair_with_equal_channels_is_mono_to_the_bit(layout: Sequence[str]) ->
     np.testing.assert_array_equal(mixed(pair, mix_matrix(layout, len(layout), "mains"))[:, 0], mono)
 
 
+def test_a_channel_that_is_named_twice_weighs_twice_in_the_mean() -> None:
+    np.testing.assert_array_equal(mix_matrix(None, 2, "1,1"), mix_matrix(None, 2, "1"))
+    np.testing.assert_allclose(mix_matrix(None, 2, "0,1,1")[:, 0], [1 / 3, 2 / 3], rtol=1e-6)
+
+
 def test_mono_is_taken_as_it_is() -> None:
     for mix in ("mains", "center", "all", "0"):
         assert is_identity(mix_matrix(None, 1, mix))
@@ -110,6 +125,24 @@ def test_every_mix_is_the_matrix_product_whatever_the_block() -> None:
         for size in (1, 7, 64):
             blocks = [mixed(samples[start : start + size], matrix) for start in range(0, 1000, size)]
             np.testing.assert_array_equal(np.concatenate(blocks), whole)
+
+
+def test_channels_in_another_order_are_the_same_sound_to_the_bit() -> None:
+    samples = np.random.default_rng(3).uniform(-1, 1, (1000, 8)).astype(np.float32)
+    layout = names_of(None, 8)
+    usual = mixed(samples, mix_matrix(layout, 8, "all"), summing_order(layout, 8))
+    for shuffled in (np.arange(8)[::-1], np.random.default_rng(4).permutation(8)):
+        names = [layout[channel] for channel in shuffled]
+        again = mixed(samples[:, shuffled], mix_matrix(names, 8, "all"), summing_order(names, 8))
+        np.testing.assert_array_equal(again, usual)
+
+
+@pytest.mark.parametrize("layout", ["mono", "stereo", "3.0", "quad", "5.0", "5.1", "6.1", "7.1"])
+def test_the_usual_order_is_that_of_ffmpeg(layout: str) -> None:
+    from av import AudioLayout
+
+    names = tuple(channel.name for channel in AudioLayout(layout).channels)
+    assert names_of(None, len(names)) == names
 
 
 def test_numbered_channels_are_averaged_whatever_the_layout() -> None:

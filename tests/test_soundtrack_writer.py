@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from blastline.errors import OutputError
 from blastline.model import Clip, Span
 from blastline.soundtrack import Cue, open_soundtrack, write_drive
+from blastline.soundtrack.bwf import cue_chunks
 
 RATE_HZ = 48_000
 
@@ -210,3 +211,7 @@ def test_a_cue_outside_the_drive_is_a_mistake(path: Path) -> None:
 def test_a_folder_that_is_not_there_is_one_line(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match=r"nowhere.*cannot write the drive: No such file"):
         write_drive(tmp_path / "nowhere" / "drive.wav", [], rate_hz=RATE_HZ, frames=10)
+
+
+def test_a_region_that_is_longer_than_the_format_counts_is_as_long_as_it_can_be() -> None:
+    assert cue_chunks([Cue(1, "a film in itself", 2**33)]) == cue_chunks([Cue(1, "a film in itself", 2**32 - 1)])

@@ -205,6 +205,16 @@ def test_a_bed_has_its_level_and_stays_in_its_time() -> None:
     assert db_from_gain(rms(audio.read(20 * RATE_HZ, 65 * RATE_HZ))) == pytest.approx(-30.0, abs=1.0)
 
 
+def test_a_bed_ends_as_it_begins() -> None:
+    bed = {"kind": "ambience", "level_dbfs": -30.0, "start_s": 1.0, "stop_s": 5.0}
+    faded, whole = (render_scene(scene_of(beds=[bed | {"fade_s": fade_s}])).beds(0, 6 * RATE_HZ) for fade_s in (1.0, 0))
+    heard = np.abs(whole) > 1e-5
+    weights = faded[heard] / whole[heard]
+    from_edge_s = np.minimum(np.arange(0.5, 4 * RATE_HZ), np.arange(4 * RATE_HZ - 0.5, 0.0, -1.0)) / RATE_HZ
+    expected = np.sin(np.minimum(from_edge_s, 1.0) * np.pi / 2.0) ** 2
+    assert np.allclose(weights, expected[heard[RATE_HZ : 5 * RATE_HZ, 0]], atol=1e-9)
+
+
 def test_the_limiter_leaves_the_quiet_alone_and_holds_the_ceiling() -> None:
     master = Master(ceiling_dbfs=-1.0, knee_db=4.0)
     ramp = np.linspace(-4.0, 4.0, 8_001)[:, None]

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from blastline.synth.colour import CLEAN, air, draw_colour, record
 from blastline.synth.echoes import with_acoustics
 from blastline.synth.images import SPEED_OF_SOUND_M_S, Axis, image_echoes
 from blastline.synth.rooms import ENVIRONMENTS, Acoustics, Environment, draw_acoustics, tail_noise
-from blastline.synth.shots import fire
+from blastline.synth.shots import fire, fire_apart
 from blastline.synth.tone import compress, highpass, lowpass, peak, tilt
 from blastline.synth.voices import draw_voice
 from blastline.synth.waves import friedlander, n_wave
@@ -187,3 +188,11 @@ def test_the_compressor_holds_a_steady_tone_at_its_ratio() -> None:
     released = compress(burst, threshold=0.125, ratio=2.0, release_ms=50.0, rate_hz=RATE_HZ)
     assert released[101] < 0.006
     assert released[-1] == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_blast_ends_with_the_last_sample_of_it_that_is_within_20_db_of_its_peak(seed: int) -> None:
+    voice = draw_voice(generator(seed, "blast"), "pistol", environment="field")
+    fired = fire_apart(generator(seed, "fired"), 48_000, replace(voice, roars=(), second_pulse=None))
+    blast, direct = len(fired.truth.blast), np.abs(fired.parts.direct)
+    assert direct[blast - 1] >= 0.1 * direct.max() > direct[blast:].max()

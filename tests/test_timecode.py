@@ -13,6 +13,7 @@ from blastline.model import Source
 from blastline.timecode import (
     STANDARD_RATES,
     clock,
+    exact_offset,
     frame_of,
     frame_scale,
     frame_time,
@@ -252,3 +253,16 @@ def test_a_number_that_no_clock_has_is_counted_on(start: str, frame: int) -> Non
     assert scale is not None
     assert scale.first_frame == frame
     assert timecode_at(source("25", start), 0) == scale.label(frame)
+
+
+@pytest.mark.parametrize("clock_hz", [1000, 48_000, 90_000, Fraction(30_000, 1001)])
+def test_an_offset_is_what_a_containers_clock_said_before_it_became_a_float(clock_hz: int | Fraction) -> None:
+    for ticks in (-1, 1, 7, 1001, 4099):
+        exact_s = ticks / Fraction(clock_hz)
+        assert exact_offset(source("25", offset_s=float(exact_s))) == exact_s
+
+
+def test_a_start_that_drop_frame_leaves_out_is_believed_and_counted_on_from() -> None:
+    left_out = source("30000/1001", "00:01:00;00")
+    assert timecode_at(left_out, 0) == "00:01:00:00"
+    assert timecode_at(left_out, first_sample(2, "30000/1001")) == "00:01:00:02"
