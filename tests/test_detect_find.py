@@ -1,5 +1,6 @@
 """The detector as a whole, on a small film: what must not change what is found."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import msgspec
@@ -19,6 +20,7 @@ from blastline.detect.tracks import Grid, pieces
 from blastline.detect.verify import (
     CONFIDENT_LOG_ODDS,
     SCHEMA,
+    Look,
     ModelFile,
     Sieve,
     SieveFile,
@@ -264,7 +266,7 @@ class AllAlike(Sieve):
 class Undecided(Verifier):
     """A verifier that thinks just enough of everything for a row of it to be fire."""
 
-    def verdicts(self, rows: NDArray[np.float64], shown: Spectrograms) -> Verdicts:
+    def verdicts(self, rows: NDArray[np.float64], shown: Spectrograms, looks: Sequence[Look] = ()) -> Verdicts:
         every = np.full(rows.shape[0], RULES.tier.verify.even_threshold + 0.01)
         return Verdicts(every, every, np.ones(rows.shape[0], np.intp))
 

@@ -27,7 +27,7 @@ from .scan import candidate_steps, loudest_around
 from .segment import peak_dbfs, segment
 from .sides import are_audible, merge_mixes, side_as_main, side_rules
 from .sparse import bands_near
-from .spectrogram import spectrograms
+from .spectrogram import Spectrograms, spectrograms
 from .tracks import Grid, pieces
 from .verify import Verifier, log_odds_in
 
@@ -213,8 +213,12 @@ def _search_chunk(
     """
     found = _worth_looking_at(chunk, grid, tier, verifier, over)
     loudest = loudest_around(chunk.peak, found.onsets // grid.step, grid=grid)
-    shown = spectrograms(chunk.samples, found.onsets, grid.rate_hz, loudest)
-    verdicts, before, own = verifier.verdicts(found.rows, shown), backdrops(shown), sounds(shown)
+
+    def seen(which: NDArray[np.intp] | slice, speed: float) -> Spectrograms:
+        return spectrograms(chunk.samples, found.onsets[which], grid.rate_hz, loudest[which], speed=speed)
+
+    shown, looks = seen(slice(None), 1.0), [partial(seen, speed=speed) for speed in tier.verify.speeds]
+    verdicts, before, own = verifier.verdicts(found.rows, shown, looks), backdrops(shown), sounds(shown)
     at = found.onsets + chunk.start
     peaks_dbfs = np.array([peak_dbfs(chunk.samples, onset, grid.rate_hz) for onset in found.onsets.tolist()])
     scored = ScoredCandidates(at, peaks_dbfs, log_odds_in(verdicts))

@@ -8,7 +8,7 @@ Levels are in dB against the candidate's own attack, and each frame's mean is ta
 constant changes anything.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -82,16 +82,37 @@ class Spectrograms:
 
 
 def spectrograms(
-    samples: NDArray[np.float32], onsets: NDArray[np.intp], rate_hz: int, loudest: NDArray[np.float32] = _FULL_SCALE
+    samples: NDArray[np.float32],
+    onsets: NDArray[np.intp],
+    rate_hz: int,
+    loudest: NDArray[np.float32] = _FULL_SCALE,
+    *,
+    speed: float = 1.0,
 ) -> Spectrograms:
     """Return the spectrograms of candidates whose onsets are indices into `samples`; beyond its ends it is still.
 
     `loudest` is the largest peak around each, shape (n,) or (1,): what is silence in a film is so in a quieter copy.
+    At another `speed` they are as if the film ran so many times as fast, its pitch with it.
     """
     floor = np.maximum(np.float32(FLOOR) * np.square(loudest), _SMALLEST)[:, None, None]
-    near, wide = (_levels(samples, onsets, layout, rate_hz, floor) for layout in (NEAR, WIDE))
+    near, wide = (
+        _levels(samples, onsets, layout, rate_hz, floor) for layout in (_at_speed(NEAR, speed), _at_speed(WIDE, speed))
+    )
     attack = near[:, ATTACK].mean(axis=2).max(axis=1, initial=-np.inf)[:, None, None]
     return Spectrograms(np.clip(near - attack, LOWEST_DB, HIGHEST_DB), np.clip(wide - attack, LOWEST_DB, HIGHEST_DB))
+
+
+def _at_speed(layout: SpectrogramLayout, speed: float) -> SpectrogramLayout:
+    """Return the layout that sees of a film what the given one would see of it at another speed."""
+    return replace(
+        layout,
+        start_ms=layout.start_ms * speed,
+        hop_ms=layout.hop_ms * speed,
+        window_ms=layout.window_ms * speed,
+        transform_ms=layout.transform_ms * speed,
+        low_hz=layout.low_hz / speed,
+        high_hz=layout.high_hz / speed,
+    )
 
 
 def _levels(

@@ -3,6 +3,7 @@
 Trained offline (`study.train`) and shipped as one readable JSON file.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -73,6 +74,10 @@ class Sieve:
         return probabilities(rows, self.forest)
 
 
+Look = Callable[[NDArray[np.intp]], Spectrograms]
+"""Shows some of the candidates, by their indices, once more in another way."""
+
+
 @dataclass(frozen=True, eq=False)
 class Verdicts:
     """Of n candidates: the probability that each is a shot, that by the screen alone, and how many networks judged.
@@ -105,11 +110,13 @@ class Verifier:
         """Return the probability that each candidate is a shot, shape (n,)."""
         return self.verdicts(rows, shown).probability
 
-    def verdicts(self, rows: NDArray[np.float64], shown: Spectrograms) -> Verdicts:
+    def verdicts(self, rows: NDArray[np.float64], shown: Spectrograms, looks: Sequence[Look] = ()) -> Verdicts:
         """Return what is thought of each candidate, by screen and networks.
 
         Trees and networks err in different places. A further network is asked only where those before it leave room
-        for doubt. To four digits: beyond them the sums depend on how many candidates are judged together.
+        for doubt. Where all of them do, they are asked again at each of the further `looks`, and what they say in the
+        mean counts (test-time augmentation). To four digits: beyond them the sums depend on how many candidates are
+        judged together.
         """
         by_screen, seen = forest_log_odds(rows, self.screen.forest), contrasts(shown)
         network_sum, odds, networks = np.zeros(rows.shape[0]), np.zeros(rows.shape[0]), np.zeros(rows.shape[0], np.intp)
@@ -119,6 +126,12 @@ class Verifier:
             odds[open_to_doubt] = combined_log_odds(network_sum[open_to_doubt], asked, by_screen[open_to_doubt])
             networks[open_to_doubt] = asked
             open_to_doubt = open_to_doubt[np.abs(odds[open_to_doubt]) < CONFIDENT_LOG_ODDS]
+        if open_to_doubt.size and looks:
+            doubted = rows[open_to_doubt]
+            for again in (contrasts(look(open_to_doubt)) for look in looks):
+                network_sum[open_to_doubt] += sum(network_log_odds(each, doubted, again) for each in self.networks)
+            mean_sum = network_sum[open_to_doubt] / (1 + len(looks))
+            odds[open_to_doubt] = combined_log_odds(mean_sum, len(self.networks), by_screen[open_to_doubt])
         return Verdicts(_probability(odds), _probability(by_screen), networks)
 
 

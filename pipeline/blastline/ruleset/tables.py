@@ -15,6 +15,9 @@ LONGEST_DECAY_MS = 3000.0
 Detection keeps 3.07 s after the last place where a shot may begin, and listens for 50 ms more than a shot may last.
 """
 
+Speed = Annotated[float, Meta(ge=0.5, le=2.0)]
+"""How many times as fast as it is. Beyond an octave either way nothing was trained."""
+
 Decay = Annotated[float, Meta(gt=0.0, le=LONGEST_DECAY_MS)]
 
 
@@ -52,8 +55,9 @@ class OnsetRules(Table, frozen=True):
 class VerifyRules(Table, frozen=True):
     """Which model tells shots from everything else, and from which probability on it is believed.
 
-    `model` is a file in `verifier/`; so many of its `networks` judge together. What the trees that screen for them give
-    less than `look_from` is not looked at more closely, unless it makes a row of even fire with what is.
+    `model` is a file in `verifier/`; so many of its `networks` judge together, and where all leave room for doubt once
+    more as if the film ran at other `speeds`. What the trees that screen for them give less than `look_from` is not
+    looked at more closely, unless it makes a row of even fire with what is.
 
     A candidate is a shot from `threshold` on, or from `company_threshold` on where a shot of the first kind lies within
     `company_s`: films fire in scenes. [bursts] says how fast a gun fires: a run that fast, each of its shots reaching
@@ -65,6 +69,7 @@ class VerifyRules(Table, frozen=True):
 
     model: str
     networks: Annotated[int, Meta(ge=1, le=8)]
+    speeds: Annotated[tuple[Speed, ...], Meta(max_length=8)]
     look_from: Ratio
     threshold: Ratio
     company_threshold: Ratio
