@@ -21,8 +21,8 @@ from .network import Network, NetworkFile, is_compatible, network_from, network_
 from .spectrogram import Spectrograms
 
 SCHEMA = 4
-CONFIDENT_LOG_ODDS = 3.0
-"""Log-odds of 95 to 5: hardly a second opinion turns them over."""
+CONFIDENT_LOG_ODDS = 2.5
+"""Log-odds of 92 to 8: hardly a second opinion turns them over."""
 
 SCREEN_WEIGHT = 0.5
 """The weight of the screen, where each network has 1: docs/training.md, Trees, networks, or both."""
