@@ -1,6 +1,7 @@
 """The detector as a whole, on a small film: what must not change what is found."""
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import msgspec
@@ -211,6 +212,33 @@ def test_a_second_opinion_is_asked_where_there_is_doubt_and_changes_no_clear_ver
         assert np.array_equal(together.probability[~asked_both], one.probability[~asked_both])
         by_both, by_one, by_two = (log_odds_in(each).by_networks for each in (together, one, two))
         told = asked_both & (np.abs(by_two) < 5.0)  # of what is surer, little is left once it is rounded
+        np.testing.assert_allclose(by_both[told], (0.5 * (by_one + by_two))[told], atol=0.05)
+
+
+def test_further_looks_count_where_every_network_doubts_and_nowhere_else(
+    film: tuple[NDArray[np.float32], Truth],
+) -> None:
+    verifier = load_verifier(rules_path(f"verifier/{RULES.tier.verify.model}"), networks=2)
+    asked: list[int] = []
+
+    def look(chunk: Chunk, found: CandidateFeatures, speed: float, which: NDArray[np.intp]) -> Spectrograms:
+        asked.append(which.size)
+        return spectrograms(chunk.samples, found.onsets[which], RATE_HZ, speed=speed)
+
+    for chunk in chunks(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
+        found = _sieved(chunk, verifier)
+        shown, faster = (spectrograms(chunk.samples, found.onsets, RATE_HZ, speed=speed) for speed in (1.0, 1.1))
+        once, alone = verifier.verdicts(found.rows, shown), verifier.verdicts(found.rows, faster)
+        same, other = (
+            verifier.verdicts(found.rows, shown, [partial(look, chunk, found, speed)]) for speed in (1.0, 1.1)
+        )
+        np.testing.assert_allclose(same.probability, once.probability, atol=1e-4)
+        doubted = (once.networks == 2) & (np.abs(log_odds_of(once.probability)) < CONFIDENT_LOG_ODDS)
+        assert asked[-2:] == [doubted.sum()] * 2
+        assert np.array_equal(other.probability[~doubted], once.probability[~doubted])
+        by_both, by_one, by_two = (log_odds_in(each).by_networks for each in (other, once, alone))
+        told = doubted & (alone.networks == 2) & (np.abs(by_two) < 5.0)
+        assert told.any()
         np.testing.assert_allclose(by_both[told], (0.5 * (by_one + by_two))[told], atol=0.05)
 
 

@@ -60,6 +60,8 @@ def other_values(value: Any) -> list[Any]:
         return [not value]
     if isinstance(value, int):
         return [value + 1, value - 1]
+    if isinstance(value, list):
+        return [[*value, 1.5], value[1:]]
     return [value * 1.01, value * 0.99, value + 0.01, value - 0.01]
 
 
@@ -76,7 +78,7 @@ def test_one_key_of_the_user_changes_that_key_alone_and_the_digest(
         except RuleError:
             continue
         expected = as_dict(before)
-        expected[file][path] = other
+        expected[file][path] = tuple(other) if isinstance(other, list) else other
         assert as_dict(after) == expected
         assert after.digest != before.digest
         return

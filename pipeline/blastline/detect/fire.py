@@ -95,7 +95,7 @@ def _beginnings(
 ) -> list[tuple[int, int]]:
     """Return the pairs that a row may begin with, in order: few pairs of sounds are alike and have a third in time."""
     firsts, stops = np.searchsorted(onsets, onsets + gaps[0]), np.searchsorted(onsets, onsets + gaps[1], side="right")
-    count = stops - firsts
+    count = np.maximum(stops - firsts, 0)  # the longest gap may be shorter than the shortest
     first = np.repeat(np.arange(onsets.size), count)
     second = np.arange(first.size) + np.repeat(firsts - (np.cumsum(count) - count), count)
     alike = np.abs(peaks_dbfs[second] - peaks_dbfs[first]) <= pace.within_db
