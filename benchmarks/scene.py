@@ -91,15 +91,17 @@ def passing(sieve: Sieve) -> Passes:
 
 
 def look_at(track: Soundtrack, truth: Truth, rules: Rules, verifier: Verifier, *, sieved: bool) -> SeenFilm:
-    """Show the candidates of a film to all networks and segment them; `sieved` only those that pass gate and screen."""
+    """Show the candidates of a film, or what of them is `sieved`, to all networks at all speeds and segment them."""
     grid, tier = Grid(track.rate_hz), rules.tier
     gate, screen = (passing(sieve) if sieved else let_all_pass for sieve in (verifier.gate, verifier.screen))
     odds, networks, shots, look_s = [], [], [], 0.0
     for chunk in chunks(pieces(track.blocks(BLOCK), track.rate_hz)):
         found = describe_candidates(chunk, grid, tier, gate=gate, screen=screen)
         began = process_time()
-        seen = contrasts(spectrograms(chunk.samples, found.onsets, track.rate_hz))
-        networks.append(np.stack([network_log_odds(network, found.rows, seen) for network in verifier.networks]))
+        speeds = (1.0, *tier.verify.speeds)
+        looks = [contrasts(spectrograms(chunk.samples, found.onsets, track.rate_hz, speed=speed)) for speed in speeds]
+        by_look = [[network_log_odds(each, found.rows, seen) for each in verifier.networks] for seen in looks]
+        networks.append(np.mean(by_look, axis=0))
         look_s += process_time() - began
         odds.append(forest_log_odds(found.rows, verifier.screen.forest))
         part = partial(segment, chunk.samples, film_start=chunk.start, film_stop=chunk.stop, confidence=0.0)

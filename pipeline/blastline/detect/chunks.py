@@ -14,7 +14,8 @@ from .tracks import Grid, Piece
 
 # A piece is about a second. Before the core: the neighbourhood of `features`; after it: that and the longest decay that
 # rules may ask for. What is silence around the farthest neighbours is told by what is here of the 2 s around them.
-LEFT_PIECES, CORE_PIECES, RIGHT_PIECES = 4, 32, 3
+LEFT_PIECES, CORE_PIECES, RIGHT_PIECES = 4, 64, 3
+SHORT_CORE_PIECES = 32  # where as much of all channels has to be remembered
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,28 +35,28 @@ class Chunk:
     core: Span
 
 
-def chunks(film: Iterable[Piece]) -> Iterator[Chunk]:
+def chunks(film: Iterable[Piece], core_pieces: int = CORE_PIECES) -> Iterator[Chunk]:
     """Yield overlapping chunks whose cores tile the film; the arrays of each hold until the next is asked for.
 
     |left|    core    |right|
                  |left|    core    |right|
     """
-    for (chunk,) in aligned_chunks(film):
+    for (chunk,) in aligned_chunks(film, core_pieces=core_pieces):
         yield chunk
 
 
-def aligned_chunks(*films: Iterable[Piece]) -> Iterator[tuple[Chunk, ...]]:
+def aligned_chunks(*films: Iterable[Piece], core_pieces: int = CORE_PIECES) -> Iterator[tuple[Chunk, ...]]:
     """Yield the chunks of films that are cut alike, those of each place together; the films are read in turns."""
     rest = zip(*films, strict=True)
     first = next(rest, None)
     if first is None:
         return
-    buffers, left = [_ChunkBuffer(piece, LEFT_PIECES + CORE_PIECES + RIGHT_PIECES) for piece in first], 0
+    buffers, left = [_ChunkBuffer(piece, LEFT_PIECES + core_pieces + RIGHT_PIECES) for piece in first], 0
     for together in chain([first], rest):
         for buffer, piece in zip(buffers, together, strict=True):
             buffer.append(piece)
-        if buffers[0].held == left + CORE_PIECES + RIGHT_PIECES:
-            yield tuple(buffer.chunk(left, CORE_PIECES) for buffer in buffers)
+        if buffers[0].held == left + core_pieces + RIGHT_PIECES:
+            yield tuple(buffer.chunk(left, core_pieces) for buffer in buffers)
             for buffer in buffers:
                 buffer.keep(LEFT_PIECES + RIGHT_PIECES)
             left = LEFT_PIECES

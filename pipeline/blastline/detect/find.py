@@ -15,7 +15,7 @@ from ..units import samples_from_ms
 from .backdrop import backdrops, sounds
 from .bandshape import band_levels, bandshape
 from .bursts import drop_claimed_reflections, group_bursts, suppress_non_maxima, without_echoes
-from .chunks import Chunk, aligned_chunks, chunks, track_peaks_dbfs
+from .chunks import CORE_PIECES, SHORT_CORE_PIECES, Chunk, aligned_chunks, chunks, track_peaks_dbfs
 from .company import in_company, unlike_a_shot, worth_segmenting
 from .direction import with_azimuths
 from .features import features
@@ -34,7 +34,7 @@ from .verify import Verifier, log_odds_in
 _SAME_ONSET_MS = 3.0  # candidates of one rise, which the refined onset has brought together
 
 LATENCY_S = 40.0
-"""A shot is found at the latest so long after it has gone by: a core with what follows it, and some blocks."""
+"""Of a film with channels a shot is found at the latest so long after it has gone by: a short core, what follows, blocks."""
 
 
 @dataclass(frozen=True)
@@ -126,13 +126,14 @@ def search_chunks(
     cut = partial(pieces, rate_hz=LISTENING_HZ, with_bands=tier.scan.band_jump_db is not None)
     search = partial(_search_chunk, grid=grid, tier=tier, verifier=verifier, rate_hz=rate_hz)
     place = partial(with_azimuths, channels=channels, rate_hz=rate_hz, rules=tier.channels)
+    core_pieces = CORE_PIECES if channels is None else SHORT_CORE_PIECES
     if first.sides is None:
-        for mains in map(search, chunks(cut(film))):
+        for mains in map(search, chunks(cut(film), core_pieces)):
             yield ChunkResult(place(mains.shots), mains.refused, mains.scored)
         return
     once, again = tee(film)
     search_sides = partial(search, tier=side_rules(tier))
-    for chunk, sides in aligned_chunks(cut(once), cut(map(side_as_main, again))):
+    for chunk, sides in aligned_chunks(cut(once), cut(map(side_as_main, again)), core_pieces=core_pieces):
         mains, there = search(chunk), search_sides(sides, over=chunk)
         heard = ((each.shots, each.refused) for each in (mains, there))
         shots, refused = merge_mixes(*heard, rate_hz=rate_hz, tier=tier)

@@ -20,6 +20,7 @@ from .spectrogram import NEAR, WIDE
 Values = NDArray[np.float32]
 
 KERNEL = 3
+_AT_ONCE = 64  # candidates that are judged together: more take no less time each
 FEATURE_LIMIT = 4.0
 """Features enter as deviations in spreads, no further out than this."""
 
@@ -96,8 +97,15 @@ def is_compatible(file: NetworkFile, features: int) -> bool:
 
 def network_log_odds(network: Network, rows: NDArray[np.float64], shown: Contrasts) -> NDArray[np.float64]:
     """Return the logarithm of the odds that each candidate is a shot, shape (n,)."""
-    if not rows.shape[0]:
-        return np.zeros(0)
+    log_odds = np.zeros(rows.shape[0])
+    for first in range(0, rows.shape[0], _AT_ONCE):
+        some = slice(first, first + _AT_ONCE)
+        log_odds[some] = _log_odds(network, rows[some], Contrasts(shown.near[some], shown.wide[some]))
+    return log_odds
+
+
+def _log_odds(network: Network, rows: NDArray[np.float64], shown: Contrasts) -> NDArray[np.float64]:
+    """Return the log-odds of a few candidates, whose windows fit into memory side by side."""
     parts = [_convolved(seen, layers) for seen, layers in ((shown.near, network.near), (shown.wide, network.wide))]
     known = np.clip((rows - network.means) / network.spreads, -FEATURE_LIMIT, FEATURE_LIMIT).astype(np.float32)
     values = np.concatenate([*parts, known], axis=1)
