@@ -34,7 +34,7 @@ from .verify import Verifier, log_odds_in
 _SAME_ONSET_MS = 3.0  # candidates of one rise, which the refined onset has brought together
 
 LATENCY_S = 40.0
-"""Of a film with channels a shot is found at the latest so long after it has gone by: a short core, what follows, blocks."""
+"""Of a film with channels a shot is found at the latest so long after it: a short core, what follows, some blocks."""
 
 
 @dataclass(frozen=True)
