@@ -102,6 +102,14 @@ def test_a_row_without_an_end_is_taken_in_pieces_that_leave_no_sound_out() -> No
     assert all(np.all(np.diff(row) == 1) for row in found)
 
 
+@pytest.mark.parametrize("count", [4, 11, 31])
+def test_many_rows_far_apart_are_each_what_they_are_alone(count: int) -> None:
+    random = np.random.default_rng(count)
+    gaps_ms = random.uniform(50.0, 140.0, 2600 // count)
+    film_ms = (5000.0 * np.arange(gaps_ms.size)[:, None] + gaps_ms[:, None] * np.arange(count)).ravel()
+    assert sorted(rows(film_ms.tolist())) == np.arange(film_ms.size).reshape(-1, count).tolist()
+
+
 def taken_together(by_networks: float, by_screen: float) -> float:
     """Return the probability that two networks of one mind and the screen give."""
     (odds,) = combined_log_odds(np.array([2.0 * by_networks]), 2, np.array([by_screen]))

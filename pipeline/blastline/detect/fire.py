@@ -9,7 +9,7 @@ have to be as sure as of a single shot. The screen, which hears what is around, 
 """
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -23,6 +23,8 @@ from .verify import LogOdds, log_odds_of
 
 _MOST_IN_ROW = 256
 """A longer row is taken in pieces, which say as much: hours of a machine take no longer than they are long."""
+
+_AT_ONCE = 1024  # sounds whose pairs are held together
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,21 +94,22 @@ def rows_at(
 
 def _beginnings(
     onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], pace: Pace, gaps: tuple[int, int]
-) -> list[tuple[int, int]]:
-    """Return the pairs that a row may begin with, in order: few pairs of sounds are alike and have a third in time."""
-    firsts, stops = np.searchsorted(onsets, onsets + gaps[0]), np.searchsorted(onsets, onsets + gaps[1], side="right")
-    count = np.maximum(stops - firsts, 0)  # the longest gap may be shorter than the shortest
-    first = np.repeat(np.arange(onsets.size), count)
-    second = np.arange(first.size) + np.repeat(firsts - (np.cumsum(count) - count), count)
-    alike = np.abs(peaks_dbfs[second] - peaks_dbfs[first]) <= pace.within_db
-    first, second = first[alike], second[alike]
-    if pace.fewest > 2:
-        gap = onsets[second] - onsets[first]
-        late = np.ceil(pace.unevenness * gap).astype(np.intp)
-        due = onsets[second] + gap
-        third = np.searchsorted(onsets, due - late) < np.searchsorted(onsets, due + late, side="right")
-        first, second = first[third], second[third]
-    return list(zip(first.tolist(), second.tolist(), strict=True))
+) -> Iterator[tuple[int, int]]:
+    """Yield the pairs that a row may begin with, in order: few pairs of sounds are alike and have a third in time."""
+    for start in range(0, onsets.size, _AT_ONCE):
+        own = onsets[start : start + _AT_ONCE]
+        firsts, stops = np.searchsorted(onsets, own + gaps[0]), np.searchsorted(onsets, own + gaps[1], side="right")
+        count = np.maximum(stops - firsts, 0)  # the longest gap may be shorter than the shortest
+        first = np.repeat(np.arange(start, start + own.size), count)
+        second = np.arange(first.size) + np.repeat(firsts - (np.cumsum(count) - count), count)
+        alike = np.abs(peaks_dbfs[second] - peaks_dbfs[first]) <= pace.within_db
+        first, second = first[alike], second[alike]
+        if pace.fewest > 2:
+            gap = onsets[second] - onsets[first]
+            late, due = np.ceil(pace.unevenness * gap).astype(np.intp), onsets[second] + gap
+            third = np.searchsorted(onsets, due - late) < np.searchsorted(onsets, due + late, side="right")
+            first, second = first[third], second[third]
+        yield from zip(first.tolist(), second.tolist(), strict=True)
 
 
 def _row_on(
