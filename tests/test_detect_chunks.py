@@ -1,5 +1,6 @@
 """A film is searched chunk by chunk: where one ends and another begins, nothing is lost, cut or found twice."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import pairwise
 
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from blastline.detect.chunks import CORE_PIECES, LEFT_PIECES, RIGHT_PIECES, Chunk, chunks
+from blastline.detect.chunks import CORE_PIECES, LEFT_PIECES, RIGHT_PIECES, SHORT_CORE_PIECES, Chunk, chunks
 from blastline.detect.find import describe_candidates, let_all_pass
 from blastline.detect.segment import segment
 from blastline.detect.tracks import Grid, pieces
@@ -51,6 +52,31 @@ def test_cores_tile_the_film_and_have_their_surroundings() -> None:
     for one, other in pairwise(film):
         assert other.core.start == one.core.stop == one.stop - RIGHT_PIECES * GRID.piece
         assert other.start == other.core.start - LEFT_PIECES * GRID.piece
+
+
+def test_short_cores_find_what_long_ones_do() -> None:
+    random = np.random.default_rng(9)
+    film = 1e-5 * random.standard_normal((CORE_PIECES + 6) * GRID.piece)
+    for at in random.integers(0, film.size - 2 * RATE_HZ, 80).tolist():
+        bang = random.uniform(0.01, 1.0) * swelling(random.uniform(0.05, 3.0))
+        film[at : at + bang.size] += bang
+    clip = Clip(film.astype(np.float32)[:, None], RATE_HZ)
+    (onsets, rows), (onsets_by_short, rows_by_short) = (
+        candidates_in(chunks(pieces([clip], RATE_HZ), core_pieces)) for core_pieces in (CORE_PIECES, SHORT_CORE_PIECES)
+    )
+    assert onsets.size > 40
+    assert np.array_equal(onsets, onsets_by_short)
+    np.testing.assert_allclose(rows, rows_by_short, atol=1e-3)
+
+
+def candidates_in(film: Iterable[Chunk]) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """Return the onsets of all candidates in a film's samples, and their features."""
+    seen = [
+        (chunk.start, describe_candidates(chunk, GRID, TIER, gate=let_all_pass, screen=let_all_pass)) for chunk in film
+    ]
+    return np.concatenate([start + each.onsets for start, each in seen]), np.concatenate(
+        [each.rows for _, each in seen]
+    )
 
 
 def announced() -> NDArray[np.float64]:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -85,9 +86,8 @@ def test_six_streams_are_the_film_of_one_stream_to_the_bit(tmp_path: Path) -> No
     scene = render_scene(msgspec.convert(SCENE, Scene))
     samples = scene.read(0, scene.frames)
     film = (np.rint(samples * (0.5 / np.abs(samples).max()) * 32_768) / 32_768).astype(np.float32)
-    picture = {"codec": "pcm_s16le", "picture_rate": Fraction(25), "timecode": "01:00:00:00"}
-    whole = write_media(tmp_path / "whole.mov", [film], **picture)  # type: ignore[arg-type]
-    split = write_media(tmp_path / "split.mov", apart(film), **picture)  # type: ignore[arg-type]
+    write = partial(write_media, codec="pcm_s16le", picture_rate=Fraction(25), timecode="01:00:00:00")
+    whole, split = write(tmp_path / "whole.mov", [film]), write(tmp_path / "split.mov", apart(film))
     timelines: list[Timeline] = []
     common = ("--quality", "draft", "--no-report", "--quiet")
     for path, stream in ((whole, "0"), (split, "0-5")):

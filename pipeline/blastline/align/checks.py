@@ -179,10 +179,8 @@ def _allowed_lag_ms(shared: Comparison, event: Event, figures: ShotFigures | Non
     rules, exact_ms = shared.rules, ms_from_samples(shared.rules.lag_zero_samples * shared.coarseness, shared.rate_hz)
     allowed_ms = exact_ms if shared.phase == "zero" else rules.lag_causal_ms
     if figures is not None:
-        spare_ms, delay_ms = (
-            exact_ms if figures.exact else shared.bend_ms,
-            ms_from_samples(figures.delay, shared.rate_hz),
-        )
+        spare_ms = exact_ms if figures.exact else shared.bend_ms
+        delay_ms = ms_from_samples(figures.delay, shared.rate_hz)
         if late_ms is not None and delay_ms > 0.0 and abs(late_ms - delay_ms) <= spare_ms:
             allowed_ms = max(allowed_ms, delay_ms + spare_ms)
         if not figures.exact:
