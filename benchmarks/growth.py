@@ -1,0 +1,68 @@
+"""What four times as many shots cost: `python benchmarks/growth.py`, CPU of stages after detection, as ratios.
+
+A battle without a pause is the worst case of each stage: all shots are one window, and each has echoes where others
+fire. Work that grows with the shots has a ratio of about 4, work that grows with their square one of 16.
+"""
+
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from time import process_time
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+
+from blastline.detect.bursts import drop_claimed_reflections, suppress_non_maxima, without_echoes
+from blastline.model import Reflection, Shot, Span
+from blastline.render import plan_windows
+from blastline.ruleset import load_rules
+
+RATE_HZ, APART, TIMES = 48_000, 4_800, 4
+TIER = load_rules("standard").tier
+STAGES: dict[str, Callable[[Sequence[Shot], int], object]] = {
+    "suppress_non_maxima": lambda fire, _: suppress_non_maxima(fire, rate_hz=RATE_HZ, rules=TIER.bursts),
+    "without_echoes": lambda fire, _: without_echoes(fire, rate_hz=RATE_HZ, rules=TIER.bursts),
+    "drop_claimed_reflections": lambda fire, _: drop_claimed_reflections(fire, rate_hz=RATE_HZ, rules=TIER.bursts),
+    "plan_windows": lambda fire, frames: plan_windows(fire, frames=frames, rate_hz=RATE_HZ, rules=TIER.windows),
+}
+
+
+def battle(count: int) -> list[Shot]:
+    """Return so many shots, ten in a second, each of which sounds until the next but three."""
+    return [
+        Shot(
+            at,
+            0.9,
+            peak_dbfs=0.0,
+            snr_db=20.0,
+            blast=Span(at, at + 400),
+            reflections=tuple(
+                Reflection(at + late, at + late + 96, late * 1000.0 / RATE_HZ, -12.0)
+                for late in range(APART // 2, 4 * APART, APART)
+            ),
+            span=Span(at, at + 4 * APART),
+        )
+        for at in range(0, count * APART, APART)
+    ]
+
+
+def spent_s(stage: Callable[[Sequence[Shot], int], object], count: int) -> float:
+    """Return the CPU seconds that a stage takes for a battle of so many shots, the least of three."""
+    fire, least_s = battle(count), float("inf")
+    for _ in range(3):
+        began = process_time()
+        stage(fire, (count + 4) * APART)
+        least_s = min(least_s, process_time() - began)
+    return least_s
+
+
+def main() -> None:
+    """Write the table."""
+    count = 5000
+    print(f"{'stage':<26}{count:>9} shots{TIMES * count:>9} shots   ratio")
+    for name, stage in STAGES.items():
+        few_s, many_s = (spent_s(stage, shots) for shots in (count, TIMES * count))
+        print(f"{name:<26}{few_s:13.3f} s{many_s:13.3f} s{many_s / few_s:8.1f}")
+
+
+if __name__ == "__main__":
+    main()
