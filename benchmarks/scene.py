@@ -23,9 +23,10 @@ from numpy.typing import NDArray
 
 from blastline import scene
 from blastline.detect import Verifier, find_shots, fire, load_verifier
+from blastline.detect.candidates import Passes, candidate_places, describe_candidates, let_all_pass
 from blastline.detect.chunks import chunks
 from blastline.detect.contrast import contrasts
-from blastline.detect.find import Passes, candidate_places, describe_candidates, let_all_pass, select_shots
+from blastline.detect.find import select_shots
 from blastline.detect.forest import forest_log_odds
 from blastline.detect.network import network_log_odds
 from blastline.detect.segment import segment

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from blastline.detect.candidates import describe_candidates, let_all_pass
 from blastline.detect.chunks import CORE_PIECES, LEFT_PIECES, RIGHT_PIECES, SHORT_CORE_PIECES, Chunk, chunks
-from blastline.detect.find import describe_candidates, let_all_pass
 from blastline.detect.segment import segment
 from blastline.detect.tracks import Grid, pieces
 from blastline.model import Clip, Shot

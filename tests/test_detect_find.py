@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from blastline.detect import Detection, find_shots, load_verifier
+from blastline.detect.candidates import CandidateFeatures, describe_candidates, let_all_pass, well_apart
 from blastline.detect.chunks import CORE_PIECES, Chunk, chunks
 from blastline.detect.features import feature_names
-from blastline.detect.find import CandidateFeatures, _first_of_each, describe_candidates, let_all_pass
 from blastline.detect.forest import ForestFile, forest_from, probabilities
 from blastline.detect.spectrogram import Spectrograms, spectrograms
 from blastline.detect.tracks import Grid, pieces
@@ -276,7 +276,7 @@ def test_a_tier_that_asks_for_more_networks_than_there_are_is_refused() -> None:
 @given(st.lists(st.integers(0, 2000), max_size=40), st.integers(1, 300))
 def test_of_onsets_in_one_place_one_is_kept_and_every_other_is_near_one_that_is(places: list[int], apart: int) -> None:
     onsets = np.array(places, np.intp)
-    kept = onsets[_first_of_each(onsets, apart)]
+    kept = onsets[well_apart(onsets, apart)]
     assert np.all(np.diff(kept) >= apart)
     assert all(np.any((kept <= each) & (kept > each - apart)) for each in places)
 

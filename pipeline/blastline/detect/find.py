@@ -1,6 +1,6 @@
-"""The detection pipeline, chunk by chunk: candidates, features, verification, segmentation."""
+"""The detection pipeline, chunk by chunk: candidates, verification, segmentation; then what the whole film tells."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain, tee
@@ -11,27 +11,20 @@ from numpy.typing import NDArray
 
 from ..model import Channels, Clip, EvenRow, HeardIn, Rejection, Shot
 from ..ruleset import QualityRules
-from ..units import samples_from_ms
 from .backdrop import backdrops, sounds
-from .bandshape import band_levels, bandshape
 from .bursts import drop_claimed_reflections, group_bursts, suppress_non_maxima, without_echoes
+from .candidates import CandidateFeatures, describe_candidates
 from .chunks import CORE_PIECES, SHORT_CORE_PIECES, Chunk, aligned_chunks, chunks, track_peaks_dbfs
 from .company import in_company, unlike_a_shot, worth_segmenting
 from .direction import with_azimuths
-from .features import features
 from .fire import ScoredCandidates, even_rows, worth_a_look
-from .neighbours import neighbourhood
-from .onset import farthest_ms, refine_onsets
 from .rate import LISTENING_HZ, film_sample, in_film, resampled
-from .scan import candidate_steps, loudest_around
+from .scan import loudest_around
 from .segment import peak_dbfs, segment
 from .sides import are_audible, merge_mixes, side_as_main, side_rules
-from .sparse import bands_near
 from .spectrogram import Spectrograms, spectrograms
 from .tracks import Grid, pieces
-from .verify import Verifier, log_odds_in
-
-_SAME_ONSET_MS = 3.0  # candidates of one rise, which the refined onset has brought together
+from .verify import Verdicts, Verifier, log_odds_in
 
 LATENCY_S = 40.0
 """Of a film with channels a shot is found at the latest so long after it: a short core, what follows, some blocks."""
@@ -52,23 +45,6 @@ class ChunkResult:
     shots: list[Shot]
     refused: list[Rejection]
     scored: dict[HeardIn, ScoredCandidates]
-
-
-@dataclass(frozen=True, eq=False)
-class CandidateFeatures:
-    """Candidates of a chunk: onsets as indices into it, ascending, shape (n,), and their features, (n, features)."""
-
-    onsets: NDArray[np.intp]
-    rows: NDArray[np.float64]
-
-
-Passes = Callable[[NDArray[np.float64], NDArray[np.intp]], NDArray[np.bool_]]
-"""Says of each row of a table, whose candidates' places in the chunk are given, whether it is worth a closer look."""
-
-
-def let_all_pass(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
-    """Let every candidate pass, as training needs it; shape (n,)."""
-    return np.ones(rows.shape[0], bool)
 
 
 def find_shots(
@@ -122,9 +98,9 @@ def search_chunks(
     first = next(rest, None)
     if first is None:
         return
-    film, grid = chain([first], rest), Grid(LISTENING_HZ)
+    film = chain([first], rest)
     cut = partial(pieces, rate_hz=LISTENING_HZ, with_bands=tier.scan.band_jump_db is not None)
-    search = partial(_search_chunk, grid=grid, tier=tier, verifier=verifier, rate_hz=rate_hz)
+    search = partial(_search_chunk, grid=Grid(LISTENING_HZ), tier=tier, verifier=verifier, rate_hz=rate_hz)
     place = partial(with_azimuths, channels=channels, rate_hz=rate_hz, rules=tier.channels)
     core_pieces = CORE_PIECES if channels is None else SHORT_CORE_PIECES
     if first.sides is None:
@@ -139,48 +115,6 @@ def search_chunks(
         shots, refused = merge_mixes(*heard, rate_hz=rate_hz, tier=tier)
         scored: dict[HeardIn, ScoredCandidates] = {"mains": mains.scored["mains"], "sides": there.scored["mains"]}
         yield ChunkResult(place(shots, side_onsets=[shot.onset for shot in there.shots]), refused, scored)
-
-
-def candidate_places(chunk: Chunk, grid: Grid, tier: QualityRules) -> NDArray[np.intp]:
-    """Return roughly where a chunk's n candidates are, as indices into it, ascending, shape (n,)."""
-    steps = candidate_steps(chunk.peak, chunk.slope, chunk.bands, grid=grid, rules=tier.scan)
-    places = steps * grid.step
-    return places[places < chunk.stop - chunk.start]
-
-
-def describe_candidates(
-    chunk: Chunk, grid: Grid, tier: QualityRules, *, gate: Passes, screen: Passes
-) -> CandidateFeatures:
-    """Return the core's candidates that pass the gate, by their rough shapes, and the screen, by all features.
-
-    The onset of those that are left is found to the sample.
-    """
-    places = candidate_places(chunk, grid, tier)
-    bands = chunk.bands if chunk.bands.size else bands_near(chunk.samples, places, grid)
-    rough = band_levels(bands, places, grid)
-    margin = samples_from_ms(farthest_ms(tier.onset), grid.rate_hz)
-    at = places + chunk.start
-    near = np.flatnonzero((at >= chunk.core.start - margin) & (at < chunk.core.stop + margin))
-    bandshapes = bandshape(rough[near])
-    passed = gate(bandshapes, places[near])
-    near, bandshapes = near[passed], bandshapes[passed]
-    rows = features(bandshapes, neighbourhood(places, rough, near, grid.rate_hz))
-    passed = screen(rows, places[near])
-    near, rows = near[passed], rows[passed]
-    onsets = refine_onsets(chunk.samples, places[near], rate_hz=grid.rate_hz, rules=tier.onset)
-    kept = _first_of_each(onsets, samples_from_ms(_SAME_ONSET_MS, grid.rate_hz))
-    at = onsets[kept] + chunk.start
-    kept = kept[(at >= chunk.core.start) & (at < min(chunk.core.stop, chunk.stop))]
-    return CandidateFeatures(onsets[kept], rows[kept])
-
-
-def _first_of_each(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
-    """Return the indices, in order of onset, of those that follow the last one taken by at least `apart`."""
-    taken: list[int] = []
-    for index in np.argsort(onsets, kind="stable").tolist():
-        if not taken or onsets[index] - onsets[taken[-1]] >= apart:
-            taken.append(index)
-    return np.array(taken, np.intp)
 
 
 def _worth_looking_at(
@@ -218,30 +152,52 @@ def _search_chunk(
     def seen(which: NDArray[np.intp] | slice, speed: float) -> Spectrograms:
         return spectrograms(chunk.samples, found.onsets[which], grid.rate_hz, loudest[which], speed=speed)
 
-    shown, looks = seen(slice(None), 1.0), [partial(seen, speed=speed) for speed in tier.verify.speeds]
-    verdicts, before, own = verifier.verdicts(found.rows, shown, looks), backdrops(shown), sounds(shown)
-    at = found.onsets + chunk.start
+    shown = seen(slice(None), 1.0)
+    verdicts = verifier.verdicts(found.rows, shown, [partial(seen, speed=speed) for speed in tier.verify.speeds])
     peaks_dbfs = np.array([peak_dbfs(chunk.samples, onset, grid.rate_hz) for onset in found.onsets.tolist()])
-    scored = ScoredCandidates(at, peaks_dbfs, log_odds_in(verdicts))
+    scored = ScoredCandidates(found.onsets + chunk.start, peaks_dbfs, log_odds_in(verdicts))
     rows = even_rows(scored, rate_hz=grid.rate_hz, tier=tier)
     worth = worth_segmenting(scored, rows, rate_hz=grid.rate_hz, tier=tier, core=chunk.core)
-    segment_at = partial(segment, chunk.samples, film_start=chunk.start, film_stop=chunk.stop, rules=tier.segment)
-    shots = [
-        _with_evidence(
-            segment_at(int(found.onsets[index]), confidence=float(verdicts.probability[index]), rate_hz=grid.rate_hz),
-            screen=float(verdicts.screen_probability[index]),
-            networks=int(verdicts.networks[index]),
-            backdrop=before[index],
-            sound=own[index],
-        )
-        for index in np.flatnonzero(worth)
-    ]
+    shots = _segmented(chunk, found, verdicts, shown, np.flatnonzero(worth), rate_hz=grid.rate_hz, tier=tier)
     refused = [
-        unlike_a_shot(int(at[index]), float(verdicts.probability[index]))
+        unlike_a_shot(int(scored.onsets[index]), float(verdicts.probability[index]))
         for index in np.flatnonzero(~worth & (verdicts.probability >= tier.verify.report_from))
     ]
-    in_film_at = np.array([film_sample(sample, rate_hz) for sample in at.tolist()], np.intp)
+    in_film_at = np.array([film_sample(sample, rate_hz) for sample in scored.onsets.tolist()], np.intp)
     return ChunkResult(*in_film(shots, refused, rate_hz), {"mains": replace(scored, onsets=in_film_at)})
+
+
+def _segmented(
+    chunk: Chunk,
+    found: CandidateFeatures,
+    verdicts: Verdicts,
+    shown: Spectrograms,
+    chosen: NDArray[np.intp],
+    *,
+    rate_hz: int,
+    tier: QualityRules,
+) -> list[Shot]:
+    """Return the candidates with these indices as shots: segmented, each with the evidence of its verdict."""
+    before, own = backdrops(shown), sounds(shown)
+    shots = []
+    for index in chosen.tolist():
+        shot = segment(
+            chunk.samples,
+            int(found.onsets[index]),
+            confidence=float(verdicts.probability[index]),
+            rate_hz=rate_hz,
+            film_start=chunk.start,
+            film_stop=chunk.stop,
+            rules=tier.segment,
+        )
+        evidence = {
+            "screen": float(verdicts.screen_probability[index]),
+            "networks": int(verdicts.networks[index]),
+            "backdrop": before[index],
+            "sound": own[index],
+        }
+        shots.append(_with_evidence(shot, **evidence))
+    return shots
 
 
 def _with_row_verdict(shot: Shot, told: dict[HeardIn, dict[int, EvenRow | None]]) -> Shot:

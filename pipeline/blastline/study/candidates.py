@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..detect.candidates import describe_candidates, let_all_pass
 from ..detect.chunks import chunks
-from ..detect.find import describe_candidates, let_all_pass
 from ..detect.scan import loudest_around
 from ..detect.tracks import Grid, pieces
 from ..model import Clip

@@ -1,0 +1,91 @@
+"""The candidates of a chunk: where the scan saw a rise, the features of each, and its onset to the sample.
+
+    places of the scan -> rough shapes -> gate -> all features -> screen -> onsets
+
+Gate and screen are given by the caller: detection drops the hopeless there, training keeps every candidate.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..ruleset import QualityRules
+from ..units import samples_from_ms
+from .bandshape import band_levels, bandshape
+from .chunks import Chunk
+from .features import features
+from .neighbours import neighbourhood
+from .onset import farthest_ms, refine_onsets
+from .scan import candidate_steps
+from .sparse import bands_near
+from .tracks import Grid
+
+_SAME_ONSET_MS = 3.0  # candidates of one rise, which the refined onset has brought together
+
+
+@dataclass(frozen=True, eq=False)
+class CandidateFeatures:
+    """Candidates of a chunk: onsets as indices into it, ascending, shape (n,), and their features, (n, features)."""
+
+    onsets: NDArray[np.intp]
+    rows: NDArray[np.float64]
+
+
+Passes = Callable[[NDArray[np.float64], NDArray[np.intp]], NDArray[np.bool_]]
+"""Says of each row of a table, whose candidates' places in the chunk are given, whether it is worth a closer look."""
+
+
+def let_all_pass(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Let every candidate pass, as training needs it; shape (n,)."""
+    return np.ones(rows.shape[0], bool)
+
+
+def candidate_places(chunk: Chunk, grid: Grid, tier: QualityRules) -> NDArray[np.intp]:
+    """Return roughly where a chunk's n candidates are, as indices into it, ascending, shape (n,)."""
+    steps = candidate_steps(chunk.peak, chunk.slope, chunk.bands, grid=grid, rules=tier.scan)
+    places = steps * grid.step
+    return places[places < chunk.stop - chunk.start]
+
+
+def describe_candidates(
+    chunk: Chunk, grid: Grid, tier: QualityRules, *, gate: Passes, screen: Passes
+) -> CandidateFeatures:
+    """Return the core's candidates that pass the gate, by their rough shapes, and the screen, by all features.
+
+    The onset of those that are left is found to the sample.
+    """
+    places = candidate_places(chunk, grid, tier)
+    bands = chunk.bands if chunk.bands.size else bands_near(chunk.samples, places, grid)
+    levels = band_levels(bands, places, grid)
+    # a place outside the core may have its onset inside, so the core is narrowed to only when onsets are known
+    margin = samples_from_ms(farthest_ms(tier.onset), grid.rate_hz)
+    in_film = places + chunk.start
+    chosen = np.flatnonzero((in_film >= chunk.core.start - margin) & (in_film < chunk.core.stop + margin))
+    bandshapes = bandshape(levels[chosen])
+    passed = gate(bandshapes, places[chosen])
+    chosen, bandshapes = chosen[passed], bandshapes[passed]
+    rows = features(bandshapes, neighbourhood(places, levels, chosen, grid.rate_hz))
+    passed = screen(rows, places[chosen])
+    chosen, rows = chosen[passed], rows[passed]
+    onsets = refine_onsets(chunk.samples, places[chosen], rate_hz=grid.rate_hz, rules=tier.onset)
+    kept = well_apart(onsets, samples_from_ms(_SAME_ONSET_MS, grid.rate_hz))
+    in_film = onsets[kept] + chunk.start
+    kept = kept[(in_film >= chunk.core.start) & (in_film < min(chunk.core.stop, chunk.stop))]
+    return CandidateFeatures(onsets[kept], rows[kept])
+
+
+def well_apart(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
+    """Return which onsets to keep so that any two are at least `apart` samples from each other.
+
+    They are taken in order of time, each that follows the one taken last by enough; what is returned are their indices.
+
+    >>> well_apart(np.array([500, 100, 140]), apart=50).tolist()
+    [1, 0]
+    """
+    taken: list[int] = []
+    for index in np.argsort(onsets, kind="stable").tolist():
+        if not taken or onsets[index] - onsets[taken[-1]] >= apart:
+            taken.append(index)
+    return np.array(taken, np.intp)
