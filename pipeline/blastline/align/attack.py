@@ -1,5 +1,6 @@
 """Whether a shot's drive is under way when its attack begins, and at rest or with the shot before until then."""
 
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -22,6 +23,20 @@ _REST = 0.01
 
 _ASKED = 0.1
 """A drive is asked for where this share of the attack's most is due."""
+
+
+@dataclass(frozen=True)
+class PreEcho:
+    """What is felt before a shot beyond what is due there, and how much may be, in dB of the shot's peak.
+
+    `level_db` is None where no drive that may be due is borne out, so that nothing can be told.
+    """
+
+    level_db: float | None
+    due_db: float
+
+
+NO_PRE_ECHO = PreEcho(SILENCE_DB, SILENCE_DB)
 
 
 def late_start(shared: Comparison, heard: Heard, felt: Felt, due_drives: tuple[DueDrive, ...]) -> float | None:
@@ -55,13 +70,12 @@ def _first(due: Samples, missing: Samples) -> tuple[int, int]:
     return int(np.argmax(asked)), int(under_way[0]) if under_way.size else len(due)
 
 
-def preecho(
+def pre_echo(
     shared: Comparison, event: Event, part: Part, heard: Heard, felt: Felt, due_drives: tuple[DueDrive, ...]
-) -> tuple[float | None, float]:
-    """Return what is felt before a shot beyond what is due there, and how much that may be, in dB of the shot's peak.
+) -> PreEcho:
+    """Return what is felt before a shot: of a drive whose making is known, nothing beyond what is due may be.
 
-    It may be nothing; but of a drive of unknown making it is not known what is due, and as much may be felt as is
-    heard. None where no drive that may be due is borne out.
+    Where the making is unknown, so is what is due, and as much may be felt as is heard.
     """
     onset, lead = heard.core.start, shared.samples(shared.lead_ms)
     peak = _peak(felt.vibration[heard.core])
@@ -69,16 +83,17 @@ def preecho(
     first = max(0, onset - shared.samples(_BEFORE_MS), since)
     before = slice(first, onset - max(lead, shared.samples(shared.rules.preecho_guard_ms)))
     if peak == 0.0 or before.stop <= first:
-        return SILENCE_DB, SILENCE_DB
+        return NO_PRE_ECHO
     if event.drive is None:
-        return db_from_gain(_peak(felt.vibration[before]) / peak), db_from_gain(_peak(heard.intended[before]) / peak)
+        felt_db = db_from_gain(_peak(felt.vibration[before]) / peak)
+        return PreEcho(felt_db, db_from_gain(_peak(heard.intended[before]) / peak))
     if part.opens:
         dues = [due_before_window(heard, due_drives[0] if due_drives else None)]
     else:
         due_before = partial(due_before_next, shared, heard, felt, since=since, stop=onset - lead)
         dues = [due_before(due) for due in due_drives]
     beyond = [_peak(dsp.run_filter(shared.felt, (felt.drive - due)[before])) for due in dues]
-    return db_from_gain(min(beyond) / peak) if beyond else None, SILENCE_DB
+    return PreEcho(db_from_gain(min(beyond) / peak) if beyond else None, SILENCE_DB)
 
 
 def _running_energy(samples: Samples, length: int) -> Samples:

@@ -163,8 +163,8 @@ def _shot_checks(shared: Comparison, event: Event, figures: ShotFigures | None, 
         return
     yield _onset_check(shared, event, figures, lag)
     yield from _level_check(shared, event, figures)
-    allowed_db = max(rules.preecho_db, figures.due_preecho_db + rules.preecho_margin_db)
-    early_db = figures.preecho_db
+    allowed_db = max(rules.preecho_db, figures.pre_echo.due_db + rules.preecho_margin_db)
+    early_db = figures.pre_echo.level_db
     still = early_db is None or early_db <= allowed_db
     yield Check("pre_echo", event.id, still, early_db, allowed_db, "dB of its peak")
     yield Check("peak", event.id, figures.peak <= rules.peak, figures.peak, rules.peak, "of the limit")

@@ -9,7 +9,7 @@ import numpy as np
 from ..correlate import Match, match_template
 from ..model import Event, Span
 from ..units import db_from_gain
-from .attack import late_start, preecho
+from .attack import PreEcho, late_start, pre_echo
 from .comparison import Comparison, Samples
 from .due import Adjoints, adjoints_of, due_drives
 from .hearing import Felt, Heard, Part, feel, hear, is_direct, peak_in
@@ -41,8 +41,24 @@ class ShotFigures:
     own_peak: float
     late_start: float | None
     level_db: float
-    preecho_db: float | None
-    due_preecho_db: float
+    pre_echo: PreEcho
+
+
+@dataclass(frozen=True, eq=False)
+class _DriveRead:
+    """The drive as read from one place of its file: what is felt of it, and what its limit leaves open."""
+
+    felt: Felt
+    adjoints: Adjoints
+
+
+@dataclass(frozen=True, eq=False)
+class _Located:
+    """Where a shot's drive is, whether the actuator's limit has no part in that, and the drive read from there."""
+
+    match: Match
+    exact: bool
+    drive: _DriveRead
 
 
 def parts_of(events: Sequence[Event], *, lead: int) -> tuple[Part, ...]:
@@ -90,21 +106,18 @@ def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap) 
     match = _match(shared, event, heard, felt, pattern)
     if math.isnan(match.lag):
         return None
-    match, exact, felt, adjoints = _refined(
-        shared, event, part, heard, felt, pattern=pattern, match=match, time_map=time_map
-    )
-    due = due_drives(shared, heard, felt, adjoints)
-    early_db, due_early_db = preecho(shared, event, part, heard, felt, due)
+    found = _refined(shared, event, part, heard, felt, pattern=pattern, match=match, time_map=time_map)
+    felt = found.drive.felt
+    due = due_drives(shared, heard, felt, found.drive.adjoints)
     return ShotFigures(
-        match,
-        exact=exact,
+        found.match,
+        exact=found.exact,
         delay=_delay(heard, pattern, search),
         peak=felt.peak,
         own_peak=peak_in(shared, part.driven, time_map=time_map),
         late_start=late_start(shared, heard, felt, due),
         level_db=db_from_gain(_rms(felt.own[core])) - db_from_gain(_rms(heard.direct[core])),
-        preecho_db=early_db,
-        due_preecho_db=due_early_db,
+        pre_echo=pre_echo(shared, event, part, heard, felt, due),
     )
 
 
@@ -145,35 +158,35 @@ def _refined(
     pattern: slice,
     match: Match,
     time_map: TimeMap,
-) -> tuple[Match, bool, Felt, Adjoints]:
-    """Return the match, whether it is exact, and the drive read anew from there, `here` where that is the same.
+) -> _Located:
+    """Return the match made exact where that can be, and the drive read anew from there, `here` where that is the same.
 
     Where the match is too poor to be believed, or where the limit alone may have bent it aside, the drive is read from
     the shot's own place.
     """
 
-    def read(late: int) -> tuple[Felt, Adjoints]:
+    def read(late: int) -> _DriveRead:
         there = TimeMap(time_map.scale, time_map.offset + late * time_map.scale)
         felt = feel(shared, event, heard.span, time_map=there) if late else here
-        return felt, adjoints_of(shared, heard, felt)
+        return _DriveRead(felt, adjoints_of(shared, heard, felt))
 
     believed = abs(match.correlation) >= likeness_limit(shared, event)
     late = round(match.lag) if believed else 0
-    felt, adjoints = read(late)
-    exact = is_direct(event) and bool(felt.free[pattern].all())
+    drive = read(late)
+    exact = is_direct(event) and bool(drive.felt.free[pattern].all())
     if not is_direct(event):
         asked = part.followed or event.window.fade_out_samples < shared.memory
         stop = min(pattern.stop, heard.core.stop - (shared.memory if asked else 0))
-        bend = _bend(shared, adjoints, felt, slice(pattern.start, stop))
+        bend = _bend(shared, drive, slice(pattern.start, stop))
         if bend is not None:
             match, exact = Match(late + bend, match.correlation), True
     settled = round(match.lag) if believed and (exact or abs(match.lag) > shared.samples(shared.bend_ms)) else 0
     if settled != late:
-        felt, adjoints = read(settled)
-    return match, exact, felt, adjoints
+        drive = read(settled)
+    return _Located(match, exact, drive)
 
 
-def _bend(shared: Comparison, adjoints: Adjoints, felt: Felt, pattern: slice) -> float | None:
+def _bend(shared: Comparison, drive: _DriveRead, pattern: slice) -> float | None:
     """Return the lag that the actuator's limit cannot bend; None where the limit leaves too little.
 
     A drive u that makes |H u - t| least within its limit has, wherever it is free of it, no slope left to descend:
@@ -184,8 +197,8 @@ def _bend(shared: Comparison, adjoints: Adjoints, felt: Felt, pattern: slice) ->
     if pattern.stop - pattern.start < shared.samples(_LEAST_MS):
         return None
     around = slice(pattern.start - reach, pattern.stop + reach)
-    at_limit = match_template(adjoints.intended[pattern], adjoints.felt[around], felt.free[around])
-    return at_limit.lag if at_limit.correlation >= _EXACT and abs(at_limit.lag) < reach else None
+    where_free = match_template(drive.adjoints.intended[pattern], drive.adjoints.felt[around], drive.felt.free[around])
+    return where_free.lag if where_free.correlation >= _EXACT and abs(where_free.lag) < reach else None
 
 
 def _delay(heard: Heard, pattern: slice, search: int) -> float:

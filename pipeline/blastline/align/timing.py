@@ -7,8 +7,9 @@ from itertools import pairwise
 import numpy as np
 
 from ..model import Event
-from .comparison import Comparison, Samples
+from .comparison import Comparison
 from .hearing import Part
+from .lags import ShotLag, line_through, line_through_exact
 from .shots import ShotFigures, likeness_limit, locate, measure
 from .sounds import TimeMap
 from .whole_drive import moving_spans
@@ -19,19 +20,11 @@ _PROBES = 24
 _WIDE_MS = 4000.0
 """How far from its expected place a probe is looked for."""
 
-_STEADY = 0.1
-"""So many samples, in the median, the exact lags of one drive lie beside their line; where they scatter more, the drive
-is not what was rendered, and no lag of it is exact: one that was made louder and clipped seemed to drift by 78."""
-
 _STILL_MS = 10.0
 """A drive at rest for this long has left its window."""
 
 _SCALES = (0.5, 2.0)
 """No drive runs slower or faster than this beside its film: what points to less or more is another film's."""
-
-
-Lag = tuple[float, float]
-"""A shot's onset, and by how much later than there the drive holds it; in samples."""
 
 
 @dataclass(frozen=True)
@@ -80,8 +73,8 @@ def _measure_all(
     """Return the timing with the drive read from one place; the line goes through exact lags where there are enough."""
     figures = tuple(measure(shared, event, part, time_map=read) for event, part in zip(events, parts, strict=True))
     lags: list[float | None] = []
-    found: list[Lag] = []
-    exact: list[Lag] = []
+    found: list[ShotLag] = []
+    exact: list[ShotLag] = []
     for event, figure, compared in zip(events, figures, comparable, strict=True):
         if figure is None or abs(figure.match.correlation) < likeness_limit(shared, event):
             lags.append(None)
@@ -89,54 +82,14 @@ def _measure_all(
         lag = read.lag(event.onset_sample) + figure.match.lag * read.scale
         lags.append(lag)
         if compared:
-            found.append((event.onset_sample, lag))
+            found.append(ShotLag(event.onset_sample, lag))
         if compared and figure.exact:
             exact.append(found[-1])
-    line = _exact_line(exact, found, bend=shared.bend)
-    if line is not None:
-        return Timing(line, True, read, figures, tuple(lags), len(found))
-    return Timing(_line(found) if found else None, False, read, figures, tuple(lags), len(found))
-
-
-def _line(found: Sequence[Lag]) -> TimeMap:
-    """Return the line through the lags by Theil and Sen: the median slope of all pairs, which strays ignore.
-
-    Each pair weighs as much as its shots are apart (Jaeckel 1972): those of a burst tell little of a film's slope.
-    """
-    spread = found[:: max(1, len(found) // 400)]
-    samples, lags = (np.array(column, dtype=np.float64) for column in zip(*spread, strict=True))
-    first, second = np.triu_indices(len(samples), k=1)
-    apart = samples[second] - samples[first]
-    first, second, apart = first[apart > 0], second[apart > 0], apart[apart > 0]
-    slopes = (lags[second] - lags[first]) / apart
-    slope = _weighted_median(slopes, apart) if len(slopes) else 0.0
-    return TimeMap(1.0 + slope, float(np.median(lags - slope * samples)))
-
-
-def _exact_line(exact: Sequence[Lag], found: Sequence[Lag], *, bend: float) -> TimeMap | None:
-    """Return the line through exact lags; None where they are too few of all those found, or do not lie on one.
-
-    Those from less than half of the film tell its place, but no slope: the others have to bear it out, but for what
-    the limit may bend them by.
-    """
-    if len(exact) < max(1, len(found) / 4):
-        return None
-    wide = 2 * (exact[-1][0] - exact[0][0]) >= found[-1][0] - found[0][0]
-    line = _line(exact) if wide else TimeMap(1.0, float(np.median([lag for _, lag in exact])))
-    steady = _scatter(exact, line) <= _STEADY and (wide or _scatter(found, line) <= bend)
-    return line if steady else None
-
-
-def _scatter(found: Sequence[Lag], line: TimeMap) -> float:
-    """Return how far lags lie from a line, in the median."""
-    return float(np.median([abs(lag - line.lag(sample)) for sample, lag in found]))
-
-
-def _weighted_median(values: Samples, weights: Samples) -> float:
-    """Return the value below which half of the weight lies."""
-    order = np.argsort(values)
-    reached = np.cumsum(weights[order])
-    return float(values[order][np.searchsorted(reached, 0.5 * reached[-1])])
+    line = line_through_exact(exact, found, bend=shared.bend)
+    is_exact = line is not None
+    if line is None and found:
+        line = line_through(found)
+    return Timing(line, is_exact, read, figures, tuple(lags), len(found))
 
 
 def _guesses(
@@ -163,19 +116,20 @@ def _by_windows(shared: Comparison, events: Sequence[Event]) -> TimeMap | None:
     merged = [windows[0].start] + [b.start for a, b in pairwise(windows) if b.start - a.stop >= still]
     if len(moving) != len(merged):
         return None
-    return _line([(start, span.start * ratio - start) for start, span in zip(merged, moving, strict=True)])
+    starts = zip(merged, moving, strict=True)
+    return line_through([ShotLag(start, span.start * ratio - start) for start, span in starts])
 
 
 def _by_probes(shared: Comparison, events: Sequence[Event], parts: Sequence[Part]) -> TimeMap | None:
     """Return the line through shots found one after the other, each expected where the earlier ones point."""
     chosen = np.unique(np.linspace(0, len(events) - 1, min(_PROBES, len(events))).round().astype(int))
-    found: list[Lag] = []
+    found: list[ShotLag] = []
     for index in chosen:
         onset = events[index].onset_sample
-        expected = round(_line(found).lag(onset)) if found else 0
+        expected = round(line_through(found).lag(onset)) if found else 0
         match = locate(
             shared, events[index], parts[index], time_map=TimeMap(1.0, expected), search=shared.samples(_WIDE_MS)
         )
         if abs(match.correlation) >= likeness_limit(shared, events[index]):
-            found.append((onset, expected + match.lag))
-    return _line(found) if len(found) > len(chosen) // 2 else None
+            found.append(ShotLag(onset, expected + match.lag))
+    return line_through(found) if len(found) > len(chosen) // 2 else None
