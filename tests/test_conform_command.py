@@ -12,7 +12,7 @@ import pytest
 
 from blastline.conform import Course, Placed, write_events, write_segments
 from blastline.conform.lines import Line
-from blastline.conform.path import MatchedSegment
+from blastline.conform.segments import MatchedSegment
 from blastline.export import read_timeline
 from blastline.model import (
     SCHEMA,

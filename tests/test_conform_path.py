@@ -5,7 +5,8 @@ import pytest
 
 from blastline.conform import Course, Film, Loss, Lost, Placed, find_segments, measured, place, with_exact_ends
 from blastline.conform.lines import Line
-from blastline.conform.path import MatchedSegment, _losers
+from blastline.conform.overlaps import Yielded, yielded
+from blastline.conform.segments import MatchedSegment
 from blastline.conform.states import NO_LINE, best_states
 from blastline.ruleset import load_conform
 from conform_films import RATE_HZ, Samples, bang, film, heard, murmur, put, seconds
@@ -150,16 +151,16 @@ def test_films_with_nothing_in_common_have_no_segment() -> None:
 def test_of_two_claims_to_one_place_the_shorter_and_the_one_out_of_order_give_way() -> None:
     first, last = Line(1.0, 0.0, 0.0, 20.0), Line(1.0, -10.0, 30.0, 60.0)
     ordered = [MatchedSegment(first, 0.0, 20.0, 0.9), MatchedSegment(last, 30.0, 60.0, 0.9)]
-    assert _losers(ordered, ()) == []
+    assert yielded(ordered, ()) == []
     stray = MatchedSegment(Line(1.0, 15.0, 20.0, 30.0), 22.0, 29.0, 1.0)  # where the last one is from 47 to 54
-    assert _losers([ordered[0], stray, ordered[1]], ()) == [(1, 22.0, 29.0)]
+    assert yielded([ordered[0], stray, ordered[1]], ()) == [Yielded(1, 22.0, 29.0)]
 
 
 def test_what_two_segments_share_of_the_new_film_counts_once() -> None:
     early = MatchedSegment(Line(1.0, 10.0, 0.0, 20.0), 0.0, 20.0, 0.9)  # from 10 to 30
     long = MatchedSegment(Line(1.0, -12.5, 22.0, 47.0), 22.0, 47.5, 0.8)  # from 9.5 to 35
     last = MatchedSegment(Line(1.0, -20.0, 50.0, 80.0), 50.0, 80.0, 0.9)  # from 30 to 60
-    assert {index for index, _, _ in _losers([early, long, last], ())} == {1}, "5 s of the long one are the last one's"
+    assert {part.index for part in yielded([early, long, last], ())} == {1}, "5 s of the long one are the last one's"
 
 
 def repeating(length_s: float, *, seed: int) -> Samples:
@@ -226,9 +227,9 @@ def test_neighbours_that_linger_past_the_cut_between_them_lose_to_nothing_else()
     before = MatchedSegment(Line(1.0, 0.0, 0.0, 36.0), 0.0, 36.6, 0.99)
     after = MatchedSegment(Line(1.0, -36.7, 73.0, 180.0), 72.2, 180.0, 0.99)
     stray = MatchedSegment(Line(1.0, -26.0, 45.0, 60.0), 45.0, 60.0, 0.7)  # where the two meet
-    lost = _losers([before, stray, after], ())
-    assert any(index == 1 and stop_s - start_s > 14.0 for index, start_s, stop_s in lost)
-    assert all(index == 1 or stop_s - start_s < 1.2 for index, start_s, stop_s in lost)
+    lost = yielded([before, stray, after], ())
+    assert any(part.index == 1 and part.stop_s - part.start_s > 14.0 for part in lost)
+    assert all(part.index == 1 or part.stop_s - part.start_s < 1.2 for part in lost)
 
 
 def kept_pitch(length_s: float) -> Course:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from .film import Film
 from .fingerprint import FRAME_HZ, Fingerprint
 from .lines import FITTED_S, SPEED_STEP, SPEEDS
-from .path import MatchedSegment
+from .segments import MatchedSegment
 from .waveform import look
 
 _ANCHOR_S = (0.0, 0.5)  # what of the sound is compared, before and after an anchor's moment
@@ -74,6 +74,28 @@ class _Anchored:
     course: Course
     first_s: float
     last_s: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Anchors:
+    """Anchors that were found in the new film, shape (n,) each: when in the old film, and how late and alike there."""
+
+    old_s: NDArray[np.float64]
+    late_s: NDArray[np.float64]
+    likeness: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class _Consensus:
+    """The line, lateness = slope * old time + level, that most anchors lie near, and which do, shape (n,)."""
+
+    slope: float
+    level_s: float
+    near: NDArray[np.bool_]
+
+    def beside_s(self, anchors: _Anchors) -> NDArray[np.float64]:
+        """Return how far each anchor lies from the line, shape (n,)."""
+        return np.abs(anchors.late_s - self.slope * anchors.old_s - self.level_s)
 
 
 def measured(segments: Sequence[MatchedSegment], old: Film, new: Film) -> list[Course]:
@@ -166,14 +188,44 @@ def _through_anchors(
     """Return the course that most anchors lie on; None where fewer than a quarter, or than two, agree."""
     line = segment.line
     kept_pitch = abs(pitch_scale / line.scale - 1.0) > 1e-3
-    before_s, after_s = _SHORT_ANCHOR_S if kept_pitch else _ANCHOR_S
+    anchors = _anchors(
+        segment, times, old, new, pitch_scale=pitch_scale, within_s=_SHORT_ANCHOR_S if kept_pitch else _ANCHOR_S
+    )
+    if len(anchors.old_s) < 2:
+        return None
+    agree_s = _AGREE_STRETCHED_S if kept_pitch else _AGREE_S
+    found = _consensus(anchors, agree_s)
+    count = int(found.near.sum())
+    if count < 2 or count < len(times) / 4:
+        return None
+    beside_s = float(np.median(found.beside_s(anchors)[found.near]))
+    if beside_s > agree_s:
+        return None
+    scale = line.scale + found.slope
+    fitted = replace(line, scale=scale, offset_s=line.offset_s + found.level_s)
+    course = Course(replace(segment, line=fitted), pitch_scale if kept_pitch else scale, beside_s, count)
+    run = _longest_run(found.near)
+    return _Anchored(course, float(anchors.old_s[run.start]), float(anchors.old_s[run.stop - 1]))
+
+
+def _anchors(
+    segment: MatchedSegment,
+    times: Sequence[float],
+    old: Film,
+    new: Film,
+    *,
+    pitch_scale: float,
+    within_s: tuple[float, float],
+) -> _Anchors:
+    """Return the anchors that are found in the new film; of each, `within_s` before and after it is compared."""
+    before_s, after_s = within_s
     rows = []
     for old_s in times:
         found = look(
             old,
             new,
             old_s=old_s,
-            new_s=line.at(old_s),
+            new_s=segment.line.at(old_s),
             before_s=before_s,
             after_s=after_s,
             scale=pitch_scale,
@@ -181,31 +233,20 @@ def _through_anchors(
         )
         if found.likeness >= _ALIKE:
             rows.append((old_s, found.late_s, found.likeness))
-    if len(rows) < 2:
-        return None
-    old_s, late_s, likeness = np.array(rows).T
-    agree_s = _AGREE_STRETCHED_S if kept_pitch else _AGREE_S
-    slope, level, near = _consensus(old_s, late_s, likeness, agree_s)
-    count = int(near.sum())
-    if count < 2 or count < len(times) / 4:
-        return None
-    scale = line.scale + slope
-    rest = np.abs(late_s[near] - slope * old_s[near] - level)
-    if np.median(rest) > agree_s:
-        return None
-    fitted = replace(line, scale=scale, offset_s=line.offset_s + level)
-    course = Course(
-        replace(segment, line=fitted), scale if not kept_pitch else pitch_scale, float(np.median(rest)), count
-    )
-    edges = np.flatnonzero(np.diff(near, prepend=False, append=False))
-    longest = 2 * int(np.argmax(edges[1::2] - edges[::2]))
-    return _Anchored(course, float(old_s[edges[longest]]), float(old_s[edges[longest + 1] - 1]))
+    return _Anchors(*np.array(rows, np.float64).reshape(-1, 3).T)
 
 
-def _consensus(
-    old_s: NDArray[np.float64], late_s: NDArray[np.float64], weight: NDArray[np.float64], agree_s: float
-) -> tuple[float, float, NDArray[np.bool_]]:
-    """Return slope and level of the line near most anchors, of all lines through two of them, and who is near it."""
+def _longest_run(chosen: NDArray[np.bool_]) -> slice:
+    """Return the longest run of chosen ones that follow one another, the first of those that are as long."""
+    edges = np.flatnonzero(np.diff(chosen, prepend=False, append=False))  # where a run starts, and where it stops
+    starts, stops = edges[::2], edges[1::2]
+    longest = int(np.argmax(stops - starts))
+    return slice(int(starts[longest]), int(stops[longest]))
+
+
+def _consensus(anchors: _Anchors, agree_s: float) -> _Consensus:
+    """Return the line near most anchors, of all lines through two of them and all level ones through one."""
+    old_s, late_s, weight = anchors.old_s, anchors.late_s, anchors.likeness
     best_weight, best = -1.0, np.zeros(len(old_s), bool)
     for one, other in [*itertools.combinations(range(len(old_s)), 2), *((n, n) for n in range(len(old_s)))]:
         slope = (late_s[other] - late_s[one]) / (old_s[other] - old_s[one]) if old_s[one] != old_s[other] else 0.0
@@ -216,10 +257,11 @@ def _consensus(
         if total > best_weight:
             best_weight, best = total, near
     for _ in range(_ROUNDS):
-        slope, level = _fitted(old_s[best], late_s[best], weight[best])
-        rest = np.abs(late_s - slope * old_s - level)
-        best &= rest <= max(_SHARP_S, 3.0 * float(np.median(rest[best])))
-    return slope, level, best
+        slope, level_s = _fitted(old_s[best], late_s[best], weight[best])
+        line = _Consensus(slope, level_s, best)
+        beside_s = line.beside_s(anchors)
+        best = best & (beside_s <= max(_SHARP_S, 3.0 * float(np.median(beside_s[best]))))
+    return replace(line, near=best)
 
 
 def _fitted(x: NDArray[np.float64], y: NDArray[np.float64], weight: NDArray[np.float64]) -> tuple[float, float]:

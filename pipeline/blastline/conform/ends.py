@@ -64,6 +64,7 @@ def _best_count(gain: NDArray[np.float64]) -> int:
 
 
 def _gain(course: Course, low_s: float, high_s: float, old: Film, new: Film) -> NDArray[np.float64]:
+    """Return of each block how much more alike the films are than different sounds; 0 of silence."""
     alike = _likeness(course, low_s, high_s, old, new)
     return np.where(np.isnan(alike), 0.0, alike - _ALIKE)
 
@@ -79,7 +80,7 @@ def _apart(one: Course, other: Course, old: Film, new: Film, *, in_old: bool) ->
     for course in (one, other):
         line = course.segment.line
         start_s, stop_s = (low_s, high_s) if in_old else (line.back(low_s), line.back(high_s))
-        sides.append(np.nan_to_num(_likeness(course, start_s, stop_s, old, new, count=count)))
+        sides.append(np.nan_to_num(_likeness_of(course, start_s, stop_s - start_s, count, old, new)))
     left, right = (np.concatenate([[0.0], np.cumsum(side)]) for side in sides)
     at_s = low_s + int(np.argmax(left - right)) / count * (high_s - low_s)
     stop_s, start_s = (at_s, at_s) if in_old else (first.line.back(at_s), second.line.back(at_s))
@@ -87,25 +88,29 @@ def _apart(one: Course, other: Course, old: Film, new: Film, *, in_old: bool) ->
     return _between(one, first.start_s, stop_s), _between(other, start_s, second.stop_s)
 
 
-def _likeness(
-    course: Course, low_s: float, high_s: float, old: Film, new: Film, *, count: int | None = None
+def _likeness(course: Course, low_s: float, high_s: float, old: Film, new: Film) -> NDArray[np.float64]:
+    """Return the correlation of each whole block between two times of the old film; NaN where both are silent."""
+    count = int((high_s - low_s) / _BLOCK_S)
+    return _likeness_of(course, low_s, count * _BLOCK_S, count, old, new)
+
+
+def _likeness_of(
+    course: Course, start_s: float, length_s: float, count: int, old: Film, new: Film
 ) -> NDArray[np.float64]:
-    """Return the correlation of each block between two times of the old film; NaN where both films are silent."""
-    line = course.segment.line
-    blocks = int((high_s - low_s) / _BLOCK_S) if count is None else count
-    if blocks < 1:
+    """Return the correlation of each of `count` equal blocks of a stretch of the old film; NaN for silence in both."""
+    if count < 1:
         return np.zeros(0)
-    length_s = high_s - low_s if count is not None else blocks * _BLOCK_S
-    if blocks > _AT_ONCE:
-        edges_s = low_s + length_s / blocks * np.array([*range(0, blocks, _AT_ONCE), blocks])
-        counts = [min(_AT_ONCE, blocks - first) for first in range(0, blocks, _AT_ONCE)]
-        parts = zip(edges_s, edges_s[1:], counts, strict=False)
-        return np.concatenate([_likeness(course, float(a), float(b), old, new, count=n) for a, b, n in parts])
-    ours, ours_late_s = piece(old, low_s, length_s, scale=line.scale)
-    theirs, theirs_late_s = piece(new, line.at(low_s), length_s * line.scale)
+    if count > _AT_ONCE:
+        edges_s = start_s + length_s / count * np.array([*range(0, count, _AT_ONCE), count])
+        counts = [min(_AT_ONCE, count - first) for first in range(0, count, _AT_ONCE)]
+        parts = zip(itertools.pairwise(edges_s.tolist()), counts, strict=True)
+        return np.concatenate([_likeness_of(course, a_s, b_s - a_s, n, old, new) for (a_s, b_s), n in parts])
+    line = course.segment.line
+    ours, ours_late_s = piece(old, start_s, length_s, scale=line.scale)
+    theirs, theirs_late_s = piece(new, line.at(start_s), length_s * line.scale)
     length = min(len(ours), len(theirs))
     theirs = _delayed(theirs[:length], (theirs_late_s - ours_late_s) * WORK_HZ)
-    edges = np.linspace(0, length, blocks + 1).astype(np.intp)
+    edges = np.linspace(0, length, count + 1).astype(np.intp)
     product, mine, yours = (
         np.add.reduceat(values, edges[:-1]) for values in (ours[:length] * theirs, ours[:length] ** 2, theirs**2)
     )

@@ -43,6 +43,19 @@ class Lost:
     likeness: float
 
 
+@dataclass(frozen=True)
+class _Heard:
+    """Where an event is heard on a course, and the likeness that it has to reach there."""
+
+    found: Found
+    least: float
+
+    @property
+    def is_alike(self) -> bool:
+        """Return whether it sounds as it has to."""
+        return self.found.likeness >= self.least
+
+
 def place(
     onsets_s: Sequence[float], courses: Sequence[Course], old: Film, new: Film, rules: ConformRules
 ) -> list[Placed | Lost]:
@@ -72,10 +85,11 @@ def _place(
         course = courses[index]
         holds = _distance(onset_s, course) == 0.0
         inside |= holds
-        found, least = _heard(onset_s, room_s, course, old, new, rules)
+        heard = _heard(onset_s, room_s, course, old, new, rules)
+        found = heard.found
         seen = max(seen, found.likeness)
         new_s = course.segment.line.at(onset_s) + found.late_s
-        if found.likeness < least or not -0.5 / new.rate_hz <= new_s < new.duration_s:
+        if not heard.is_alike or not -0.5 / new.rate_hz <= new_s < new.duration_s:
             continue
         if not holds and _claimed(new_s, index, courses, rules.shortest_ms / 1000.0):
             continue
@@ -115,10 +129,8 @@ def _claimed(new_s: float, index: int, courses: Sequence[Course], shortest_s: fl
     return False
 
 
-def _heard(
-    onset_s: float, room_s: float, course: Course, old: Film, new: Film, rules: ConformRules
-) -> tuple[Found, float]:
-    """Return where the event is heard on a course, from as much of it as both films have, and what it has to reach."""
+def _heard(onset_s: float, room_s: float, course: Course, old: Film, new: Film, rules: ConformRules) -> _Heard:
+    """Return where the event is heard on a course, from as much of it as both films have."""
     if course.keeps_pitch:
         return _attack_heard(onset_s, course, old, new, rules)
     segment, scale = course.segment, course.segment.line.scale
@@ -144,13 +156,14 @@ def _heard(
             scale=course.pitch_scale,
             search_s=search_s,
         )
-        if found.likeness >= enough:
+        heard = _Heard(found, enough)
+        if heard.is_alike:
             break
-    return found, enough
+    return heard
 
 
-def _attack_heard(onset_s: float, course: Course, old: Film, new: Film, rules: ConformRules) -> tuple[Found, float]:
-    """Return the same of a film whose tool moved each piece of sound by as much as suited it.
+def _attack_heard(onset_s: float, course: Course, old: Film, new: Film, rules: ConformRules) -> _Heard:
+    """Return where the event is heard where the pitch was kept: there a tool moved each piece of sound by itself.
 
     The attack alone is compared, since a step of the tool may follow it. Where another place is nearly as good,
     nothing is enough.
@@ -172,11 +185,11 @@ def _attack_heard(onset_s: float, course: Course, old: Film, new: Film, rules: C
     expected_s = course.segment.line.at(onset_s)
     found = around(expected_s, search_s)
     if found.likeness < rules.least_kept_pitch:
-        return found, rules.least_kept_pitch
+        return _Heard(found, rules.least_kept_pitch)
     half_s = (search_s - rival_s) / 2.0
     sides = (expected_s + found.late_s + side * (rival_s + half_s) for side in (-1.0, 1.0))
     rival = max(around(side_s, half_s).likeness for side_s in sides)
-    return found, rules.least_kept_pitch if rival <= found.likeness - rules.rival_less else math.inf
+    return _Heard(found, rules.least_kept_pitch if rival <= found.likeness - rules.rival_less else math.inf)
 
 
 def _nearest(onset_s: float, courses: Sequence[Course]) -> float:
@@ -206,4 +219,5 @@ def _without_doubles(
 
 
 def _belongs(onset_s: float, placed: Placed, courses: Sequence[Course]) -> tuple[bool, float]:
+    """Return what tells of two events which belongs to a place more: one inside its course, then the more alike."""
     return _distance(onset_s, courses[placed.course]) == 0.0, placed.likeness
