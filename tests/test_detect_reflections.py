@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from blastline.detect.reflections import _Heard, discrete_reflections
+from blastline.detect.reflections import BandAnswer, discrete_reflections
 from blastline.detect.segment import segment
 from blastline.model import Shot
 from blastline.ruleset import load_rules
@@ -193,7 +193,7 @@ def test_clearness_weighs_chance_against_how_rare_so_late_an_echo_is() -> None:
     lags_ms, z = np.array([5.0, 29.0, 60.0, 120.0, 480.0]), 4.5
     answer, places = np.ones(500 * 48), np.round(lags_ms * 48).astype(np.intp)
     answer[places] = z
-    clear = _Heard(answer, np.ones(200 * 48), grain=48).clearness(places, lags_ms)
+    clear = BandAnswer(answer, np.ones(200 * 48), grain=48).clearness(places, lags_ms)
     chance = np.exp(-0.25 * np.pi * np.square(clear))
     np.testing.assert_allclose(chance / chance[0], np.maximum(lags_ms / 30.0, 1.0), rtol=1e-6)
     assert (clear >= RULES.reflection_prominence).tolist() == [True, True, True, True, False]

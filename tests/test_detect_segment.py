@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from blastline.detect.segment import _running_peak, segment
+from blastline.detect.segment import running_peak, segment
 from blastline.model import Shot
 from blastline.ruleset import load_rules
 
@@ -47,7 +47,7 @@ def ended(shot: Shot) -> tuple[float, str]:
 def test_a_running_peak_is_the_largest_of_each_sample_and_those_after_it(width: int) -> None:
     values = np.random.default_rng(width).uniform(0.0, 1.0, 50)
     ahead = [values[at : at + width].max() for at in range(values.size)]
-    np.testing.assert_array_equal(_running_peak(values, width), ahead)
+    np.testing.assert_array_equal(running_peak(values, width), ahead)
 
 
 @pytest.mark.parametrize("next_ms", [600.0, 730.0, 900.0])

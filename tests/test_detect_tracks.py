@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from blastline.detect.tracks import Grid, Piece, _Before, pieces
+from blastline.detect.tracks import Grid, Piece, PieceBefore, pieces
 from blastline.model import Clip
 
 RATE_HZ = 48_000
@@ -65,7 +65,7 @@ def test_silence_that_is_not_measured_has_the_tracks_that_it_would_have(
         samples[start:stop] = rng.standard_normal(stop - start)
     clip = Clip(samples[:, None], RATE_HZ)
     quick = list(pieces([clip], RATE_HZ, with_bands=with_bands))
-    monkeypatch.setattr(_Before, "is_silent", False)
+    monkeypatch.setattr(PieceBefore, "is_silent", False)
     slow = list(pieces([clip], RATE_HZ, with_bands=with_bands))
     for one, other in zip(quick, slow, strict=True):
         assert one.frames == other.frames

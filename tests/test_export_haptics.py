@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from blastline.errors import TimelineError
 from blastline.export import HAPTIC_FORMATS, haptic_track
-from blastline.export.haptics.ahap import _events
+from blastline.export.haptics.ahap import continuous_events
 from blastline.export.haptics.curve import Curve, reduced
 from blastline.export.haptics.reels import reel_edges
 from blastline.export.haptics.sharing import shared
@@ -356,7 +356,7 @@ def test_a_long_stretch_is_cut_where_a_format_must(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("start", "seconds"), [(3141, 300), (3141, 30), (0, 60), (1, 90)])
 def test_a_stretch_of_whole_half_minutes_has_no_event_longer_than_one(start: int, seconds: int) -> None:
     """Where an event begins and ends is rounded, and how long it lasts must still be within 30 s."""
-    events = [each["Event"] for each in _events(start / RATE_HZ, start / RATE_HZ + seconds)]
+    events = [each["Event"] for each in continuous_events(start / RATE_HZ, start / RATE_HZ + seconds)]
     assert max(each["EventDuration"] for each in events) <= 30.0
     for each, following in itertools.pairwise(events):
         assert each["Time"] + each["EventDuration"] == pytest.approx(following["Time"], abs=1e-9)

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from blastline.synth.designed import _hiss
-from blastline.synth.layers import _body, _crack, _held, _swing, draw_layers
+from blastline.synth.designed import hiss
+from blastline.synth.layers import body_layer, crack_layer, draw_layers, held_roar, subsonic_swing
 
 RATE_HZ = 48_000
 
@@ -26,8 +26,8 @@ def loud_ms(samples: NDArray[np.float64]) -> float:
 
 
 def test_a_roar_is_held_far_longer_than_a_body_sounds() -> None:
-    held = [loud_ms(_held(chances(seed), chances(seed), RATE_HZ)) for seed in range(60)]
-    bodies = [loud_ms(_body(chances(seed), chances(seed), RATE_HZ)) for seed in range(60)]
+    held = [loud_ms(held_roar(chances(seed), chances(seed), RATE_HZ)) for seed in range(60)]
+    bodies = [loud_ms(body_layer(chances(seed), chances(seed), RATE_HZ)) for seed in range(60)]
     assert np.median(held) > 3.0 * np.median(bodies)
     assert max(held) < 800.0
 
@@ -35,7 +35,7 @@ def test_a_roar_is_held_far_longer_than_a_body_sounds() -> None:
 def test_what_is_high_in_a_roar_dies_first() -> None:
     duller = []
     for seed in range(60):
-        roar = _held(chances(seed), chances(seed), RATE_HZ)
+        roar = held_roar(chances(seed), chances(seed), RATE_HZ)
         third = roar.size // 3
         first, last = (power_in(part, 4_000.0, 20_000.0) for part in (roar[:third], roar[-third:]))
         duller.append(last < first)
@@ -46,7 +46,7 @@ def test_one_crack_in_twelve_rings_at_one_pitch() -> None:
     """Half of the power of what rings lies within an octave and a half around its strongest frequency."""
     ringing = 0
     for seed in range(240):
-        crack = _crack(chances(seed), chances(seed + 1), RATE_HZ)
+        crack = crack_layer(chances(seed), chances(seed + 1), RATE_HZ)
         spectrum = np.square(np.abs(np.fft.rfft(crack)))
         pitch_hz = float(np.fft.rfftfreq(crack.size, 1 / RATE_HZ)[spectrum.argmax()])
         ringing += power_in(crack, 0.8 * pitch_hz, 1.25 * pitch_hz) > 0.7
@@ -63,9 +63,9 @@ def test_a_dry_round_is_a_crack_alone() -> None:
 
 def test_a_swing_is_beneath_what_is_heard() -> None:
     for seed in range(20):
-        assert power_in(_swing(chances(seed), RATE_HZ), 0.0, 120.0) > 0.9
+        assert power_in(subsonic_swing(chances(seed), RATE_HZ), 0.0, 120.0) > 0.9
 
 
 def test_a_hiss_has_no_blow() -> None:
-    low = [power_in(_hiss(chances(seed), RATE_HZ), 0.0, 100.0) for seed in range(40)]
+    low = [power_in(hiss(chances(seed), RATE_HZ), 0.0, 100.0) for seed in range(40)]
     assert np.median(low) < 0.01

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from blastline.synth import plain_bed, plain_negative, plain_shot
-from blastline.synth.plain import _swell
+from blastline.synth.plain import swell
 
 RATE_HZ = 48_000
 
@@ -29,7 +29,7 @@ def test_bursts_fire_as_fast_as_guns_do(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(40))
 def test_a_swell_takes_its_time(seed: int) -> None:
-    samples = np.abs(_swell(np.random.default_rng(seed), RATE_HZ))
+    samples = np.abs(swell(np.random.default_rng(seed), RATE_HZ))
     smooth = np.convolve(samples, np.ones(96) / 96, "same")
     assert np.argmax(smooth >= 0.7 * smooth.max()) > 0.002 * RATE_HZ
 
@@ -49,9 +49,9 @@ def test_negatives_and_beds_are_sound_of_the_asked_length_and_the_same_each_time
 
 def test_a_bed_of_steeper_noise_has_less_treble() -> None:
     def treble(power: float) -> float:
-        from blastline.synth.plain import _sloped
+        from blastline.synth.plain import sloped_noise
 
-        spectrum = np.abs(np.fft.rfft(_sloped(np.random.default_rng(3), RATE_HZ, power))) ** 2
+        spectrum = np.abs(np.fft.rfft(sloped_noise(np.random.default_rng(3), RATE_HZ, power))) ** 2
         return float(spectrum[8_000:].sum() / spectrum.sum())
 
     assert treble(0.0) == pytest.approx(2 / 3, abs=0.02)

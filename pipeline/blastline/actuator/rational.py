@@ -66,7 +66,7 @@ def general_form(zeros: int, poles: int) -> Form:
 
 def level_db(model: Model, frequencies_hz: Values) -> Values:
     """Return the model's level at the given frequencies."""
-    return _levels(model.form, model.parameters, np.log(2.0 * math.pi * frequencies_hz))[0]
+    return levels_and_derivatives(model.form, model.parameters, np.log(2.0 * math.pi * frequencies_hz))[0]
 
 
 def analogue(model: Model) -> Analogue:
@@ -101,13 +101,13 @@ def fit_form(
     low, high = _bounds(form, band_rad_s)
 
     def residuals(parameters: Values) -> Values:
-        return np.asarray(scale * (_levels(form, parameters, log_w)[0] - target_db))
+        return np.asarray(scale * (levels_and_derivatives(form, parameters, log_w)[0] - target_db))
 
     def jacobian(parameters: Values) -> Values:
-        return np.asarray(scale[:, None] * _levels(form, parameters, log_w)[1])
+        return np.asarray(scale[:, None] * levels_and_derivatives(form, parameters, log_w)[1])
 
     start = np.clip(start, low + 1e-6, high - 1e-6)
-    start[0] += float(np.average(target_db - _levels(form, start, log_w)[0], weights=weights))
+    start[0] += float(np.average(target_db - levels_and_derivatives(form, start, log_w)[0], weights=weights))
     solved = least_squares(
         residuals, start, jac=jacobian, bounds=(low, high), x_scale="jac", max_nfev=_EVALUATIONS, ftol=1e-7
     )
@@ -132,7 +132,7 @@ def start_from_roots(form: Form, zeros: Sequence[complex], poles: Sequence[compl
     return np.array(parameters)
 
 
-def _levels(form: Form, parameters: Values, log_w: Values) -> tuple[Values, Values]:
+def levels_and_derivatives(form: Form, parameters: Values, log_w: Values) -> tuple[Values, Values]:
     """Return the level in dB and its derivatives by the parameters, shape (frequencies, parameters)."""
     level = np.full_like(log_w, parameters[0])
     derivatives = [np.ones_like(log_w)]

@@ -52,7 +52,7 @@ def discrete_reflections(
         return np.zeros(0, np.intp), np.zeros(0)
     silent = int(max(0, before.shape[0] - samples_from_ms(_APART_MS, rate_hz)) / step)
     grain = max(1, int(_GRAIN_MS * 1e-3 * rate_hz / step))
-    heard = [_Heard(answer[first:count], answer[:silent], grain) for answer in answers]
+    heard = [BandAnswer(answer[first:count], answer[:silent], grain) for answer in answers]
     # what stands out nowhere, and lies beside nothing that does, need not be weighed
     spikes = np.logical_or.reduce([each.spikes(rules.reflection_prominence) for each in heard])
     near = np.unique(np.clip(np.flatnonzero(spikes)[:, None] + np.arange(-1, 2), 0, count - first - 1))
@@ -84,7 +84,7 @@ def _gains(answers: NDArray[np.float64], lags: NDArray[np.intp], template: int, 
     return np.asarray(answers * 2.0 / (1.0 + np.sqrt(1.0 - 4.0 * strength**2)), np.float64)
 
 
-class _Heard:
+class BandAnswer:
     """The answers of one band after the blast, and the level that they have to exceed to be clear."""
 
     def __init__(self, answer: NDArray[np.float64], silent: NDArray[np.float64], grain: int) -> None:

@@ -119,10 +119,10 @@ def _blast_length(wave: NDArray[np.float64], peak: float, usual: float, *, rate_
     phase = top + int(turned[0]) if turned.size else longest
     shortest_hold, longest_hold = (max(1, samples_from_ms(ms, rate_hz)) for ms in _HOLD_MS)
     hold = min(max(int(_HOLD_PER_PHASE * phase), shortest_hold), longest_hold)
-    over = _running_peak(np.abs(near), hold)[top:longest] < peak * gain_from_db(-rules.blast_decay_db)
+    over = running_peak(np.abs(near), hold)[top:longest] < peak * gain_from_db(-rules.blast_decay_db)
     # both together are twice the power of either where the blast is as loud as the rest, for as long as it is measured
     power = np.convolve(np.concatenate([near**2, np.zeros(grain)]), np.full(grain, 1.0 / grain))[grain - 1 :]
-    over |= _running_peak(power, grain)[top:longest] < _DROWNED * usual
+    over |= running_peak(power, grain)[top:longest] < _DROWNED * usual
     found = np.flatnonzero(over)
     return max(1, top + int(found[0]) if found.size else longest)
 
@@ -188,7 +188,7 @@ def _decay(wave: NDArray[np.float64], background: float, *, rate_hz: int, rules:
     return max(1, first * grain), ended
 
 
-def _running_peak(magnitude: NDArray[np.float64], width: int) -> NDArray[np.float64]:
+def running_peak(magnitude: NDArray[np.float64], width: int) -> NDArray[np.float64]:
     """Return the largest of each sample and the `width - 1` after it."""
     from scipy.ndimage import maximum_filter1d
 

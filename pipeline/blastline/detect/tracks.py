@@ -93,7 +93,7 @@ class Piece:
 
 
 @dataclass(frozen=True, eq=False)
-class _Before:
+class PieceBefore:
     """What a piece needs of the one before: its last sample, the last hop's share in a frame, the last low band."""
 
     sample: np.float32
@@ -109,7 +109,7 @@ class _Before:
 def pieces(blocks: Iterable[Clip], rate_hz: int, *, with_bands: bool = True) -> Iterator[Piece]:
     """Cut the heard column of any blocks into pieces of one size and yield each with its tracks."""
     grid = Grid(rate_hz)
-    before: _Before | None = None
+    before: PieceBefore | None = None
     bands = np.zeros((0, BANDS), np.float32)
     for samples, frames in _rechunk(blocks, grid.piece):
         before = before or _at_rest(samples[0], grid)
@@ -155,13 +155,13 @@ def _parts(count: int) -> Iterator[slice]:
     return (slice(first, first + _AT_ONCE) for first in range(0, count, _AT_ONCE))
 
 
-def _at_rest(sample: np.float32, grid: Grid) -> _Before:
+def _at_rest(sample: np.float32, grid: Grid) -> PieceBefore:
     """Return what comes before a film's first sample: that sample's level for ever."""
     early, late = (np.full((1, grid.hop), sample) @ kernel for kernel in kernels(grid))
-    return _Before(sample, early[0], early[0, 0] + late[0, 0])
+    return PieceBefore(sample, early[0], early[0, 0] + late[0, 0])
 
 
-def _bands(samples: NDArray[np.float32], before: _Before, grid: Grid) -> tuple[NDArray[np.float32], _Before]:
+def _bands(samples: NDArray[np.float32], before: PieceBefore, grid: Grid) -> tuple[NDArray[np.float32], PieceBefore]:
     """Return band energies, shape (hops, BANDS): a Hann-windowed DFT at a few frequencies as two matrix products.
 
     And what the next piece needs of this one.
@@ -173,7 +173,7 @@ def _bands(samples: NDArray[np.float32], before: _Before, grid: Grid) -> tuple[N
             np.matmul(hops[some], kernel, out=products[some])
     parts[1:] += early[:-1]
     parts[0] += before.early
-    following = _Before(samples[-1], early[-1], parts[-1, 0])
+    following = PieceBefore(samples[-1], early[-1], parts[-1, 0])
     # the low band is a slow level, its change from frame to frame is what sounds
     parts[1:, 0] = np.diff(parts[:, 0])
     parts[0, 0] -= before.low

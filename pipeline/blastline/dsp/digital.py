@@ -22,8 +22,8 @@ _FEW_POLES = np.array([0.87 * np.exp(0.9j * math.pi), 0.87 * np.exp(-0.9j * math
 _LOW, _HIGH = 0.05, 0.402
 _LOW_WEIGHT, _LOW_WEIGHT_IN_FILMS, _FILM_RATE_HZ = 2.0, 15.0, 44_000  # below 44.1 kHz pulled down
 # extra poles, taps and the weight close to half the rate; the next where one is not near enough
-_FITS: Fits = ((_MORE_POLES, 12, 0.01), (_MORE_POLES, 16, 0.002), (_MORE_POLES, 20, 0.0005))
-_LEAN_FITS: Fits = ((_FEW_POLES, 5, 0.01), *_FITS)
+FITS: Fits = ((_MORE_POLES, 12, 0.01), (_MORE_POLES, 16, 0.002), (_MORE_POLES, 20, 0.0005))
+LEAN_FITS: Fits = ((_FEW_POLES, 5, 0.01), *FITS)
 _ENOUGH, _ROUNDS = gain_from_db(-40.3), 4
 
 _NEAR_ONE = 1e-6  # of two real poles p, q in one section, (1 - p)(1 - q) is known to 1e-16: at least this, to 1e-10
@@ -47,7 +47,7 @@ def discretise(analogue: Analogue, rate_hz: int, *, lean: bool = False) -> NDArr
     if len(analogue.zeros) > len(analogue.poles):
         raise ValueError(f"improper filter: {len(analogue.zeros)} zeros over {len(analogue.poles)} poles")
     zeros = np.exp(analogue.zeros / rate_hz)
-    fits = _LEAN_FITS if lean and rate_hz >= _FILM_RATE_HZ else _FITS
+    fits = LEAN_FITS if lean and rate_hz >= _FILM_RATE_HZ else FITS
     taps, poles = _fitted(analogue, zeros, np.exp(analogue.poles / rate_hz), rate_hz, fits)
     return _sections(np.concatenate([zeros, np.roots(taps)]), poles, taps[0])
 

@@ -36,16 +36,16 @@ def designed_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, tupl
     rounds = 1 if chance(rng, 0.65) else int(rng.integers(2, 17))
     dry = _DRY if rounds == 1 else _DRY_IN_BURSTS
     if rounds == 1 and chance(rng, 0.4):
-        sounds = [_finished(rng, _staged(fork(design), rate_hz), rate_hz)]
+        sounds = [_finished(rng, staged_round(fork(design), rate_hz), rate_hz)]
     elif chance(rng, 0.6):
-        one = _finished(rng, _round(fork(design), rate_hz, dry=dry), rate_hz)
+        one = _finished(rng, layered_round(fork(design), rate_hz, dry=dry), rate_hz)
         sounds = [one] * rounds
     else:
         seed = int(design.integers(2**62))
-        layers = [_round(np.random.default_rng(seed), rate_hz, dry=dry, noise=fork(rng)) for _ in range(rounds)]
+        layers = [layered_round(np.random.default_rng(seed), rate_hz, dry=dry, noise=fork(rng)) for _ in range(rounds)]
         chain = int(rng.integers(2**62))
         sounds = [_finished(np.random.default_rng(chain), sound, rate_hz) for sound in layers]
-    return _fired(rng, sounds, rate_hz)
+    return fired_in_a_row(rng, sounds, rate_hz)
 
 
 def designed_negative(rng: np.random.Generator, rate_hz: int) -> Samples:
@@ -59,9 +59,9 @@ def designed_negative(rng: np.random.Generator, rate_hz: int) -> Samples:
     return series(rng, [sound], gaps_s=np.full(count, gap_s), levels_db=1.0, rate_hz=rate_hz)
 
 
-def _swell(rng: np.random.Generator, rate_hz: int) -> Samples:
+def swell(rng: np.random.Generator, rate_hz: int) -> Samples:
     """Return the layers of a shot that take 15 to 150 ms to rise."""
-    sound = _round(rng, rate_hz)
+    sound = layered_round(rng, rate_hz)
     rise = round(log_between(rng, (0.015, 0.15)) * rate_hz)
     longer = np.concatenate([sound, np.zeros(rise)])
     attack = np.minimum(np.arange(len(longer)) / rise, 1.0) ** between(rng, (0.7, 2.0))
@@ -75,8 +75,9 @@ def _swell(rng: np.random.Generator, rate_hz: int) -> Samples:
     return normalised(overlaid([(0, longer * attack), (0, breath)]))
 
 
-def _backwards(rng: np.random.Generator, rate_hz: int) -> Samples:
-    sound = trimmed(_round(rng, rate_hz), floor=0.02)
+def backwards(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return a round played from its end to its beginning."""
+    sound = trimmed(layered_round(rng, rate_hz), floor=0.02)
     return sound[::-1].copy()
 
 
@@ -110,7 +111,7 @@ def _rattle(rng: np.random.Generator, rate_hz: int) -> Samples:
     return series(rng, clicks, gaps_s=gaps_s, levels_db=between(rng, (0.5, 6.0)), rate_hz=rate_hz)
 
 
-def _hiss(rng: np.random.Generator, rate_hz: int) -> Samples:
+def hiss(rng: np.random.Generator, rate_hz: int) -> Samples:
     """Return steam, an air brake or static that bursts out, holds and dies away, without a blow."""
     attack_ms, hold_s = log_between(rng, (1.0, 60.0)), log_between(rng, (0.03, 1.0))
     noise = coloured(fork(rng), round((hold_s + 0.5) * rate_hz), slope=between(rng, (0.0, 1.0)), rate_hz=rate_hz)
@@ -122,15 +123,15 @@ def _hiss(rng: np.random.Generator, rate_hz: int) -> Samples:
 
 
 _NEGATIVES: tuple[Callable[[np.random.Generator, int], Samples], ...] = (
-    _swell,
-    _backwards,
+    swell,
+    backwards,
     _bleep,
     _rattle,
-    _hiss,
+    hiss,
 )
 
 
-def _fired(rng: np.random.Generator, sounds: list[Samples], rate_hz: int) -> tuple[Samples, tuple[int, ...]]:
+def fired_in_a_row(rng: np.random.Generator, sounds: list[Samples], rate_hz: int) -> tuple[Samples, tuple[int, ...]]:
     """Return rounds one after another at a gun's rate, each going on beneath the next or cut by it."""
     gap = 60.0 / log_between(rng, _ROUNDS_PER_MINUTE) * rate_hz
     jitter = pick(rng, (0.0, 0.01, 0.04))
@@ -144,7 +145,7 @@ def _fired(rng: np.random.Generator, sounds: list[Samples], rate_hz: int) -> tup
     return normalised(overlaid(parts)), tuple(places)
 
 
-def _round(
+def layered_round(
     rng: np.random.Generator, rate_hz: int, *, dry: float = _DRY, noise: np.random.Generator | None = None
 ) -> Samples:
     """Return the layers of one round; they are drawn from `rng`, their noise from `noise` if that is another one."""
@@ -159,9 +160,9 @@ def _round(
     return normalised(overlaid(parts + draw_mechanics(rng, fork(noise), rate_hz))[: round(_LONGEST_S * rate_hz)])
 
 
-def _staged(rng: np.random.Generator, rate_hz: int) -> Samples:
+def staged_round(rng: np.random.Generator, rate_hz: int) -> Samples:
     """Return a round with one to three more stages of other layers, often louder than its beginning."""
-    parts = [(0, _round(fork(rng), rate_hz))]
+    parts = [(0, layered_round(fork(rng), rate_hz))]
     for _ in range(pick(rng, (1, 1, 2, 3))):
         layers = draw_layers(fork(rng), fork(rng), rate_hz, dry=0.0)
         first = int(rng.integers(len(layers)))
@@ -177,7 +178,7 @@ def _finished(rng: np.random.Generator, sound: Samples, rate_hz: int) -> Samples
     if chance(rng, 0.5):
         sound = saturate(sound, between(rng, (0.0, 30.0)))
     if chance(rng, 0.4):
-        sound = _sampled(rng, sound, rate_hz)
+        sound = played_by_sampler(rng, sound, rate_hz)
     if chance(rng, 0.4):
         sound = lowpass(sound, log_between(rng, (1_200.0, 9_000.0)), rate_hz=rate_hz, order=pick(rng, (1, 2)))
     if chance(rng, 0.4):
@@ -192,7 +193,7 @@ def _finished(rng: np.random.Generator, sound: Samples, rate_hz: int) -> Samples
     return normalised(np.concatenate([sound[: len(sound) - fade], sound[len(sound) - fade :] * ending]))
 
 
-def _sampled(rng: np.random.Generator, sound: Samples, rate_hz: int) -> Samples:
+def played_by_sampler(rng: np.random.Generator, sound: Samples, rate_hz: int) -> Samples:
     """Return a sound as a sampler of few bits and a low rate plays it, with or without a filter behind it."""
     sampler_hz = pick(rng, _SAMPLER_RATES_HZ)
     dull = lowpass(sound, 0.45 * sampler_hz, rate_hz=rate_hz, order=6)

@@ -18,17 +18,17 @@ def draw_layers(rng: np.random.Generator, noise: np.random.Generator, rate_hz: i
 
     A share `dry` of the rounds is the crack alone: as near as can be, or all else gated away. One in five is held.
     """
-    crack = _crack(rng, noise, rate_hz)
+    crack = crack_layer(rng, noise, rate_hz)
     if chance(rng, dry):
         return [(0.0, crack)]
     if chance(rng, 0.2):
-        layers = [(0.0, _held(rng, noise, rate_hz))]
+        layers = [(0.0, held_roar(rng, noise, rate_hz))]
         return [(between(rng, (-12.0, 6.0)), crack), *layers] if chance(rng, 0.6) else layers
-    layers = [(0.0, crack), (between(rng, (-10.0, 8.0)), _body(rng, noise, rate_hz))]
+    layers = [(0.0, crack), (between(rng, (-10.0, 8.0)), body_layer(rng, noise, rate_hz))]
     if chance(rng, 0.6):
         layers.append((between(rng, (-14.0, 6.0)), _thump(rng, rate_hz)))
     if chance(rng, 0.15):
-        layers.append((between(rng, (-8.0, 8.0)), _swing(rng, rate_hz)))
+        layers.append((between(rng, (-8.0, 8.0)), subsonic_swing(rng, rate_hz)))
     if chance(rng, 0.7):
         layers.append((between(rng, (-40.0, -8.0)), _tail(rng, noise, rate_hz)))
     return layers
@@ -48,7 +48,7 @@ def draw_mechanics(rng: np.random.Generator, noise: np.random.Generator, rate_hz
     return [(at, click * level)]
 
 
-def _crack(rng: np.random.Generator, noise: np.random.Generator, rate_hz: int) -> Samples:
+def crack_layer(rng: np.random.Generator, noise: np.random.Generator, rate_hz: int) -> Samples:
     """Return a short burst of noise; one in twelve rings at one frequency, as a bad microphone or a case does."""
     band_hz = (log_between(rng, (60.0, 2_500.0)), log_between(rng, (2_500.0, 18_000.0)))
     attack_ms = pick(rng, (0.0, log_between(rng, (0.1, 8.0))))
@@ -61,7 +61,8 @@ def _crack(rng: np.random.Generator, noise: np.random.Generator, rate_hz: int) -
     return normalised(resonance(room, ring_hz, bandwidth_hz=ring_hz * log_between(rng, (0.03, 0.4)), rate_hz=rate_hz))
 
 
-def _body(rng: np.random.Generator, noise: np.random.Generator, rate_hz: int) -> Samples:
+def body_layer(rng: np.random.Generator, noise: np.random.Generator, rate_hz: int) -> Samples:
+    """Return a burst of noise, lower and longer than the crack."""
     band_hz = (log_between(rng, (30.0, 500.0)), log_between(rng, (500.0, 6_000.0)))
     attack_ms, decay_ms = log_between(rng, (0.05, 8.0)), log_between(rng, (4.0, 90.0))
     return band_burst(fork(noise), rate_hz, band_hz=band_hz, attack_ms=attack_ms, decay_ms=decay_ms)
@@ -74,7 +75,7 @@ def _thump(rng: np.random.Generator, rate_hz: int) -> Samples:
     return boom(rate_hz, start_hz=start_hz, stop_hz=stop_hz, attack_ms=attack_ms, decay_ms=decay_ms)
 
 
-def _swing(rng: np.random.Generator, rate_hz: int) -> Samples:
+def subsonic_swing(rng: np.random.Generator, rate_hz: int) -> Samples:
     """Return one to some slow swings beneath hearing, as an explosion that was slowed down leaves them."""
     start_hz = log_between(rng, (8.0, 50.0))
     attack_ms, decay_ms = log_between(rng, (0.5, 10.0)), log_between(rng, (60.0, 300.0))
@@ -89,7 +90,7 @@ def _tail(rng: np.random.Generator, noise: np.random.Generator, rate_hz: int) ->
     return band_burst(fork(noise), rate_hz, band_hz=(low_hz, high_hz), attack_ms=attack_ms, decay_ms=decay_ms)
 
 
-def _held(rng: np.random.Generator, noise: np.random.Generator, rate_hz: int) -> Samples:
+def held_roar(rng: np.random.Generator, noise: np.random.Generator, rate_hz: int) -> Samples:
     """Return a roar that hardly falls for 20 to 300 ms, as a game has it: driven to the limit, then faded."""
     attack_s, hold_s = log_between(rng, (0.0001, 0.01)), log_between(rng, (0.02, 0.3))
     fade_s, bend = log_between(rng, (0.05, 0.5)), log_between(rng, (0.7, 4.0))

@@ -50,7 +50,7 @@ def plain_bed(rng: np.random.Generator, rate_hz: int, seconds: float) -> Samples
     frames = round(seconds * rate_hz)
     steps = max(2, round(seconds / between(rng, (1.0, 6.0))))
     wander_db = np.interp(np.linspace(0.0, 1.0, frames), np.linspace(0.0, 1.0, steps), rng.uniform(-8.0, 8.0, steps))
-    noise = _sloped(fork(rng), frames, between(rng, (-2.2, 0.0)))
+    noise = sloped_noise(fork(rng), frames, between(rng, (-2.2, 0.0)))
     bed = np.asarray(noise * gains_from_db(between(rng, (-60.0, -25.0)) + wander_db))
     level = rms(bed)
     for _ in range(round(seconds * between(rng, (0.0, 3.0)))):
@@ -78,7 +78,7 @@ def _blast(rng: np.random.Generator, rate_hz: int) -> Samples:
     return saturate(sound, between(rng, (0.0, 20.0))) if chance(rng, 0.3) else sound
 
 
-def _swell(rng: np.random.Generator, rate_hz: int) -> Samples:
+def swell(rng: np.random.Generator, rate_hz: int) -> Samples:
     """Return noise or a low tone that takes 12 to 250 ms to rise."""
     attack_s, decay_s = log_between(rng, (0.012, 0.25)), log_between(rng, (0.03, 1.0))
     frames = round(min(_LONGEST_S, 3.0 * attack_s + 7.0 * decay_s) * rate_hz)
@@ -128,7 +128,7 @@ def _tone(rng: np.random.Generator, rate_hz: int) -> Samples:
     return _gliding(rng, rate_hz, log_between(rng, (60.0, 6_000.0)), log_between(rng, (0.03, 1.5)))
 
 
-_NEGATIVES: tuple[Callable[[np.random.Generator, int], Samples], ...] = (_swell, _swell, _click, _knock, _knock, _tone)
+_NEGATIVES: tuple[Callable[[np.random.Generator, int], Samples], ...] = (swell, swell, _click, _knock, _knock, _tone)
 
 
 def _gliding(rng: np.random.Generator, rate_hz: int, hz: float, seconds: float) -> Samples:
@@ -141,7 +141,7 @@ def _gliding(rng: np.random.Generator, rate_hz: int, hz: float, seconds: float) 
     return normalised(tone * bow)
 
 
-def _sloped(rng: np.random.Generator, frames: int, power: float) -> Samples:
+def sloped_noise(rng: np.random.Generator, frames: int, power: float) -> Samples:
     """Return noise with an rms of 1 whose power spectrum goes with the frequency to a power, flat below 20 Hz."""
     from scipy.fft import irfft, next_fast_len, rfft
 

@@ -65,7 +65,7 @@ def _segment(segment: VibrationSegment, track: HapticTrack) -> tuple[list[Patter
     few_hz = reduced(tone_hz, track.frequency_error, relative=True)
     sharpness = few_hz.with_values(np.round(_sharpnesses(few_hz.values), 4))
     start_s, stop_s = span.start / rate_hz, span.stop / rate_hz
-    patterns = [*_events(start_s, stop_s)]
+    patterns = [*continuous_events(start_s, stop_s)]
     patterns += _curves("HapticIntensityControl", intensity, rate_hz)
     patterns += _curves("HapticSharpnessControl", sharpness, rate_hz)
     played = root.with_values(intensity.at(root.samples) ** 2)
@@ -79,7 +79,7 @@ def _segment(segment: VibrationSegment, track: HapticTrack) -> tuple[list[Patter
     )
 
 
-def _events(start_s: float, stop_s: float) -> Iterator[Pattern]:
+def continuous_events(start_s: float, stop_s: float) -> Iterator[Pattern]:
     """Yield continuous events of full intensity that follow one on another, none longer than Core Haptics plays."""
     # in whole steps of the file: rounded one by one, the ends of 30 s can come to stand a step too far apart
     steps_per_s = 10**_DECIMALS
