@@ -116,7 +116,7 @@ def test_of_a_window_with_many_shots_a_few_are_rendered(tmp_path: Path, monkeypa
     shots = [shot_at(RATE_HZ + number * 4_000, decay_ms=200.0, rate_hz=RATE_HZ) for number in range(100)]
 
     def one_window(*heard: Any) -> HeardFilm:
-        return costs._with_shots(listen(*heard), shots, heard[1])
+        return costs.with_shots(listen(*heard), shots, heard[1])
 
     def counted(timeline: Timeline, *rest: Any, **options: Any) -> Timeline:
         seen.append(len(timeline.events))

@@ -68,6 +68,14 @@ class _After:
         return self.drive_s + self.checks_s
 
 
+@dataclass(frozen=True)
+class _FixedAndEach:
+    """The CPU seconds that something takes once, and for each of what it is done to."""
+
+    fixed_s: float
+    each_s: float
+
+
 @dataclass(frozen=True, eq=False)
 class _Known:
     """What is the same for all tiers: what is heard, and the CPU seconds of a film without shots and of pictures.
@@ -101,37 +109,38 @@ class Gauge:
         if self._known is None:
             self._known = self._same_for_all(setup)
             gc.freeze()  # or else what the pictures left behind is looked through again while a tier is timed
-        known, (verifier_s, scan_per_s) = self._known, self._detecting(setup.rules)
-        cost = FilmCost(verifier_s + sample.hash_s, scan_per_s + sample.decode_per_s)
+        known, detecting = self._known, self._detecting(setup.rules)
+        cost = FilmCost(detecting.fixed_s + sample.hash_s, detecting.each_s + sample.decode_per_s)
         if not self._drives:
             return cost
-        once_s, per_shot = self._per_shot(known, setup)
+        drives = self._drives_of(known, setup)
         return replace(
             cost,
-            fixed_s=cost.fixed_s + known.empty.report_s + known.axes_s + once_s,
+            fixed_s=cost.fixed_s + known.empty.report_s + known.axes_s + drives.fixed_s,
             per_second=cost.per_second + known.empty.made_s / sample.seconds,
-            per_shot=per_shot,
+            per_shot=drives.each_s,
             per_picture=known.picture_s,
             shots_per_s=max(_audible(known.heard, setup.rules), 0.5) / sample.seconds,
         )
 
-    def _per_shot(self, known: _Known, setup: Setup) -> tuple[float, float]:
+    def _drives_of(self, known: _Known, setup: Setup) -> _FixedAndEach:
         """Return what a drive and its checks take as soon as there is any shot, and what each shot adds to that.
 
         A few are rendered: a drive takes so much for each second of window, and all in the sample tell how long
         windows are; the checks take so much for each shot.
         """
         shots = self._shots(known.heard, setup.rules, FEW_SHOTS)
-        few, one = (_with_shots(known.heard, some, setup.rules) for some in (shots, shots[:1]))
+        few, one = (with_shots(known.heard, some, setup.rules) for some in (shots, shots[:1]))
         self._after(few, setup, report=False)  # what is imported, or worked out once for a tier
         first, last = (self._after(each, setup, report=False) for each in (one, few))
         longer_s, others = _windows_s(few) - _windows_s(one), len(shots) - 1
         if longer_s <= 0.0:  # a single shot, or all in the window of the first
-            return 0.0, max(0.0, last.made_s - known.empty.made_s) / len(shots)
+            return _FixedAndEach(0.0, max(0.0, last.made_s - known.empty.made_s) / len(shots))
         drive_per_s = max(0.0, last.drive_s - first.drive_s) / longer_s
         check_s = max(0.0, last.checks_s - first.checks_s) / others
         once_s = first.made_s - known.empty.made_s - drive_per_s * _windows_s(one) - check_s
-        return max(0.0, once_s), check_s + drive_per_s * _windows_s(known.heard) / len(known.heard.found.shots)
+        windows_per_shot_s = _windows_s(known.heard) / len(known.heard.found.shots)
+        return _FixedAndEach(max(0.0, once_s), check_s + drive_per_s * windows_per_shot_s)
 
     def _same_for_all(self, setup: Setup) -> _Known:
         """Return what is heard in the whole sample, and what a film without shots and a picture take.
@@ -141,21 +150,21 @@ class Gauge:
         heard, report = listen(self._track, setup.rules, no_progress, self._meter), self._meter is not None
         if not self._drives:
             return _Known(heard, _After(0.0, 0.0, 0.0), 0.0, 0.0)
-        some = _with_shots(heard, self._typical(heard, setup.rules), setup.rules)
-        self._after(_with_shots(heard, some.found.shots[:1], setup.rules), setup, report=report)
-        empty = self._after(_with_shots(heard, (), setup.rules), setup, report=report)
+        some = with_shots(heard, self._typical(heard, setup.rules), setup.rules)
+        self._after(with_shots(heard, some.found.shots[:1], setup.rules), setup, report=report)
+        empty = self._after(with_shots(heard, (), setup.rules), setup, report=report)
         if not report:
             return _Known(heard, empty, 0.0, 0.0)
         first_s, all_s = (
-            self._after(_with_shots(heard, shots, setup.rules), setup, report=True).report_s
+            self._after(with_shots(heard, shots, setup.rules), setup, report=True).report_s
             for shots in (some.found.shots[:1], some.found.shots)
         )
         others = len(some.found.shots) - 1
         picture_s = max(0.0, all_s - first_s) / others if others else max(0.0, first_s - empty.report_s)
         return _Known(heard, empty, max(0.0, first_s - empty.report_s - picture_s), picture_s)
 
-    def _detecting(self, rules: Rules) -> tuple[float, float]:
-        """Return the CPU seconds of reading the verifier, and of finding the shots in a second of film."""
+    def _detecting(self, rules: Rules) -> _FixedAndEach:
+        """Return what reading the verifier takes, and finding the shots in each second of film."""
         path, networks = rules_path(f"verifier/{rules.tier.verify.model}", rules.overlay), rules.tier.verify.networks
         began = process_time()
         verifier = load_verifier(path, networks=networks)
@@ -165,7 +174,7 @@ class Gauge:
         began = process_time()
         blocks = timed if self._meter is None else OverviewMeter(rate_hz).watch(timed)
         find_shots(blocks, rate_hz=rate_hz, tier=rules.tier, verifier=verifier)
-        return verifier_s, (process_time() - began) / (timed[-1].span.stop / rate_hz)
+        return _FixedAndEach(verifier_s, (process_time() - began) / (timed[-1].span.stop / rate_hz))
 
     def _shots(self, heard: HeardFilm, rules: Rules, most: int) -> Sequence[Shot]:
         """Return the first shots of windows from all over the sample, `most` or a few more; else its loudest moment.
@@ -239,7 +248,7 @@ def _windows_s(heard: HeardFilm) -> float:
     return sum(len(planned.window.span) for planned in heard.windows) / heard.source.sample_rate_hz
 
 
-def _with_shots(heard: HeardFilm, shots: Sequence[Shot], rules: Rules) -> HeardFilm:
+def with_shots(heard: HeardFilm, shots: Sequence[Shot], rules: Rules) -> HeardFilm:
     """Return what was heard as if these shots had been found in it."""
     source = heard.source
     windows = plan_windows(shots, frames=source.frames, rate_hz=source.sample_rate_hz, rules=rules.tier.windows)

@@ -45,10 +45,11 @@ class Condition:
         if self._facts.is_integer:
             samples = raw
         else:
-            samples, count, first = mended(raw)
-            if count and not self._mended:
-                self._first_mended = self._frames + first
-            self._mended += count
+            found = mended(raw)
+            samples = found.samples
+            if found.count and not self._mended:
+                self._first_mended = self._frames + found.first
+            self._mended += found.count
         self._frames += raw.shape[0]
         return samples
 

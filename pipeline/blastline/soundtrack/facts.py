@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..timecode import clock, standard_rate
 from .decode import Tally
-from .track import TrackFacts, sifted
+from .track import TrackFacts, time_stamp
 
 if TYPE_CHECKING:
     from av import AudioFrame
@@ -57,10 +57,10 @@ def film_facts(
         declared = _declared_frames(container, stream, first.sample_rate, origin or Fraction(0))
     names = tuple(channel.name for channel in first.layout.channels)
     picture = next((v for v in container.streams.video if not _is_cover(v)), None)
-    reference, ignored = sifted(_time_stamp(container), first.sample_rate)
+    stamp = time_stamp(_time_reference(container), first.sample_rate)
     timecode = _start_timecode(container)
-    if timecode is None and reference is not None:
-        timecode = clock(reference, first.sample_rate, decimals=6)
+    if timecode is None and stamp.believed is not None:
+        timecode = clock(stamp.believed, first.sample_rate, decimals=6)
     index, streams = container.streams.audio.index(stream), sound_streams(container)
     return TrackFacts(
         rate_hz=first.sample_rate,
@@ -73,7 +73,7 @@ def film_facts(
         has_picture=picture is not None,
         frame_rate=None if picture is None else _frame_rate(picture),
         start_offset_s=float(_offset(picture, origin)),
-        ignored_reference=ignored,
+        ignored_reference=stamp.ignored,
         guessed_s=container.duration / 1_000_000 if container.duration else None,
         beside=(*streams[:index], *streams[index + 1 :]),
     )
@@ -121,7 +121,7 @@ def _start_timecode(container: "InputContainer") -> str | None:
     return None
 
 
-def _time_stamp(container: "InputContainer") -> int | None:
+def _time_reference(container: "InputContainer") -> int | None:
     """Return the samples after midnight that a broadcast WAV says; Matroska keeps its tags in capitals."""
     tag = container.metadata.get("time_reference") or container.metadata.get("TIME_REFERENCE", "")
     return int(tag) if _TIME_STAMP.fullmatch(tag) else None

@@ -15,7 +15,7 @@ from ..errors import SoundtrackError
 from ..timecode import clock
 from .chunks import ChunkTable, overflow_warning
 from .overflow import Tail
-from .track import PIECE, Samples, TrackFacts, sifted, stamp_warnings
+from .track import PIECE, Samples, TrackFacts, stamp_warnings, time_stamp
 
 _BYTES = {"PCM_S8": 1, "PCM_U8": 1, "PCM_16": 2, "PCM_24": 3, "PCM_32": 4, "FLOAT": 4, "DOUBLE": 8}
 _SHORT = frozenset({"PCM_S8", "PCM_U8", "PCM_16"})
@@ -38,7 +38,7 @@ class PcmTrack:
         declared = file.frames if is_open else (table.data_bytes or 0) // frame_bytes
         # libsndfile takes the chunks that follow in a W64 for sound
         self._frames = min(file.frames, declared)
-        reference, ignored = sifted(table.time_reference, file.samplerate)
+        stamp = time_stamp(table.time_reference, file.samplerate)
         self.facts = TrackFacts(
             rate_hz=file.samplerate,
             channels=file.channels,
@@ -46,8 +46,8 @@ class PcmTrack:
             declared_frames=declared,
             length="stored",
             is_integer=file.subtype.startswith("PCM_"),
-            start_timecode=None if reference is None else clock(reference, file.samplerate, decimals=6),
-            ignored_reference=ignored,
+            start_timecode=None if stamp.believed is None else clock(stamp.believed, file.samplerate, decimals=6),
+            ignored_reference=stamp.ignored,
         )
 
     def pieces(self) -> Iterator[Samples]:

@@ -132,7 +132,7 @@ class Soundtrack:
             frames = max(1, round(length_s * self.rate_hz))
             raw = self._track.read_approximately(start_s, frames)
             mend = not self._track.facts.is_integer
-            whole = (mended(piece)[0] if mend else piece for piece in raw)
+            whole = (mended(piece).samples if mend else piece for piece in raw)
             pieces = [self._mixed(samples, sides=sides) for samples in whole]
         columns = self.columns + (sides and self.has_sides)
         return np.concatenate([np.zeros((0, columns), np.float32), *pieces])
@@ -195,7 +195,7 @@ class Soundtrack:
         with naming(self._path):
             require_unchanged(self._path, self._opened)
             raw = track.read(span.start, len(span))
-        return raw if track.facts.is_integer else mended(raw)[0]
+        return raw if track.facts.is_integer else mended(raw).samples
 
     def _channels(self, span: Span) -> Samples | None:
         if isinstance(self._track, PcmTrack):

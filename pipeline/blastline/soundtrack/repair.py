@@ -1,5 +1,7 @@
 """Samples that are no sound: NaN, infinite, or so large that squaring them would overflow."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..errors import SoundtrackError
@@ -10,16 +12,29 @@ LIMIT = 1e9
 """180 dB above full scale: beyond any recording, and its square still fits a float32."""
 
 
-def mended(samples: Samples) -> tuple[Samples, int, int]:
-    """Return the samples with the unusable ones set to 0, how many there were, and the first frame that had one.
+@dataclass(frozen=True, eq=False)
+class Mended:
+    """Samples without unusable ones, shape (frames, channels): how many are set to 0, and in which frame the first is.
 
-    Sound without any, which is nearly all sound, costs two scans and no copy; its first frame is given as 0.
+    Where none had to be, `first` is 0.
+    """
+
+    samples: Samples
+    count: int
+    first: int
+
+
+def mended(samples: Samples) -> Mended:
+    """Return the samples with the unusable ones set to 0.
+
+    Sound without any, which is nearly all sound, costs two scans and no copy.
     """
     if samples.size == 0 or (samples.min() > -LIMIT and samples.max() < LIMIT):
-        return samples, 0, 0
+        return Mended(samples, 0, 0)
     usable = np.abs(samples) < LIMIT  # False for NaN
     first = int(np.argmin(usable.all(axis=1)))
-    return np.where(usable, samples, np.float32(0.0)), int(usable.size - np.count_nonzero(usable)), first
+    count = int(usable.size - np.count_nonzero(usable))
+    return Mended(np.where(usable, samples, np.float32(0.0)), count, first)
 
 
 def require_usable(count: int, samples: int) -> None:

@@ -48,10 +48,19 @@ class TrackFacts:
     beside: tuple[str, ...] = ()
 
 
-def sifted(reference: int | None, rate_hz: int) -> tuple[int | None, int | None]:
-    """Return a time stamp, in samples after midnight, as one to believe and one to ignore."""
-    is_none = reference is not None and reference > _LATEST_S * rate_hz
-    return (None, reference) if is_none else (reference, None)
+@dataclass(frozen=True)
+class TimeStamp:
+    """A file's time stamp in samples after midnight: one to believe, or one to ignore; both None where it has none."""
+
+    believed: int | None
+    ignored: int | None
+
+
+def time_stamp(reference: int | None, rate_hz: int) -> TimeStamp:
+    """Return a time stamp, believed unless it is later than any film begins."""
+    if reference is not None and reference > _LATEST_S * rate_hz:
+        return TimeStamp(None, reference)
+    return TimeStamp(reference, None)
 
 
 def stamp_warnings(facts: TrackFacts) -> list[str]:

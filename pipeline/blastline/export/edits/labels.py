@@ -24,7 +24,7 @@ def _edits(text: str, path: Path) -> Iterator[Edit]:
         if len(cells) < 2:
             raise TimelineError(f"{path}: {place}: {label[:60]!r}: expected start, end and text, separated by tabs")
         start, stop = Cell(path, place, "start", cells[0]), Cell(path, place, "end", cells[1])
-        onset, end = start.seconds(comma=True), stop.seconds(comma=True)
+        onset, end = start.seconds(decimal_comma=True), stop.seconds(decimal_comma=True)
         assert onset.seconds is not None
         assert end.seconds is not None
         if end.seconds < onset.seconds:

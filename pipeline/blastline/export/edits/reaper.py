@@ -114,9 +114,9 @@ def _time(cell: Cell, *, in_samples: bool) -> Point:
     clock = _CLOCK.fullmatch(text)
     if clock is not None:
         hours, minutes, seconds = clock.groups()
-        part = Cell(cell.path, cell.place, cell.name, seconds).seconds(comma=True)
+        part = Cell(cell.path, cell.place, cell.name, seconds).seconds(decimal_comma=True)
         assert part.seconds is not None
         return Point(seconds=3600 * int(hours or 0) + 60 * int(minutes) + part.seconds, step_s=part.step_s)
     if _FRAMES.fullmatch(text) or _BEATS.fullmatch(text):
         raise cell.refused(_OTHER_RULER)
-    return cell.seconds(comma=True)
+    return cell.seconds(decimal_comma=True)

@@ -125,10 +125,10 @@ class Cell:
         """Return the error that says what was expected in place of the text."""
         return TimelineError(f"{self.path}: {self.place}: {self.name} = {self.text!r}: expected {expected}")
 
-    def number(self, *, comma: bool = False) -> Decimal:
-        """Return the number that the text is; with `comma`, a decimal comma is one."""
+    def number(self, *, decimal_comma: bool = False) -> Decimal:
+        """Return the number that the text is; with `decimal_comma`, a comma may part its decimals."""
         text = self.text.strip()
-        if comma and text.count(",") == 1 and "." not in text:
+        if decimal_comma and text.count(",") == 1 and "." not in text:
             text = text.replace(",", ".")
         try:
             number = Decimal(text) if len(text) <= _LONGEST_NUMBER and "_" not in text else Decimal("nan")
@@ -138,10 +138,10 @@ class Cell:
             raise self.refused("a number")
         return number
 
-    def sample(self, *, comma: bool = False) -> int:
+    def sample(self, *, decimal_comma: bool = False) -> int:
         """Return the sample index that the text is; `48001.0` is one, `1.2E+08` has lost digits."""
-        number = self.number(comma=comma)
-        if comma and not _WHOLE.fullmatch(self.text.strip()):
+        number = self.number(decimal_comma=decimal_comma)
+        if decimal_comma and not _WHOLE.fullmatch(self.text.strip()):
             raise self.refused("a whole number of samples, without a point between its thousands")
         if number != number.to_integral_value() or _exponent(number) > 0:
             raise self.refused("a whole number of samples, with all its digits")
@@ -149,9 +149,9 @@ class Cell:
             raise self.refused("a sample from 0, the first of the track")
         return int(number)
 
-    def seconds(self, *, comma: bool = False) -> Point:
+    def seconds(self, *, decimal_comma: bool = False) -> Point:
         """Return the time that the text is, in seconds."""
-        number = self.number(comma=comma)
+        number = self.number(decimal_comma=decimal_comma)
         if number < 0:
             raise self.refused("a time from 0, the first frame of the track")
         return Point(seconds=Fraction(number), step_s=Fraction(10) ** _exponent(number))

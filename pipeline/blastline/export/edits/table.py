@@ -32,41 +32,43 @@ def read_table(grid: Grid, path: Path) -> EditedFile:
         )
     unknown = [name for name in names if name and name not in COLUMNS]
     notes = (f"not used: column {', '.join(unknown)}",) if unknown else ()
-    return EditedFile(path, tuple(_edit(row, names, grid.comma, path) for row in rows), notes=notes)
+    edits = tuple(_edit(row, names, path, decimal_comma=grid.decimal_comma) for row in rows)
+    return EditedFile(path, edits, notes=notes)
 
 
-def _edit(row: Row, names: Sequence[str], comma: bool, path: Path) -> Edit:
+def _edit(row: Row, names: Sequence[str], path: Path, *, decimal_comma: bool) -> Edit:
     place = f"line {row.line}"
     if len(row.cells) > len(names) and any(row.cells[len(names) :]):
         raise TimelineError(
             f"{path}: {place}: {len(row.cells)} cells; expected {len(names)}, as many as the header has columns"
         )
     cells = {n: Cell(path, place, n, text) for n, text in zip(names, row.cells, strict=False) if n and text}
-    onset = _point(cells, *ONSETS, comma=comma)
+    onset = _point(cells, *ONSETS, decimal_comma=decimal_comma)
     if onset is None:
         raise TimelineError(f"{path}: {place}: no onset; expected a time in {' or '.join(ONSETS)}")
     confidence, gain, origin = cells.get("confidence"), cells.get("gain_db"), cells.get("origin")
+    blast_start = cells.get("blast_start_sample")
     return Edit(
         place,
         onset,
         id=cells["id"].text if "id" in cells else None,
-        window_start=_point(cells, "window_start_sample", "window_start_s", comma=comma),
-        window_stop=_point(cells, "window_stop_sample", "window_stop_s", comma=comma),
-        confidence=confidence.number(comma=comma) if confidence else None,
-        gain_db=gain.number(comma=comma) if gain else None,
-        blast_start=cells["blast_start_sample"].sample(comma=comma) if "blast_start_sample" in cells else None,
+        window_start=_point(cells, "window_start_sample", "window_start_s", decimal_comma=decimal_comma),
+        window_stop=_point(cells, "window_stop_sample", "window_stop_s", decimal_comma=decimal_comma),
+        confidence=confidence.number(decimal_comma=decimal_comma) if confidence else None,
+        gain_db=gain.number(decimal_comma=decimal_comma) if gain else None,
+        blast_start=blast_start.sample(decimal_comma=decimal_comma) if blast_start else None,
         origin=_origin(origin) if origin else None,
     )
 
 
-def _point(cells: Mapping[str, Cell], in_samples: str, in_seconds: str, *, comma: bool) -> Point | None:
+def _point(cells: Mapping[str, Cell], in_samples: str, in_seconds: str, *, decimal_comma: bool) -> Point | None:
     sample, seconds = cells.get(in_samples), cells.get(in_seconds)
     if sample is None:
-        return None if seconds is None else seconds.seconds(comma=comma)
-    index = sample.sample(comma=comma)
+        return None if seconds is None else seconds.seconds(decimal_comma=decimal_comma)
+    index = sample.sample(decimal_comma=decimal_comma)
     if seconds is None:
         return Point(index)
-    time = seconds.seconds(comma=comma)
+    time = seconds.seconds(decimal_comma=decimal_comma)
     return Point(index, time.seconds, time.step_s)
 
 

@@ -22,10 +22,10 @@ class Row:
 
 @dataclass(frozen=True)
 class Grid:
-    """A file of separated values; `comma` says that its numbers may have a decimal comma."""
+    """A file of separated values; `decimal_comma` says that its numbers may have one."""
 
     rows: tuple[Row, ...]
-    comma: bool
+    decimal_comma: bool
 
 
 def lines_of(text: str) -> list[str]:
@@ -57,4 +57,4 @@ def separated(text: str, path: Path) -> Grid:
             line = skipped + reader.line_num + 1
     except csv.Error as error:
         raise TimelineError(f"{path}: line {line}: not a row of a table: {error}") from error
-    return Grid(tuple(rows), comma=separator != ",")
+    return Grid(tuple(rows), decimal_comma=separator != ",")
