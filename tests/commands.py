@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from blastline.cli import main
 
@@ -117,9 +118,14 @@ def write_film(path: Path, *, length_s: float, shots_s: tuple[float, ...] = (), 
             size=len(time_s)
         )
         samples[start : start + len(time_s)] += 0.6 * blast
+    return write_wave(path, samples)
+
+
+def write_wave(path: Path, samples: NDArray[np.float64], *, rate_hz: int = RATE_HZ) -> Path:
+    """Write mono samples as 16 bits, clipped to -1 and 1; return the path."""
     with wave.open(str(path), "wb") as file:
         file.setnchannels(1)
         file.setsampwidth(2)
-        file.setframerate(RATE_HZ)
+        file.setframerate(rate_hz)
         file.writeframes(np.round(np.clip(samples, -1.0, 1.0) * 32_767).astype("<i2").tobytes())
     return path

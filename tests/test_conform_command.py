@@ -2,7 +2,6 @@
 
 import csv
 import hashlib
-import wave
 from collections.abc import Callable
 from pathlib import Path
 
@@ -30,22 +29,13 @@ from blastline.model import (
 from blastline.ruleset import load_rules
 from blastline.study.conforming import made_film, score_one
 from blastline.study.cuts import CASES
-from commands import blastline
+from commands import blastline, write_wave
 from conform_films import RATE_HZ, Samples, film, seconds
 
 ONSETS_S = (2.0, 7.25, 12.0, 16.0, 18.5, 23.0)
 OLD = 0.2 * film(26.0, ONSETS_S, seed=40)
 NEW = np.concatenate([seconds(OLD, 3.0, 10.0), seconds(OLD, 14.0, 26.0)])
 EXPECTED = {"shot-2": 4.25, "shot-4": 9.0, "shot-5": 11.5, "shot-6": 16.0}
-
-
-def write(path: Path, samples: Samples, rate_hz: int = RATE_HZ) -> Path:
-    with wave.open(str(path), "wb") as file:
-        file.setnchannels(1)
-        file.setsampwidth(2)
-        file.setframerate(rate_hz)
-        file.writeframes(np.round(np.clip(samples, -1, 1) * 32_767).astype("<i2").tobytes())
-    return path
 
 
 def event(number: int, onset_s: float) -> Event:
@@ -87,13 +77,13 @@ def in_pal(path: Path) -> Path:
     """Write the old film at 25 frames for 24."""
     import soxr
 
-    return write(path, soxr.resample(OLD, RATE_HZ * 25 / 24, 48_000), 48_000)
+    return write_wave(path, soxr.resample(OLD, RATE_HZ * 25 / 24, 48_000), rate_hz=48_000)
 
 
 @pytest.fixture
 def films(tmp_path: Path) -> tuple[Path, Path, Path]:
-    old = write(tmp_path / "old.wav", OLD)
-    return timeline_of(old, len(OLD)), old, write(tmp_path / "new.wav", 0.5 * NEW)
+    old = write_wave(tmp_path / "old.wav", OLD, rate_hz=RATE_HZ)
+    return timeline_of(old, len(OLD)), old, write_wave(tmp_path / "new.wav", 0.5 * NEW, rate_hz=RATE_HZ)
 
 
 def test_a_new_cut_gets_its_timeline_and_its_tables(films: tuple[Path, Path, Path], tmp_path: Path) -> None:
@@ -251,7 +241,7 @@ def test_a_faster_copy_has_shorter_spans(films: tuple[Path, Path, Path], tmp_pat
     import soxr
 
     timeline, old, _ = films
-    new = write(tmp_path / "pal.wav", soxr.resample(OLD, RATE_HZ * 25 / 24, 48_000), 48_000)
+    new = write_wave(tmp_path / "pal.wav", soxr.resample(OLD, RATE_HZ * 25 / 24, 48_000), rate_hz=48_000)
     ended = blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
     assert "speed 1.041667" in ended.out
     made = read_timeline(tmp_path / "out" / "timeline.json")
@@ -288,7 +278,7 @@ def test_a_new_film_that_cannot_be_used(
     films: tuple[Path, Path, Path], tmp_path: Path, samples: Samples, complaint: str
 ) -> None:
     timeline, old, _ = films
-    new = write(tmp_path / "other.wav", samples)
+    new = write_wave(tmp_path / "other.wav", samples, rate_hz=RATE_HZ)
     ended = blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out", "-q")
     assert complaint in ended.complaint
     assert not (tmp_path / "out").exists()
@@ -301,7 +291,7 @@ def test_an_old_film_that_is_not_the_timelines(
     films: tuple[Path, Path, Path], tmp_path: Path, samples: Samples, what: str
 ) -> None:
     timeline, _, new = films
-    other = write(tmp_path / "other.wav", samples)
+    other = write_wave(tmp_path / "other.wav", samples, rate_hz=RATE_HZ)
     ended = blastline("conform", timeline, "--from", other, "--to", new, "-o", tmp_path / "out", "-q")
     assert f"its {what} is" in ended.complaint
     assert "is not the film that" in ended.complaint

@@ -1,3 +1,5 @@
+"""The filters: eq. (2) and its inverse as analogue filters, and how near their digital sections come to them."""
+
 import math
 
 import msgspec

@@ -1,3 +1,5 @@
+"""The constrained drive: its problem as matrices, its corners, and that its minimum is scipy's."""
+
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""The drive of a window, by each model: what it promises, and what must not change a bit of it."""
+
 import re
 from typing import get_args
 

@@ -1,3 +1,5 @@
+"""The filters of rendering: designed at every rate, settled where they begin, and what is felt through them."""
+
 import msgspec
 import numpy as np
 import pytest

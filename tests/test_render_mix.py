@@ -1,3 +1,5 @@
+"""Windows laid into the film or into silence: to the bit outside of them, whatever the blocks are."""
+
 from collections.abc import Iterator
 
 import numpy as np

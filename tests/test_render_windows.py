@@ -1,3 +1,5 @@
+"""Windows: from their fades in to their fades out, joined where they meet, and never into an onset."""
+
 import msgspec
 import pytest
 from hypothesis import given

@@ -1,3 +1,5 @@
+"""What a scene requires: the cheapest model that is good enough, and decisions that follow from their evidence."""
+
 import math
 import re
 from typing import get_args
