@@ -1,14 +1,14 @@
 """The drive that is due around an onset, sample for sample.
 
-An actuator at its limit is not felt in the shape of the sound, so that no two places on them can be told to be the
-same. But what its drive has to do is known:
+What is felt of a drive at the actuator's limit does not have the shape of the sound, so comparing the two does not tell
+whether they begin at the same place. But what the drive has to do at each moment is known:
 
     until a window's first shot    the background fades out; a drive without a solver fades in over it
     direct, filter                 the sound, the compensator's output
     constrained                    what a step down the slope of |H u - t| within the limit leads to: from the best
                                    drive it leads nowhere, however far H u stays from t
 
-H remembers a few milliseconds, so that the last tells of each moment by itself.
+H remembers no more than a few milliseconds, so the last of these holds for each moment by itself.
 """
 
 from dataclasses import dataclass
@@ -26,14 +26,14 @@ MISSING = 0.5
 """A drive does what is due where no more than this share of it is missing: 0.2 in right ones, 1 at rest."""
 
 _LONG = 16.0
-"""A step so many times the safe one makes up at once for what is missing where |H| is a quarter of its most."""
+"""A step so many times the safe one makes up at once for all that is missing where |H| is a quarter of its largest."""
 
 
 @dataclass(frozen=True, eq=False)
 class Adjoints:
-    """H't and H'H u, the adjoint of H on what is intended and on what is felt: what of them a drive can do about.
+    """H't and H'H u: the adjoint of H, applied to what is intended and to what is felt.
 
-    Shape (frames,) each, over the span of `Heard`.
+    A drive can only change what is left of both after that. Shape (frames,) each, over the span of `Heard`.
     """
 
     intended: Samples
@@ -49,7 +49,7 @@ class DueDrive:
 
 
 def adjoints_of(shared: Comparison, heard: Heard, felt: Felt) -> Adjoints:
-    """Return what a drive can do about: not what the opening of its window leaves ringing, which no drive makes up."""
+    """Return the adjoints of a shot without what the opening of its window leaves ringing: no drive undoes that."""
     wet = _unsolved(heard, 1.0 if heard.solved else _gain_of_wet(shared, heard, felt))
     left = _opening(heard, wet) - wet
     vibration = felt.own - dsp.run_filter(shared.felt, left) if left.any() else felt.own
@@ -57,10 +57,10 @@ def adjoints_of(shared: Comparison, heard: Heard, felt: Felt) -> Adjoints:
 
 
 def due_drives(shared: Comparison, heard: Heard, felt: Felt, adjoints: Adjoints) -> tuple[DueDrive, ...]:
-    """Return the drives that may be due, each borne out by the drive after the attack; none where nothing is.
+    """Return the drives that may be due: those that the actual drive follows after the attack; perhaps none.
 
-    A solved drive may have been rendered with the gain that was asked for or with the one that is measured, H'H u
-    against H't where the drive is free of its limit. The latter tells little where little is free.
+    Two gains are tried for a solved drive: the one that was asked for, and the one that is measured, by comparing H'H u
+    with H't where the drive is free of its limit. The second is uncertain where little of the drive is free.
     """
     if not heard.solved:
         gain = _gain_of_wet(shared, heard, felt)

@@ -38,8 +38,10 @@ _LOOP = "one of a loop: it comes again with all that is around it, and again"
 
 @dataclass(frozen=True, eq=False)
 class _Belief:
-    """Of n candidates: which are believed, would be so by themselves or in company, are rounds of even fire, or are
-    refused with their row.
+    """What is thought of n candidates, shape (n,) each.
+
+    `believed` are shots, unless their row is refused. `by_itself` would be believed alone, `likely` in company. `fire`
+    are rounds of a row of even fire; `unlike` belong to a row at that pace that does not sound like a gun.
     """
 
     believed: NDArray[np.bool_]

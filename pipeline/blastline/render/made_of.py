@@ -17,14 +17,15 @@ _CELL_MS = 0.5
 """Means over so much keep what lies in the band of vibration, up to about 1 kHz, and nothing far above it."""
 
 _AROUND_MS = 40.0
+"""So long after the onset, and as long before it, is compared."""
+
 _WEAKER = 0.25
-"""The mains lack a shot that raises their energy there by less than that share of what it raises the sides', 6 dB, or
-by less than what was there before, and"""
+"""The first sign that the mains lack a shot: the energy that it brings them is less than this share, 6 dB, of what it
+brings the sides, or less than the energy that was there before."""
 
 _ALIKE, _LATEST_MS = 0.6, 2.0
-"""of whose waveform in the sides they hold less than that, however the two are delayed: one that is played from one
-side, or that reaches two microphones one after the other, is in both."""
-
+"""The second: they hold less than this share of the shot's waveform in the sides, even with one of the two delayed by
+up to 2 ms. A shot from one side, or one that reaches two microphones one after the other, is in both mixes."""
 
 _CHANNELS: tuple[MadeOf, MadeOf] = ("left", "right")
 
@@ -63,9 +64,10 @@ def _brought_by(audio: Clip, channel: MadeOf, onsets: Sequence[int]) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _OnsetEnergy:
-    """A mix after an onset, as means of cells against what was the mean before; its energy, and as much of that before.
+    """The energy of a mix after an onset, and what of it came with the onset.
 
-    `brought` is how much of the energy came with the onset.
+    `now` are the means of the cells after the onset, less the constant that was there before. `before` is the energy
+    that as many cells had before it; `brought` is how much more there is now.
     """
 
     now: NDArray[np.float64]

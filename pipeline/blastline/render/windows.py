@@ -31,6 +31,15 @@ class PlannedWindow:
         return Span(self.window.start + self.window.fade_in_samples, self.window.stop - self.window.fade_out_samples)
 
 
+@dataclass(frozen=True)
+class _OwnWindow:
+    """The window that a shot would have alone, and the shot's place among the film's."""
+
+    window: Window
+    shot: Shot
+    index: int
+
+
 def plan_windows(
     shots: Sequence[Shot],
     *,
@@ -46,14 +55,15 @@ def plan_windows(
     weight at once. `given` are windows, by the shot's index, that are settled already. Raises ValueError for a shot
     that begins outside the film.
     """
-    own: list[tuple[Window, int]] = []
+    own: list[_OwnWindow] = []
     for index, shot in enumerate(shots):
         if not 0 <= shot.onset < frames:
             raise ValueError(f"shot {index} begins at sample {shot.onset}, outside the film's {frames} frames")
         sounding = Span(shot.onset, min(max(shot.span.stop, shot.onset + 1), frames))
-        own.append((given.get(index) or _around(sounding, frames=frames, rate_hz=rate_hz, rules=rules), index))
-    own.sort(key=lambda one: (one[0].start, shots[one[1]].onset, one[1]))
-    return tuple(_joined(group, shots) for group in _meeting(own))
+        window = given.get(index) or _around(sounding, frames=frames, rate_hz=rate_hz, rules=rules)
+        own.append(_OwnWindow(window, shot, index))
+    own.sort(key=lambda each: (each.window.start, each.shot.onset, each.index))
+    return tuple(_joined(group) for group in _meeting(own))
 
 
 def with_gains(
@@ -91,37 +101,38 @@ def window_between(
     return Window(begin, end, fade_in, fade_out)
 
 
-def _meeting(own: Sequence[tuple[Window, int]]) -> Iterator[Sequence[tuple[Window, int]]]:
+def _meeting(own: Sequence[_OwnWindow]) -> Iterator[Sequence[_OwnWindow]]:
     """Yield the runs of windows, ascending by their starts, that touch or overlap."""
-    first, stop = 0, own[0][0].stop if own else 0
-    for place, (window, _) in enumerate(own):
-        if window.start > stop:
+    first, stop = 0, own[0].window.stop if own else 0
+    for place, each in enumerate(own):
+        if each.window.start > stop:
             yield own[first:place]
             first = place
-        stop = max(stop, window.stop)
+        stop = max(stop, each.window.stop)
     if own:
         yield own[first:]
 
 
-def _joined(group: Sequence[tuple[Window, int]], shots: Sequence[Shot]) -> PlannedWindow:
-    """Return windows that meet, each with its shot's index, as one; no fade reaches into an onset.
+def _joined(group: Sequence[_OwnWindow]) -> PlannedWindow:
+    """Return windows that meet as one; no fade reaches into an onset.
 
     A fade-out that somebody has set may begin while a later shot sounds: it takes at most half of the room after that.
     """
-    (window, index), *others = group
-    first = latest = shots[index].onset
-    sounding = shots[index].span.stop
-    for other, index in others:
-        shot = shots[index]
-        first, latest, sounding = min(first, shot.onset), max(latest, shot.onset), max(sounding, shot.span.stop)
-        last = max(window, other, key=lambda w: (w.stop, -w.fade_out_samples))
+    window, shot = group[0].window, group[0].shot
+    first = latest = shot.onset
+    sounding = shot.span.stop
+    for other in group[1:]:
+        first, latest = min(first, other.shot.onset), max(latest, other.shot.onset)
+        sounding = max(sounding, other.shot.span.stop)
+        last = max(window, other.window, key=lambda w: (w.stop, -w.fade_out_samples))
         window = Window(
             window.start,
             last.stop,
             min(window.fade_in_samples, first - window.start),
             min(last.fade_out_samples, max(last.stop - sounding, (last.stop - latest) // 2)),
         )
-    return PlannedWindow(window, tuple(sorted((index for _, index in group), key=lambda i: (shots[i].onset, i))))
+    in_time = sorted(group, key=lambda each: (each.shot.onset, each.index))
+    return PlannedWindow(window, tuple(each.index for each in in_time))
 
 
 def _around(sounding: Span, *, frames: int, rate_hz: int, rules: WindowRules) -> Window:

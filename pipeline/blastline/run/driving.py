@@ -26,7 +26,7 @@ from .options import Setup
 
 def write_drive_of(heard: HeardFilm, path: Path, setup: Setup) -> dict[int, DriveInfo]:
     """Render every window into the drive's file and return what was done for each shot, by its index."""
-    drives: dict[int, DriveInfo] = {}
+    drives: dict[int, DriveInfo] = {}  # filled as the windows pass by on their way into the file
 
     def noted() -> Iterator[RenderedWindow]:
         for number, done in enumerate(_render_windows(heard, setup), start=1):

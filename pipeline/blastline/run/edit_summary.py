@@ -63,5 +63,9 @@ def _gaps(edited: EditedFile) -> list[str]:
 def _way(wish: Wish, *, known: bool) -> str:
     """Return in which way an event was edited, as far as the file tells where there is no original."""
     if wish.was is None:
-        return "added" if known or wish.origin == "added" else "moved" if wish.origin == "moved" else "kept"
-    return "changed" if wish.changed else "kept" if wish.unmoved else "moved"
+        if known or wish.origin == "added":
+            return "added"
+        return "moved" if wish.origin == "moved" else "kept"
+    if wish.changed:
+        return "changed"
+    return "kept" if wish.unmoved else "moved"

@@ -21,15 +21,15 @@ DELETED: Final = "deleted by hand"
 
 @dataclass(frozen=True)
 class _Left:
-    """Where no event is any more: the places, ascending, and of those that were moved away whose they were."""
+    """Where no event is any more: `places`, ascending; `movers` has the ids of events that were moved away from one."""
 
     places: tuple[int, ...]
     movers: dict[int, str]
 
     def first(self, soonest: int, wish: Wish) -> int | None:
-        """Return the first place from a sample on that is not the wish's own.
+        """Return the first place from a sample on that the wish itself was not moved away from.
 
-        Who moves an event says where it begins, not that what sounded at its old place is gone from it.
+        Whoever moves an event says where it begins; what sounded at its old place may still belong to it.
         """
         later = self.places[bisect_left(self.places, soonest) :]
         return next((place for place in later if self.movers.get(place) != wish.id), None)
@@ -52,7 +52,8 @@ def settled_windows(
         if wish.window is not None:
             given[index] = wish.window
             continue
-        start, stop, was = wish.start, wish.stop, wish.was if wish.unmoved else None
+        start, stop = wish.start, wish.stop
+        was = wish.was if wish.unmoved else None
         if start is None and was is not None and firsts[was.window] == wish.onset:
             start = was.window.start
         if stop is None:
@@ -74,10 +75,10 @@ def settled_windows(
 
 
 def _bounds(index: int, wishes: Sequence[Wish], left: _Left, gap: int, planned: int) -> Iterator[int]:
-    """Yield where a window has to end that would end at `planned`; wishes are in the order of their onsets.
+    """Yield the places at which a window that would end at `planned` has to end; wishes are in order of their onsets.
 
-    Of a shot that was not moved that is where its old window ended, which somebody may have set. What begins sooner
-    than the rounds of a burst can is no round, but more of the same shot.
+    These are: the shot's own end, where somebody set one or the shot was not moved; the next place that an event has
+    left; and the ends of later shots. Nothing counts that is nearer than a gun fires again: it is the same shot.
     """
     wish = wishes[index]
     if (own := _end(wish)) is not None:

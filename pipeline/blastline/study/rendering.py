@@ -52,6 +52,14 @@ class RenderingScore(msgspec.Struct, frozen=True):
         )
 
 
+@dataclass(frozen=True)
+class _FilterCost:
+    """The CPU time of the compensator, settled, in all windows of a scene, and of soundfile reading them."""
+
+    filtering_s: float
+    reading_s: float
+
+
 @dataclass
 class _Tally:
     """What grows from scene to scene, of one phase."""
@@ -76,13 +84,14 @@ def score(
     profile, _ = load_actuator(actuator, rules)
     tier = load_rules(quality, rules).tier
     tallies = {phase: _Tally() for phase in PHASES}
-    costs: list[tuple[float, float]] = []
+    costs: list[_FilterCost] = []
     optima: list[Optimum] = []
     total = len(scenes_with_shots(fixtures))
     progress("rendering", 0, total)
     for number, scene in enumerate(true_scenes(fixtures, tier), start=1):
+        setups = {phase: render_setup(profile, scene.track.rate_hz, phase, tier.render) for phase in PHASES}
         for phase, tally in tallies.items():
-            setup = render_setup(profile, scene.track.rate_hz, phase, tier.render)
+            setup = setups[phase]
             for window in windows_of(scene, setup):
                 row = judged(window, scene.name, setup)
                 tally.windows.append(row)
@@ -91,7 +100,7 @@ def score(
             tally.window_error = max(tally.window_error, windowed_error(scene, setup))
             whole_ms = 1000.0 * scene.frames / scene.track.rate_hz
             tally.full_error = max(tally.full_error, windowed_error(scene, setup, preroll_ms=whole_ms))
-        costs.append(_filter_and_read(scene, render_setup(profile, scene.track.rate_hz, "causal", tier.render)))
+        costs.append(_filter_and_read(scene, setups["causal"]))
         progress("rendering", number, total)
     weak = {
         phase: tuple(shot for row in tally.windows for shot in row.shots if shot.weak)
@@ -154,13 +163,13 @@ def _window_bars(tallies: dict[Phase, _Tally]) -> list[Bar]:
     return bars
 
 
-def _cost_bars(tallies: dict[Phase, _Tally], costs: Sequence[tuple[float, float]]) -> list[Bar]:
+def _cost_bars(tallies: dict[Phase, _Tally], costs: Sequence[_FilterCost]) -> list[Bar]:
     rows = [row for tally in tallies.values() for row in tally.windows if any(shot.needed > 1.0 for shot in row.shots)]
     spent, seconds = sum(row.cpu_s["constrained"] for row in rows), sum(row.window_s for row in rows)
-    filtering, reading = (sum(each) for each in zip(*costs, strict=True))
+    filtering_s, reading_s = sum(each.filtering_s for each in costs), sum(each.reading_s for each in costs)
     return [
         Bar("constrained rendering: CPU per second of window", spent / seconds if seconds else math.nan, 0.1, "s"),
-        Bar("filter: CPU against soundfile reading the windows", filtering / reading, 2.0, "times"),
+        Bar("filter: CPU against soundfile reading the windows", filtering_s / reading_s, 2.0, "times"),
     ]
 
 
@@ -171,14 +180,14 @@ def _optimum_bars(optima: Iterable[Optimum]) -> list[Bar]:
     ]
 
 
-def _filter_and_read(scene: TrueScene, setup: RenderSetup) -> tuple[float, float]:
-    """Return the CPU time of the compensator in all windows, settled, and of soundfile reading them.
+def _filter_and_read(scene: TrueScene, setup: RenderSetup) -> _FilterCost:
+    """Return what filtering and reading all windows of a scene takes.
 
     Each window is filtered as in a run: just cut from the film, and with what is worked out once for a film at hand.
     """
     import soundfile
 
-    filters, rules, filtering = setup.filters, setup.rules, 0.0
+    filters, rules, filtering_s = setup.filters, setup.rules, 0.0
     settled_compensated(np.zeros(1), slice(0, 1), filters, rules)
     for planned in scene.windows:
         span = needed_audio(planned, frames=scene.frames, filters=filters, rules=rules)
@@ -186,13 +195,13 @@ def _filter_and_read(scene: TrueScene, setup: RenderSetup) -> tuple[float, float
         sound = np.asarray(scene.track.read(span).driving, dtype=np.float64)
         began = time.process_time()
         settled_compensated(sound, inside, filters, rules)
-        filtering += time.process_time() - began
+        filtering_s += time.process_time() - began
     began = time.process_time()
     with soundfile.SoundFile(scene.path) as file:
         for planned in scene.windows:
             file.seek(planned.window.start)
             file.read(len(planned.window.span), dtype="float32")
-    return filtering, time.process_time() - began
+    return _FilterCost(filtering_s, time.process_time() - began)
 
 
 def _mean(values: Sequence[float]) -> float:

@@ -14,6 +14,7 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
@@ -41,6 +42,20 @@ AFTER_SHARE = 0.6
 """Of the weights of a fine-tuned network; the rest is as before."""
 NETWORKS = ("small", "large", "large")
 """As many as the reference tier asks: the first stands for itself, the others judge what it doubts."""
+
+
+@dataclass(frozen=True)
+class _Lot:
+    """How many lessons of a seed there are to be: synthetic films of a minute, and mixes of recordings."""
+
+    seed: int
+    synthetic: int
+    recorded: int
+
+    def seeded(self, corpus: Sequence[Path], hold_out: int | None) -> SeededDatasets:
+        """Return the datasets of these lessons; the recordings come from the folders of `corpus`."""
+        made = datasets(corpus, synthetic=self.synthetic, recorded=self.recorded, seed=self.seed, hold_out=hold_out)
+        return SeededDatasets(self.seed, made)
 
 
 def training_tier(tier: QualityRules) -> QualityRules:
@@ -184,6 +199,23 @@ def _record(
 
 def main() -> None:
     """Run from the command line."""
+    parser = _parser()
+    options = parser.parse_args()
+    lots = [_Lot(options.seed, options.synthetic, options.recorded), *options.more]
+    seeded = [lot.seeded(options.corpus, options.hold_out) for lot in lots]
+    before = read_model(options.further) if options.further else None
+    known = tuple(named_size(network) for network in before.networks) if before else ()
+    sizes = options.networks or known or NETWORKS
+    if sizes[: len(known)] != known:
+        parser.error(f"--networks {','.join(sizes)}: expected {','.join(known)} first, as in {options.further}")
+    with tempfile.TemporaryDirectory(prefix="blastline-") as made:
+        work = options.work or Path(made)
+        model = train(seeded, work, networks=sizes, jobs=options.jobs, copies=options.again, before=before)
+    options.output.write_bytes(msgspec.json.encode(model) + b"\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    """Return what reads the command line."""
     parser = argparse.ArgumentParser(prog="python -m blastline.study.train", description="Train the verifier.")
     parser.add_argument("--corpus", type=Path, action="append", default=[], help="a folder with annotations.csv")
     parser.add_argument("--synthetic", type=int, default=600, help="synthetic films of a minute (default: %(default)s)")
@@ -196,7 +228,7 @@ def main() -> None:
     )
     parser.add_argument(
         "--more",
-        type=_lot,
+        type=_lot_of,
         action="append",
         default=[],
         metavar="SEED,SYNTHETIC,RECORDED",
@@ -209,28 +241,13 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="processes (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("-o", "--output", type=Path, required=True)
-    options = parser.parse_args()
-    seeded = [
-        SeededDatasets(
-            seed, datasets(options.corpus, synthetic=made, recorded=mixed, seed=seed, hold_out=options.hold_out)
-        )
-        for seed, made, mixed in [(options.seed, options.synthetic, options.recorded), *options.more]
-    ]
-    before = read_model(options.further) if options.further else None
-    known = tuple(named_size(network) for network in before.networks) if before else ()
-    sizes = options.networks or known or NETWORKS
-    if sizes[: len(known)] != known:
-        parser.error(f"--networks {','.join(sizes)}: expected {','.join(known)} first, as in {options.further}")
-    with tempfile.TemporaryDirectory(prefix="blastline-") as made:
-        work = options.work or Path(made)
-        model = train(seeded, work, networks=sizes, jobs=options.jobs, copies=options.again, before=before)
-    options.output.write_bytes(msgspec.json.encode(model) + b"\n")
+    return parser
 
 
-def _lot(text: str) -> tuple[int, int, int]:
-    """Return a seed and two counts of lessons; ValueError, of which argparse tells, where there is anything else."""
+def _lot_of(text: str) -> _Lot:
+    """Return what SEED,SYNTHETIC,RECORDED says; ValueError, of which argparse tells, where it is anything else."""
     seed, synthetic, recorded = (int(part) for part in text.split(","))
-    return seed, synthetic, recorded
+    return _Lot(seed, synthetic, recorded)
 
 
 def _sizes(text: str) -> tuple[str, ...]:
