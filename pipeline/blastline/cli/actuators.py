@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from ..ruleset import actuator_names, load_actuator
-from .measured import say_fitted, say_measured
+from .actuator_summary import say_fitted, say_measured
 from .options import WRITING, Overwrite, Quiet, RulesOption
 from .progress import shown_progress
 

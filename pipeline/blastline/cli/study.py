@@ -5,11 +5,11 @@ from typing import Annotated
 
 import typer
 
-from . import study_detection, study_pareto
-from .figures import as_json, figures_file
+from . import study_detection, study_options, study_pareto
 from .options import ActuatorOption, Overwrite, QualityOption, RulesOption
 from .progress import shown_progress
-from .studied import rendering_table, segmentation_table
+from .study_figures import as_json, figures_file
+from .study_tables import rendering_table, segmentation_table
 
 group = typer.Typer(help="Measure accuracy on scenes and recordings with a known truth.")
 
@@ -25,7 +25,7 @@ group.command()(study_pareto.pareto)
 
 @group.command()
 def segmentation(
-    fixtures: study_detection.Fixtures = None,
+    fixtures: study_options.Fixtures = None,
     random: Annotated[
         int, typer.Option("--random", metavar="N", min=0, help="So many random films of a minute as well.")
     ] = 0,
@@ -36,7 +36,7 @@ def segmentation(
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every figure as JSON.")
     ] = None,
     overwrite: Overwrite = False,
-    quiet: study_detection.NoProgress = False,
+    quiet: study_options.NoProgress = False,
 ) -> int:
     """Part the shots of synthetic films into blast and reflections, and compare with what is heard in them.
 
@@ -69,7 +69,7 @@ def rendering(
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every figure, shot by shot, as JSON.")
     ] = None,
     overwrite: Overwrite = False,
-    quiet: study_detection.NoProgress = False,
+    quiet: study_options.NoProgress = False,
 ) -> int:
     """Render the shots of scenes in every way there is, say what is felt of them, and whether the bars are met.
 

@@ -8,7 +8,7 @@ import typer
 
 from .options import ActuatorOption, Overwrite, ResultFolder, RulesOption
 from .progress import shown_progress
-from .study_detection import (
+from .study_options import (
     CORES,
     Clips,
     Corpus,
