@@ -198,7 +198,9 @@ def test_films_without_sides_are_heard_once(film: tuple[Samples, Truth], layout:
 
 @pytest.mark.parametrize("mix", ["center", "0,1", "2"])
 def test_who_says_what_to_listen_to_is_not_overruled(film: tuple[Samples, Truth], mix: str) -> None:
-    assert all(block.sides is None for block in opened(film[0], mix=mix).blocks(sides=True))
+    blocks = list(opened(film[0], mix=mix).blocks(sides=True))
+    assert blocks
+    assert all(block.sides is None for block in blocks)
 
 
 def test_sides_are_the_mains_less_the_centre_whatever_the_block(film: tuple[Samples, Truth]) -> None:

@@ -96,6 +96,7 @@ def test_the_page_holds_every_shot_and_nothing_from_outside(tmp_path: Path) -> N
         assert f"shot-{event.id}" in page.ids
         assert event.timecode in page.text
     assert page.tags.count("article") == len(timeline.events)
+    assert page.links
     assert all(link.startswith("#") for link in page.links)
     assert {unquote(link[1:]) for link in page.links} <= set(page.ids)
     assert len(page.ids) == len(set(page.ids))

@@ -133,6 +133,7 @@ def test_a_right_drive_of_a_seat_that_is_felt_at_low_frequencies_alone_passes_ev
 def test_every_choice_follows_from_its_evidence(result: tuple[Timeline, NDArray[np.int32]]) -> None:
     timeline, _ = result
     rules = load_rules("standard")
+    assert timeline.events
     for event in timeline.events:
         assert event.drive is not None
         assert choose(SceneEvidence(**event.drive.evidence), rules.scenes, "auto") == (

@@ -245,8 +245,11 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _lot_of(text: str) -> _Lot:
-    """Return what SEED,SYNTHETIC,RECORDED says; ValueError, of which argparse tells, where it is anything else."""
-    seed, synthetic, recorded = (int(part) for part in text.split(","))
+    """Return what SEED,SYNTHETIC,RECORDED says; an error of which argparse tells where it is anything else."""
+    try:
+        seed, synthetic, recorded = (int(part) for part in text.split(","))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{text!r}: expected three whole numbers, SEED,SYNTHETIC,RECORDED") from error
     return _Lot(seed, synthetic, recorded)
 
 

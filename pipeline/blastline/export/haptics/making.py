@@ -42,16 +42,16 @@ def haptic_track(
     return HapticTrack(
         rate_hz,
         frames,
-        source.name,
-        profile.name,
-        profile.highpass.corner_hz,
-        profile.lowpass.corner_hz,
-        tuple(pulses),
-        tuple(segments),
-        rules.amplitude_error,
-        rules.frequency_error,
-        rules.reel_s,
-        tuple(silent),
+        title=source.name,
+        actuator=profile.name,
+        low_hz=profile.highpass.corner_hz,
+        high_hz=profile.lowpass.corner_hz,
+        pulses=tuple(pulses),
+        segments=tuple(segments),
+        amplitude_error=rules.amplitude_error,
+        frequency_error=rules.frequency_error,
+        reel_s=rules.reel_s,
+        silent=tuple(silent),
     )
 
 
