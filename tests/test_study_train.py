@@ -12,7 +12,8 @@ from blastline.study.datasets import Dataset
 from blastline.study.lesson_files import SeededDatasets
 from blastline.study.lessons import plain_mix
 from blastline.study.networks import named_size
-from blastline.study.train import main, train
+from blastline.study.train import main
+from blastline.study.verifier import train
 
 SEED = 5
 DATASETS = [SeededDatasets(SEED, [Dataset("plain", plain_mix(SEED), 6, 3)])]

@@ -1,36 +1,23 @@
 """The exact course of each segment by the waveforms themselves.
 
-Anchors, lively moments spread over the segment, are looked for in the new film; the line that most of them lie on is
-the segment's course. One that was sped up with its pitch kept has no such line to the sample, only one within the steps
+Lively moments of the segment are looked for in the new film (`anchors`); the line that most of them lie on is the
+segment's course. One that was sped up with its pitch kept has no such line to the sample, only one within the steps
 of the tool that did it.
 """
 
-import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .anchors import ANCHOR_S, SHARP_S, SHORT_ANCHOR_S, anchor_times, consensus, find_anchors
 from .film import Film
-from .fingerprint import FRAME_HZ, Fingerprint
 from .lines import FITTED_S, SPEED_STEP, SPEEDS
 from .segments import MatchedSegment
-from .waveform import look
 
-_ANCHOR_S = (0.0, 0.5)  # what of the sound is compared, before and after an anchor's moment
-_SHORT_ANCHOR_S = (0.005, 0.06)  # where the pitch was kept, whose tool moves each piece of sound by itself
-_EVERY_S = 5.0
-_FEWEST, _MOST = 6, 60
-"""A segment has an anchor every so often, but no fewer and no more than so many."""
-
-_SEARCH_S = 0.06  # to either side of where the line leads
-_ALIKE = 0.4  # an anchor less alike than this is not found
 _AGREE_S = 0.5e-3  # an anchor so near to a line lies on it
 _AGREE_STRETCHED_S = 0.03  # the same where the pitch was kept: by so much its tool moves sounds
-_STEEPEST = 0.005
-"""By how much a course may be steeper than its line: a step of the speeds that are tried, at 0.9 of the speed."""
-
 _BESIDE = 5e-4
 """A course this near to the speed it was measured at needs no other speed: half of what 1001/1000 pulls."""
 
@@ -42,10 +29,6 @@ _LEAST_REST_S = 3.0
 
 _PULLS = (1.0, 1001.0 / 1000.0, 1000.0 / 1001.0)
 """By so much a copy may run faster besides, where pictures are counted at 23.976 for 24, or the other way round."""
-
-_ROUNDS = 3
-_SHARP_S = 20e-6
-"""Anchors are exact to some microseconds; those that are not are dropped, round by round."""
 
 
 @dataclass(frozen=True)
@@ -74,28 +57,6 @@ class _Anchored:
     course: Course
     first_s: float
     last_s: float
-
-
-@dataclass(frozen=True, eq=False)
-class _Anchors:
-    """Anchors that were found in the new film, shape (n,) each: when in the old film, and how late and alike there."""
-
-    old_s: NDArray[np.float64]
-    late_s: NDArray[np.float64]
-    likeness: NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class _Consensus:
-    """The line, lateness = slope * old time + level, that most anchors lie near, and which do, shape (n,)."""
-
-    slope: float
-    level_s: float
-    near: NDArray[np.bool_]
-
-    def beside_s(self, anchors: _Anchors) -> NDArray[np.float64]:
-        """Return how far each anchor lies from the line, shape (n,)."""
-        return np.abs(anchors.late_s - self.slope * anchors.old_s - self.level_s)
 
 
 def measured(segments: Sequence[MatchedSegment], old: Film, new: Film) -> list[Course]:
@@ -136,7 +97,7 @@ def _measured(segment: MatchedSegment, old: Film, new: Film) -> list[_Anchored]:
 
 def _best(segment: MatchedSegment, old: Film, new: Film) -> _Anchored | None:
     """Return the course that most anchors of a segment lie on, at its speed or one near it."""
-    times = _anchor_times(segment, old.fingerprint)
+    times = anchor_times(segment, old.fingerprint)
     found: list[tuple[tuple[int, float, float], _Anchored]] = []
     for each in _at_near_speeds(segment):
         anchored = _through_anchors(each, times, old, new, pitch_scale=each.line.scale)
@@ -144,8 +105,8 @@ def _best(segment: MatchedSegment, old: Film, new: Film) -> _Anchored | None:
             course = anchored.course
             beside = abs(course.segment.line.scale / each.line.scale - 1.0)
             # what was resampled by another speed is heard some microseconds beside its place
-            found.append(((course.anchors, -max(course.agree_s, _SHARP_S), -beside), anchored))
-            if course.anchors >= 0.5 * len(times) and course.agree_s <= _SHARP_S and beside <= _BESIDE:
+            found.append(((course.anchors, -max(course.agree_s, SHARP_S), -beside), anchored))
+            if course.anchors >= 0.5 * len(times) and course.agree_s <= SHARP_S and beside <= _BESIDE:
                 break
     best = max(found, key=lambda each: each[0])[1] if found else None
     if (best is None or best.course.anchors < len(times) // 3) and abs(segment.line.scale - 1.0) > 1e-3:
@@ -167,34 +128,19 @@ def _at_near_speeds(segment: MatchedSegment) -> Iterator[MatchedSegment]:
             yield replace(segment, line=replace(line, scale=scale, offset_s=line.at(middle_s) - scale * middle_s))
 
 
-def _anchor_times(segment: MatchedSegment, fingerprint: Fingerprint) -> list[float]:
-    """Return the liveliest moment of each of as many equal parts as a segment deserves."""
-    length_s = segment.stop_s - segment.start_s
-    count = int(np.clip(length_s / _EVERY_S, _FEWEST, _MOST))
-    edges = np.linspace(segment.start_s, segment.stop_s, count + 1)
-    times = []
-    for start_s, stop_s in itertools.pairwise(edges):
-        frames = np.arange(int(start_s * FRAME_HZ), max(int(start_s * FRAME_HZ) + 1, int(stop_s * FRAME_HZ)))
-        frames = frames[frames < len(fingerprint)]
-        if frames.size:
-            rise = np.sum(np.maximum(fingerprint.frames[frames], 0.0), axis=1)
-            times.append(float(frames[int(np.argmax(rise))]) / FRAME_HZ)
-    return times
-
-
 def _through_anchors(
     segment: MatchedSegment, times: Sequence[float], old: Film, new: Film, *, pitch_scale: float
 ) -> _Anchored | None:
     """Return the course that most anchors lie on; None where fewer than a quarter, or than two, agree."""
     line = segment.line
     kept_pitch = abs(pitch_scale / line.scale - 1.0) > 1e-3
-    anchors = _anchors(
-        segment, times, old, new, pitch_scale=pitch_scale, within_s=_SHORT_ANCHOR_S if kept_pitch else _ANCHOR_S
+    anchors = find_anchors(
+        segment, times, old, new, pitch_scale=pitch_scale, within_s=SHORT_ANCHOR_S if kept_pitch else ANCHOR_S
     )
     if len(anchors.old_s) < 2:
         return None
     agree_s = _AGREE_STRETCHED_S if kept_pitch else _AGREE_S
-    found = _consensus(anchors, agree_s)
+    found = consensus(anchors, agree_s)
     count = int(found.near.sum())
     if count < 2 or count < len(times) / 4:
         return None
@@ -208,68 +154,12 @@ def _through_anchors(
     return _Anchored(course, float(anchors.old_s[run.start]), float(anchors.old_s[run.stop - 1]))
 
 
-def _anchors(
-    segment: MatchedSegment,
-    times: Sequence[float],
-    old: Film,
-    new: Film,
-    *,
-    pitch_scale: float,
-    within_s: tuple[float, float],
-) -> _Anchors:
-    """Return the anchors that are found in the new film; of each, `within_s` before and after it is compared."""
-    before_s, after_s = within_s
-    rows = []
-    for old_s in times:
-        found = look(
-            old,
-            new,
-            old_s=old_s,
-            new_s=segment.line.at(old_s),
-            before_s=before_s,
-            after_s=after_s,
-            scale=pitch_scale,
-            search_s=_SEARCH_S,
-        )
-        if found.likeness >= _ALIKE:
-            rows.append((old_s, found.late_s, found.likeness))
-    return _Anchors(*np.array(rows, np.float64).reshape(-1, 3).T)
-
-
 def _longest_run(chosen: NDArray[np.bool_]) -> slice:
     """Return the longest run of chosen ones that follow one another, the first of those that are as long."""
     edges = np.flatnonzero(np.diff(chosen, prepend=False, append=False))  # where a run starts, and where it stops
     starts, stops = edges[::2], edges[1::2]
     longest = int(np.argmax(stops - starts))
     return slice(int(starts[longest]), int(stops[longest]))
-
-
-def _consensus(anchors: _Anchors, agree_s: float) -> _Consensus:
-    """Return the line near most anchors, of all lines through two of them and all level ones through one."""
-    old_s, late_s, weight = anchors.old_s, anchors.late_s, anchors.likeness
-    best_weight, best = -1.0, np.zeros(len(old_s), bool)
-    for one, other in [*itertools.combinations(range(len(old_s)), 2), *((n, n) for n in range(len(old_s)))]:
-        slope = (late_s[other] - late_s[one]) / (old_s[other] - old_s[one]) if old_s[one] != old_s[other] else 0.0
-        if abs(slope) > _STEEPEST:
-            continue
-        near = np.abs(late_s - late_s[one] - slope * (old_s - old_s[one])) <= agree_s
-        total = float(weight[near].sum())
-        if total > best_weight:
-            best_weight, best = total, near
-    for _ in range(_ROUNDS):
-        slope, level_s = _fitted(old_s[best], late_s[best], weight[best])
-        line = _Consensus(slope, level_s, best)
-        beside_s = line.beside_s(anchors)
-        best = best & (beside_s <= max(_SHARP_S, 3.0 * float(np.median(beside_s[best]))))
-    return replace(line, near=best)
-
-
-def _fitted(x: NDArray[np.float64], y: NDArray[np.float64], weight: NDArray[np.float64]) -> tuple[float, float]:
-    """Return slope and level of the straight line through some anchors; level where they are too close together."""
-    if len(x) < 3 or np.ptp(x) <= 1.0:
-        return 0.0, float(np.average(y, weights=weight))
-    slope, level = np.polyfit(x - x.mean(), y, 1, w=weight)
-    return float(slope), float(level - slope * x.mean())
 
 
 def _joined(courses: Sequence[Course]) -> list[Course]:
