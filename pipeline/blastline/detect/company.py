@@ -56,13 +56,20 @@ def in_company(
 ) -> tuple[tuple[Shot, ...], tuple[Rejection, ...]]:
     """Return the shots that are believed, in order of time, and the rest.
 
-    A shot is sure from `threshold` on, or as one of a run of `fewest_shots` that each reach `burst_threshold`. It takes
-    along what reaches `company_threshold` within `company_s`. A row of even fire is believed as a whole where it sounds
-    like that in the mean (`fire.py`); of a long one that does not, only what is sure by itself is left. Two shots in a
-    burst take along the other rounds of it from `round_threshold` on: what lies within `longest_gap_ms` from one to the
-    next, unless it is `echo_drop_db` softer than they are. An even run of more than `most_unsure`, of which fewer
-    than half are sure by themselves, has no shots and vouches for none; nor has a slower even row (`RowRules`), where
-    even fire counts as sure as well, nor what turns with a loop of ambience.
+    Believed are
+
+    - sure shots: what reaches `threshold`, and each of a run of `fewest_shots` that all reach `burst_threshold`;
+    - what reaches `company_threshold` within `company_s` of a sure shot;
+    - the rounds of a row of even fire that sounds like fire in the mean (`fire.py`);
+    - of a burst with two believed shots, the other rounds that reach `round_threshold`: what lies within
+      `longest_gap_ms` from one to the next, unless it is `echo_drop_db` softer than the believed ones.
+
+    Refused all the same, so that they are company for no other, are
+
+    - of a long row of even fire that does not sound like that, all that are not sure by themselves;
+    - a run at a gun's pace of more than `most_unsure`, of which fewer than half are sure by themselves;
+    - a slower even row (`RowRules`) of which fewer than half are sure by themselves or rounds of even fire;
+    - what turns with a loop of ambience.
     """
     left = sorted(shots, key=lambda s: s.onset)
     refused: list[Rejection] = []
