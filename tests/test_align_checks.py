@@ -93,7 +93,8 @@ def test_a_displaced_drive_fails_by_its_displacement(by: int, phase: Phase, mode
     checks = checks_of(right.with_drive(np.roll(right.drive.samples, by)), phase)
     assert figure(checks, "drive_shift") == pytest.approx(by, abs=0.05)
     assert "drive_shift" in failed(checks)
-    of_time = {"drive_shift", "silence_outside_windows", "felt_lag", "drive_lag", "felt_onset", "drive_onset"}
+    of_place = {"silence_outside_windows", "fades", "drive_shift"}
+    of_time = of_place | {"felt_lag", "drive_lag", "felt_onset", "drive_onset"}
     assert failed(checks) <= of_time
     subject = "drive_lag" if model else "felt_lag"
     before, after = (figure(c, subject, "shot-0003") for c in (checks_of(right, phase), checks))
@@ -188,6 +189,20 @@ def test_movement_between_windows_is_counted() -> None:
     checks = checks_of(right.with_drive(drive))
     assert failed(checks) == {"silence_outside_windows"}
     assert figure(checks, "silence_outside_windows") == 3
+
+
+@pytest.mark.parametrize("background", ["mute", "direct"])
+@pytest.mark.parametrize("end", ["fade_in", "fade_out"])
+def test_a_window_without_its_fade_fails(background: Background, end: str) -> None:
+    right = film("causal", background, "direct")
+    drive, (_, event, *_) = right.drive.samples.copy(), right.timeline.events
+    window, onset = event.window, event.onset_sample
+    at = window.stop - 60 if end == "fade_out" else window.start
+    drive[at : at + 60] = drive[onset : onset + 60]  # cut hard into something that moves
+    broken = failed(checks_of(right.with_drive(drive), background=background))
+    assert "fades" in broken
+    assert broken <= {"fades", "pre_echo"}
+    assert figure(checks_of(right, background=background), "fades") == 0.0
 
 
 def test_missing_frames_are_counted() -> None:

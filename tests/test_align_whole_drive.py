@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from align_films import Held, make_film
+from align_films import Held, make_film, weights_of
+from blastline import dsp
 from blastline.align.sanity import order_faults
-from blastline.align.whole_drive import gaps, moving_spans, scan
+from blastline.align.whole_drive import fades_of, gaps, moving_spans, scan
 from blastline.model import Event, Span, Window
 
 
@@ -54,6 +55,36 @@ def test_dry_sound_is_compared_to_one_24_bit_step() -> None:
     assert strays(written) == 0
     written[[5, 1500]] += np.where(written[[5, 1500]] > 0, -3, 3) * 2.0**-23
     assert strays(written) == 2
+
+
+@pytest.mark.parametrize("block", [1, 13, 10_000])
+@pytest.mark.parametrize("sounding", [False, True])
+def test_what_fades_is_held_to_the_weight_of_its_window(block: int, sounding: bool) -> None:
+    rng = np.random.default_rng(4)
+    windows = [Window(100, 300, 40, 60), Window(300, 400, 0, 0), Window(500, 600, 50, 50), Window(100, 300, 40, 60)]
+    dry = rng.uniform(-1.3, 1.3, 1000) if sounding else np.zeros(1000)
+    weights = np.zeros(1000)
+    for window in windows:
+        weights[window.start : window.stop] = weights_of(window)
+    loudest = dsp.cross_fade(np.clip(dry, -1.0, 1.0), np.where(dry > 0.0, -1.0, 1.0), weights)
+
+    def unfaded(samples: np.ndarray) -> int:
+        fades = fades_of(windows[::-1])
+        expected = (lambda span: dry[span.start : span.stop]) if sounding else None
+        return scan(Held(samples, 8000, block).blocks(), [], expected=expected, fades=fades).unfaded
+
+    assert unfaded(loudest) == 0
+    touched = [100, 139, 240, 299, 520, 599]
+    for further in (touched, [150, 310, 410]):  # these lie in no fade
+        loudest[further] += 1e-3 * np.sign(loudest - dry)[further]
+        assert unfaded(loudest) == len(touched)
+
+
+def test_windows_that_overlap_are_read_all_the_same() -> None:
+    fades = fades_of([Window(0, 200, 10, 100), Window(50, 120, 10, 5), Window(60, 61, 5, 5)])
+    assert [fade.span for fade in fades] == [Span(0, 10), Span(50, 60), Span(100, 200), Span(115, 120)]
+    for block in (1, 7, 300):
+        assert scan(Held(np.ones(300), 8000, block).blocks(), [], expected=None, fades=fades).unfaded == 125
 
 
 def replaced(event: Event, **changes: object) -> Event:

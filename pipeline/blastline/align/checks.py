@@ -15,7 +15,7 @@ from .sanity import fade_margin, heard_rise_db, is_rise_owed, order_faults
 from .shots import ShotFigures, likeness_limit, parts_of
 from .sounds import Sound, read_padded
 from .timing import Timing, time_film
-from .whole_drive import DriveFigures, gaps, scan
+from .whole_drive import DriveFigures, fades_of, gaps, scan
 
 _STEP = 2.0**-15
 
@@ -88,9 +88,10 @@ def _scan(timeline: Timeline, audio: Sound, drive: SoundFile, background: Backgr
     spare = 0 if ratio == 1.0 else samples_from_ms(5.0, drive.rate_hz)
     windows = [_scaled(event, ratio, spare) for event in timeline.events]
     still = gaps(windows, round(timeline.source.frames * ratio))
+    fades = fades_of(event.window for event in timeline.events) if ratio == 1.0 else []
     if background == "direct" and ratio == 1.0:
-        return scan(drive.blocks(), still, expected=lambda span: read_padded(audio, span))
-    return scan(drive.blocks(), still if background == "mute" else [], expected=None)
+        return scan(drive.blocks(), still, expected=lambda span: read_padded(audio, span), fades=fades)
+    return scan(drive.blocks(), still if background == "mute" else [], expected=None, fades=fades)
 
 
 def _scaled(event: Event, ratio: float, spare: int) -> Span:
@@ -111,6 +112,8 @@ def _file_checks(timeline: Timeline, shared: Comparison, film: DriveFigures, dam
     else:
         stray = film.stray if same_rate else None
         yield Check("sound_outside_windows", None, stray == 0, stray, 0.0, "samples")
+    if timeline.events:
+        yield Check("fades", None, film.unfaded == 0, film.unfaded if same_rate else None, 0.0, "samples")
 
 
 def _order_check(timeline: Timeline) -> Iterator[Check]:

@@ -1,25 +1,40 @@
-"""One pass over the drive's file: its length, its peak, and what moves where there is no window."""
+"""One pass over the drive's file: its length, its peak, and what moves where there is no window or a window fades."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Clip, Span
+from .. import dsp
+from ..model import Clip, Span, Window
 
 Expected = Callable[[Span], NDArray[np.float64]]
 
 _STEP_24_BIT = 2.0**-23
+_STEP_16_BIT = 2.0**-15
 
 
 @dataclass(frozen=True)
 class DriveFigures:
-    """The number of frames, the peak, and how many samples outside windows are not what they should be."""
+    """The number of frames, the peak, and how many samples are not what they should be.
+
+    `stray` lie outside windows, `unfaded` in their fades.
+    """
 
     frames: int
     peak: float
     stray: int
+    unfaded: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Fade:
+    """Where a window fades in or out, and the weight of its drive there, shape (frames,)."""
+
+    span: Span
+    weights: NDArray[np.float64]
 
 
 def gaps(windows: Iterable[Span], frames: int) -> list[Span]:
@@ -36,12 +51,28 @@ def gaps(windows: Iterable[Span], frames: int) -> list[Span]:
     return [gap for gap in [*found, Span(free, max(free, frames))] if gap]
 
 
-def scan(blocks: Iterable[Clip], still: Sequence[Span], *, expected: Expected | None) -> DriveFigures:
+def fades_of(windows: Iterable[Window]) -> list[Fade]:
+    """Return where windows, which may be listed more than once, fade; in order."""
+    found = []
+    for window in sorted(set(windows)):
+        if window.fits_fades:
+            rising, falling = dsp.fade(window.fade_in_samples), dsp.fade(window.fade_out_samples)[::-1]
+            found.append(Fade(Span(window.start, window.start + len(rising)), rising))
+            found.append(Fade(Span(window.stop - len(falling), window.stop), falling))
+    return sorted((fade for fade in found if fade.span), key=lambda fade: fade.span)
+
+
+def scan(
+    blocks: Iterable[Clip], still: Sequence[Span], *, expected: Expected | None, fades: Sequence[Fade] = ()
+) -> DriveFigures:
     """Return the figures of a drive that comes as clips following each other.
 
     `still` is sorted and disjoint. There the drive has to be 0, or to the nearest 24-bit step what `expected` returns.
+    In `fades`, sorted, it may be as far from that as a window's drive within the limit is with its weight w(n):
+
+        |drive(n) - expected(n)| <= w(n) (1 + |expected(n)|)        to a step of 16 bits
     """
-    frames, peak, stray, at = 0, 0.0, 0, 0
+    frames, peak, stray, unfaded, at, fade_at = 0, 0.0, 0, 0, 0, 0
     for clip in blocks:
         frames = clip.span.stop
         loudest = max(float(clip.heard.max()), -float(clip.heard.min()))
@@ -52,7 +83,13 @@ def scan(blocks: Iterable[Clip], still: Sequence[Span], *, expected: Expected | 
             at += 1
         for inside in _meeting(still, at, clip.span):
             stray += _strays(clip.slice(inside).heard, expected(inside) if expected else None)
-    return DriveFigures(frames, peak, stray)
+        while fade_at < len(fades) and fades[fade_at].span.stop <= clip.start:
+            fade_at += 1
+        for fade in islice(fades, fade_at, None):
+            if fade.span.start >= clip.span.stop:
+                break
+            unfaded += _unfaded(clip, fade, expected)
+    return DriveFigures(frames, peak, stray, unfaded)
 
 
 def _meeting(spans: Sequence[Span], first: int, clip: Span) -> Iterator[Span]:
@@ -68,6 +105,16 @@ def _strays(samples: NDArray[np.floating], expected: NDArray[np.float64] | None)
         return int(np.count_nonzero(samples))
     playable = np.clip(expected, -1.0, 1.0 - _STEP_24_BIT)
     return int(np.count_nonzero(np.abs(samples - playable) > _STEP_24_BIT))
+
+
+def _unfaded(clip: Clip, fade: Fade, expected: Expected | None) -> int:
+    inside = fade.span & clip.span
+    if not inside:
+        return 0
+    weights = fade.weights[inside.start - fade.span.start : inside.stop - fade.span.start]
+    dry = np.clip(expected(inside), -1.0, 1.0) if expected else np.zeros(len(inside))
+    beside = np.abs(clip.slice(inside).heard - dry)
+    return int(np.count_nonzero(beside > weights * (1.0 + np.abs(dry)) + _STEP_16_BIT))
 
 
 def moving_spans(blocks: Iterable[Clip], *, still: int) -> list[Span]:

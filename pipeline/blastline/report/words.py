@@ -16,6 +16,7 @@ CHECKS = {
     "drive_peak": "The drive keeps to the actuator's limit",
     "silence_outside_windows": "Nothing moves between the shots",
     "sound_outside_windows": "Between the shots the drive is the film's sound",
+    "fades": "The drive comes and goes as its windows fade",
     "timeline_order": "Shots and windows are in order",
     "drive_shift": "The drive as a whole is not displaced",
     "drive_drift": "The drive does not drift from first shot to last",
@@ -36,7 +37,7 @@ CHECKS = {
 """What each check claims; a check without an entry is called by its name."""
 
 _OUTSIDE = {"silence_outside_windows", "sound_outside_windows"}
-_EXACT = {"sample_rate", "frames", "drive_samples", "timeline_order"} | _OUTSIDE
+_EXACT = {"sample_rate", "frames", "drive_samples", "fades", "timeline_order"} | _OUTSIDE
 _AT_LEAST = {"felt_correlation", "drive_correlation", "fade_in_before_onset", "audio_rise"}
 _EITHER_WAY = {"drive_shift", "drive_drift", "felt_lag", "drive_lag", "level_as_rendered", "peak_as_rendered"}
 _ONSETS = {"felt_onset", "drive_onset"}
