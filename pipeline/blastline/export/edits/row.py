@@ -18,6 +18,8 @@ _COARSEST_S = Fraction(1, 1000)
 _WHOLE = re.compile(r"[+-]?\d+(,0*|\.0?)?|[^.,]*")
 """A whole number of a table with decimal commas, where a point may part thousands: `48.000` is 48000 or 48."""
 
+_NO_TIMECODE = "a number of seconds from the film's first sample, such as 19.75, and no timecode"
+
 _LONGEST_NUMBER = 40
 _WIDEST_EXPONENT = 100
 
@@ -125,7 +127,7 @@ class Cell:
         """Return the error that says what was expected in place of the text."""
         return TimelineError(f"{self.path}: {self.place}: {self.name} = {self.text!r}: expected {expected}")
 
-    def number(self, *, comma: bool = False) -> Decimal:
+    def number(self, *, comma: bool = False, expected: str = "a number") -> Decimal:
         """Return the number that the text is; with `comma`, a decimal comma is one."""
         text = self.text.strip()
         if comma and text.count(",") == 1 and "." not in text:
@@ -135,7 +137,7 @@ class Cell:
         except InvalidOperation:
             number = Decimal("nan")
         if not number.is_finite() or abs(number.adjusted()) > _WIDEST_EXPONENT:
-            raise self.refused("a number")
+            raise self.refused(expected)
         return number
 
     def sample(self, *, comma: bool = False) -> int:
@@ -151,7 +153,7 @@ class Cell:
 
     def seconds(self, *, comma: bool = False) -> Point:
         """Return the time that the text is, in seconds."""
-        number = self.number(comma=comma)
+        number = self.number(comma=comma, expected=_NO_TIMECODE if ":" in self.text else "a number of seconds")
         if number < 0:
             raise self.refused("a time from 0, the first frame of the track")
         return Point(seconds=Fraction(number), step_s=Fraction(10) ** _exponent(number))
