@@ -227,6 +227,10 @@ def test_nothing_is_an_empty_label_track_or_a_table_without_rows(tmp_path: Path)
         ("onset_s\n1e999999999\n", "line 2: onset_s = '1e999999999': expected a number"),
         ("onset_s\n1_0\n", "line 2: onset_s = '1_0': expected a number"),
         ("id,onset_s\na,\n", "line 2: no onset; expected a time in onset_sample or onset_s"),
+        (
+            "id,onset_s,timecode\na,,01:00:19:18\n",
+            "line 2: no onset; expected a time in onset_sample or onset_s; timecode is not read",
+        ),
         ("id,onset_s\na,1,5\n", "line 2: 3 cells; expected 2, as many as the header has columns"),
         ('id,onset_s\n"a,1\n', "line 2: not a row of a table"),
         ("id,onset_s\na,1\nb,2\na,3\n", "line 4: id = 'a': line 2 has it too; expected each once"),

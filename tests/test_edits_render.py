@@ -367,6 +367,30 @@ def test_an_event_where_nothing_is_heard_is_rendered_and_not_held_against_the_dr
     assert [(check.passed, check.limit) for check in told] == [(True, None)] * 4
 
 
+def test_an_edit_in_a_column_that_is_not_read_is_told(tmp_path: Path, film: Path, result: Path) -> None:
+    def edit(rows: list[Row]) -> None:
+        rows[0]["timecode"], rows[1]["drive_model"] = "00:00:01.100", "filter"
+        rows[2].update(timecode="00:00:04.005", onset_s="4.005")  # moved, and its timecode with it
+
+    ended, after, _ = rendered(film, edited(result, tmp_path, edit))
+    assert "edits: edited.csv: 3 kept, 1 moved" in ended.err
+    notes = [
+        "not used: the timecode of shot-0001, which was edited; onset_s or onset_sample moves a shot",
+        "not used: the drive_model of shot-0002, which was edited; --drive chooses it, for all shots",
+    ]
+    assert [line for line in ended.err.splitlines() if "not used" in line] == [f"note: {note}" for note in notes]
+    assert after.edits is not None
+    assert list(after.edits.notes) == notes
+
+
+def test_columns_that_are_not_read_are_others_where_the_options_were(tmp_path: Path, film: Path, result: Path) -> None:
+    def edit(rows: list[Row]) -> None:
+        for row in rows:
+            row["timecode"], row["drive_model"] = f"01:{row['timecode'][3:]}", "filter"
+
+    assert "not used" not in rendered(film, edited(result, tmp_path, edit))[0].err
+
+
 def test_a_gain_makes_the_drive_stronger_or_softer(tmp_path: Path, film: Path, result: Path) -> None:
     def edit(rows: list[Row]) -> None:
         rows[0]["gain_db"], rows[3]["gain_db"] = "-12", "-6"

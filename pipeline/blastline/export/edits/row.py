@@ -73,7 +73,8 @@ class Edit:
     """One event of an edited file; None where the file does not say.
 
     `place` is where it stands in the file, for messages. `text` is a label in which an id may stand. `blast_start` is
-    a column that nobody edits, which tells where the onset was.
+    a column that nobody edits, which tells where the onset was. `aside` is what stands in columns that are not read but
+    that somebody may take for ones that are, by their names.
     """
 
     place: str
@@ -86,6 +87,7 @@ class Edit:
     gain_db: Decimal | None = None
     blast_start: int | None = None
     origin: Origin | None = None
+    aside: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
 
 
 @dataclass(frozen=True)

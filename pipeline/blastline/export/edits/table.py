@@ -13,6 +13,7 @@ from .row import Cell, Edit, EditedFile, Point
 from .text import Grid, Row
 
 ONSETS = ("onset_sample", "onset_s")
+_ASIDE = ("timecode", "drive_model")
 
 
 def read_table(grid: Grid, path: Path) -> EditedFile:
@@ -44,7 +45,8 @@ def _edit(row: Row, names: Sequence[str], comma: bool, path: Path) -> Edit:
     cells = {n: Cell(path, place, n, text) for n, text in zip(names, row.cells, strict=False) if n and text}
     onset = _point(cells, *ONSETS, comma=comma)
     if onset is None:
-        raise TimelineError(f"{path}: {place}: no onset; expected a time in {' or '.join(ONSETS)}")
+        unread = "; timecode is not read" if "timecode" in cells else ""
+        raise TimelineError(f"{path}: {place}: no onset; expected a time in {' or '.join(ONSETS)}{unread}")
     confidence, gain, origin = cells.get("confidence"), cells.get("gain_db"), cells.get("origin")
     return Edit(
         place,
@@ -56,6 +58,7 @@ def _edit(row: Row, names: Sequence[str], comma: bool, path: Path) -> Edit:
         gain_db=gain.number(comma=comma) if gain else None,
         blast_start=cells["blast_start_sample"].sample(comma=comma) if "blast_start_sample" in cells else None,
         origin=_origin(origin) if origin else None,
+        aside={name: cells[name].text for name in _ASIDE if name in cells},
     )
 
 
