@@ -319,6 +319,15 @@ def test_rounding_is_told_apart_where_the_clip_begins_beside_the_films_start() -
     assert in_clip.endswith("by +0.000 ms")
 
 
+@pytest.mark.parametrize(
+    ("rate", "has"), [("24000/1001", True), ("50", True), ("60", True), ("48", False), ("120", False)]
+)
+def test_a_rate_that_final_cut_does_not_have_is_told(rate: str, has: bool) -> None:
+    told = rounding(film(Counting(rate, "01:00:00:00"), onsets=[0]), ["resolve", "fcpxml"])
+    doubtful = [line for line in told if "Final Cut Pro may not open the file" in line]
+    assert [line.partition(":")[0] for line in doubtful] == ([] if has else ["fcpxml"])
+
+
 def test_every_format_says_how_exact_it_is() -> None:
     assert all(resolution(name) for name in FORMATS)
     assert resolution("fcp7") == "nearest frame, with the sub-frame offset as text"

@@ -12,6 +12,9 @@ from .webvtt import STEP_S
 
 Shift = Callable[[int], Fraction]
 
+_FINAL_CUTS = frozenset({24, 25, 30, 50, 60})
+"""How many numbers a second of timecode has in Final Cut Pro's projects."""
+
 
 def resolution(name: str) -> str:
     """Return how exactly a format holds the time of an event, in words."""
@@ -60,6 +63,8 @@ def _way(name: str, source: Source) -> tuple[str, Shift] | None:
         words = f"times are whole frames, {float(scale.rate):.6g} a second{counting}, at most {half_ms:.2f} ms off"
         if scale != frame_scale(source):
             words += " in the clip, which begins on the nearest frame"
+        if name == "fcpxml" and scale.nominal not in _FINAL_CUTS:
+            words += "; Final Cut Pro may not open the file: it has no projects of that rate"
         return words, lambda sample: -frame_time(source, sample, scale).offset_s
     if name == "webvtt":
         return "times are whole milliseconds", lambda sample: _stepped(picture_time(source, sample), STEP_S)
