@@ -10,6 +10,7 @@ import msgspec
 import numpy as np
 import pytest
 import soundfile
+import wavinfo
 from numpy.typing import NDArray
 
 from blastline import run
@@ -280,6 +281,16 @@ def test_an_end_that_cannot_be_is_told_as_it_stands(tmp_path: Path, film: Path, 
     (tmp_path / "edited.csv").write_text("onset_s,window_start_s\n2.5,2.6\n")
     ended = blastline("render", film, "-o", tmp_path / "out", "--timeline", tmp_path / "edited.csv")
     assert ended.complaint.endswith("window_start_s = 2.6: expected at most 2.5, the onset")
+
+
+def test_a_marker_of_the_drive_lasts_to_the_end_that_was_set(tmp_path: Path, film: Path, result: Path) -> None:
+    file = edited(result, tmp_path, lambda rows: rows[0].update(window_stop_s="1.7", window_stop_sample=""))
+    _, after, _ = rendered(film, file)
+    cues = wavinfo.WavInfoReader(str(tmp_path / "out" / "drive.wav")).cues
+    assert cues is not None
+    lengths = [cues.range(cue.name) for cue in cues.cues]
+    last_two = [196_800 - 192_000, after.events[3].window.stop - 196_800]
+    assert lengths == [33_600, after.events[1].window.stop - 120_000, *last_two]
 
 
 def test_the_end_of_a_label_is_the_end_of_its_window(tmp_path: Path, film: Path, result: Path) -> None:
