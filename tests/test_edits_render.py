@@ -394,6 +394,18 @@ def test_an_edit_in_a_column_that_is_not_read_is_told(tmp_path: Path, film: Path
     assert list(after.edits.notes) == notes
 
 
+def test_an_edit_in_a_key_that_is_not_read_is_told(tmp_path: Path, film: Path, result: Path) -> None:
+    plain = json.loads((result / "timeline.json").read_text())
+    plain["events"][0]["timecode"] = "00:00:01.100"
+    plain["events"][1]["drive"]["model"] = "filter"
+    (tmp_path / "edited.json").write_text(json.dumps(plain))
+    ended, _, _ = rendered(film, tmp_path / "edited.json", "--original", result / "timeline.json")
+    assert [line for line in ended.err.splitlines() if "not used" in line] == [
+        "note: not used: the timecode of shot-0001, which was edited; onset_s or onset_sample moves a shot",
+        "note: not used: the drive.model of shot-0002, which was edited; --drive chooses it, for all shots",
+    ]
+
+
 def test_columns_that_are_not_read_are_others_where_the_options_were(tmp_path: Path, film: Path, result: Path) -> None:
     def edit(rows: list[Row]) -> None:
         for row in rows:

@@ -9,11 +9,13 @@ from . import names
 
 _MOST_NAMED = 10
 
+_DRIVE_INSTEAD = "--drive chooses it, for all shots"
 _INSTEAD = {
     "timecode": "onset_s or onset_sample moves a shot",
-    "drive_model": "--drive chooses it, for all shots",
+    "drive_model": _DRIVE_INSTEAD,
+    "drive.model": _DRIVE_INSTEAD,
 }
-"""What does what somebody may have meant who edited a column that is not read."""
+"""What does what somebody may have meant who edited a table's column, or a JSON's key, that is not read."""
 
 
 def summarise_edits(edited: EditedFile, wanted: Wanted, *, has_original: bool, is_named: bool) -> Edits:
@@ -50,9 +52,9 @@ def summarise_edits(edited: EditedFile, wanted: Wanted, *, has_original: bool, i
 
 
 def _unheeded(edited: EditedFile, wanted: Wanted) -> Iterator[str]:
-    """Yield a note for each column that is not read and was edited, in shots that are where they were.
+    """Yield a note for each column or key that is not read and was edited, in shots that are where they were.
 
-    Where it is another in every row, nobody typed it: the table was exported or rendered with other options.
+    Where it is another for every shot, nobody typed it: the file was exported or rendered with other options.
     """
     aside = {edit.place: edit.aside for edit in edited.edits}
     for name, instead in _INSTEAD.items():
@@ -68,7 +70,7 @@ def _unheeded(edited: EditedFile, wanted: Wanted) -> Iterator[str]:
 
 
 def _exported(event: Event, name: str) -> str | None:
-    """Return what a table has of an event in a column that is not read back."""
+    """Return what a table or JSON has of an event in a column or key that is not read back."""
     if name == "timecode":
         return event.timecode
     return event.drive.model if event.drive else None
