@@ -328,6 +328,15 @@ def test_a_rate_that_final_cut_does_not_have_is_told(rate: str, has: bool) -> No
     assert [line.partition(":")[0] for line in doubtful] == ([] if has else ["fcpxml"])
 
 
+@pytest.mark.parametrize(("start", "passes"), [("23:59:59:12", True), ("23:59:50:00", False), ("00:00:00:00", False)])
+def test_an_edl_of_a_film_that_passes_midnight_is_told(start: str, passes: bool) -> None:
+    timeline = film(Counting("24", start), onsets=[0, 48_000])
+    timeline = msgspec.structs.replace(timeline, source=msgspec.structs.replace(timeline.source, frames=96_000))
+    told = rounding(timeline, ["resolve", "cmx3600", "otio", "avid"])
+    doubtful = [line for line in told if "passes midnight" in line]
+    assert [line.partition(":")[0] for line in doubtful] == (["resolve, cmx3600"] if passes else [])
+
+
 def test_every_format_says_how_exact_it_is() -> None:
     assert all(resolution(name) for name in FORMATS)
     assert resolution("fcp7") == "nearest frame, with the sub-frame offset as text"
