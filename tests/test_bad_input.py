@@ -245,6 +245,10 @@ def test_a_drive_that_is_not_the_timelines_is_told(tmp_path: Path, made: Path) -
     assert blastline(*found).code == 0
     ended = blastline("check", folder, "--audio", made / "film.wav")
     assert f"not checked: {folder / 'drive.wav'}" in ended.err
+    (folder / "drive.wav").unlink()
+    ended = blastline("check", folder, "--audio", made / "film.wav")
+    assert ended.code == 0
+    assert "not checked: a drive; the timeline has none, and only its events were held against the film\n" in ended.err
 
 
 def test_a_timeline_without_anywhere_to_go_is_refused(made: Path) -> None:

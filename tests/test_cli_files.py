@@ -122,6 +122,7 @@ def test_detect_writes_a_timeline_and_nothing_else(tmp_path: Path, film: Path, b
     assert shown.code == 0
     found = json.loads(shown.out)
     assert len(found["events"]) >= len(SHOTS_S)
+    assert f"\n{len(found['events'])} shots, " in shown.err
     file = tmp_path / "new" / "found.json"
     assert blastline("detect", film, "--rules", believing, "-o", file, "--quiet").out == ""
     assert file.read_text(encoding="utf-8") == shown.out

@@ -1,6 +1,7 @@
 """Haptic formats from the command line: made with a render or from its files later, and refused in one line."""
 
 import json
+import math
 from pathlib import Path
 
 import msgspec
@@ -94,11 +95,9 @@ def test_every_shot_of_a_render_is_a_cue_of_the_drive(result: Path) -> None:
     assert [(cue.position, info.cues.label_and_note(cue.name)[0]) for cue in info.cues.cues] == [
         (each.onset_sample, each.id) for each in events
     ]
-    for cue, each in zip(info.cues.cues, events, strict=True):
-        sounding = each.window.stop - each.window.fade_out_samples - each.onset_sample
-        alone = [other.window for other in events].count(each.window) == 1
-        length = info.cues.range(cue.name)
-        assert length == sounding if alone else 0 < length <= sounding
+    nexts = [*(each.onset_sample for each in events[1:]), math.inf]
+    for cue, each, after in zip(info.cues.cues, events, nexts, strict=True):
+        assert info.cues.range(cue.name) == min(each.window.stop, after) - each.onset_sample
 
 
 def test_a_drive_elsewhere_is_given(tmp_path: Path, timeline: Path) -> None:

@@ -99,7 +99,8 @@ def test_detect_warns_of_a_damaged_film(
     monkeypatch.setattr(run, "detect", lambda *_, **__: damaged)
     monkeypatch.chdir(tmp_path)
     ended = blastline("detect", "film.mkv", *options)
-    assert (ended.code, ended.err) == (0, "warning: 1 packet lost\n")
+    summary = "" if "--quiet" in options else "2 shots, 1 burst\n"
+    assert (ended.code, ended.err) == (0, f"warning: 1 packet lost\n{summary}")
 
 
 def test_every_option_of_render_arrives(monkeypatch: pytest.MonkeyPatch) -> None:

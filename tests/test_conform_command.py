@@ -2,6 +2,7 @@
 
 import csv
 import hashlib
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -29,6 +30,8 @@ from blastline.model import (
 from blastline.ruleset import load_rules
 from blastline.study.conforming import made_film, score_one
 from blastline.study.cuts import CASES
+from blastline.timebase import parse_timebase, retimed
+from blastline.timecode import timecode_at
 from commands import blastline, write_wave
 from conform_films import RATE_HZ, Samples, film, seconds
 
@@ -106,6 +109,28 @@ def test_a_new_cut_gets_its_timeline_and_its_tables(films: tuple[Path, Path, Pat
     assert ended.err.count("not placed: shot-") == 2
 
 
+def test_old_and_new_places_are_told_in_the_timecode_of_either_film(
+    films: tuple[Path, Path, Path], tmp_path: Path
+) -> None:
+    timeline, old, new = films
+    said = retimed(read_timeline(timeline), parse_timebase("01:00:00:00", "24"))
+    timeline.write_bytes(encode(said))
+    new_says = ("--start-timecode", "10:00:00:00", "--frame-rate", "25")
+    ended = blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out", *new_says)
+    assert ended.code == 0, ended
+    made = read_timeline(tmp_path / "out" / "timeline.json")
+    assert (made.source.start_timecode, made.source.frame_rate) == ("10:00:00:00", "25")
+    with (tmp_path / "out" / "conform.csv").open() as file:
+        rows = {row["id"]: row for row in csv.DictReader(file)}
+    assert {each.id: each.timecode for each in said.events} == {name: row["old_timecode"] for name, row in rows.items()}
+    placed = {name: row["new_timecode"] for name, row in rows.items() if row["placed"] == "yes"}
+    assert placed == {each.id: each.timecode for each in made.events}
+    missing = {each.reason.split(":")[0]: timecode_at(made.source, each.at_sample) for each in made.rejections}
+    assert missing == {name: row["new_timecode"] for name, row in rows.items() if row["placed"] == "no"}
+    for name, at in missing.items():
+        assert re.search(rf"{name}: .*\(old film {rows[name]['old_timecode']}, .* at {at}\)", ended.err)
+
+
 def test_a_film_without_shots_gets_an_empty_timeline_and_its_stretches(
     films: tuple[Path, Path, Path], tmp_path: Path
 ) -> None:
@@ -122,7 +147,12 @@ def test_a_film_without_shots_gets_an_empty_timeline_and_its_stretches(
 def test_what_rounds_to_nothing_has_no_sign_in_the_tables(tmp_path: Path) -> None:
     course = Course(MatchedSegment(Line(1.0, -1e-9, 0.0, 9.0), 0.0, 9.0, 0.9), 1.0, 0.0, 6)
     write_segments(tmp_path / "stretches.csv", [course])
-    write_events(tmp_path / "conform.csv", [event(1, 2.0)], [Placed(2.0, -1e-6, 0.9, 0)])
+    write_events(
+        tmp_path / "conform.csv",
+        [event(1, 2.0)],
+        [Placed(2.0, -1e-6, 0.9, 0)],
+        source=Source("f", "0", 8_000, 80_000, 1),
+    )
     assert "-0.0" not in (tmp_path / "stretches.csv").read_text() + (tmp_path / "conform.csv").read_text()
 
 

@@ -214,7 +214,12 @@ def test_nothing_is_an_empty_label_track_or_a_table_without_rows(tmp_path: Path)
             "line 2: onset_sample = '1.5': expected a whole number of samples, with all its digits",
         ),
         ("onset_sample\n1.2E+08\n", "line 2: onset_sample = '1.2E+08': expected a whole number of samples"),
-        ("id,onset_s\na,soon\n", "line 2: onset_s = 'soon': expected a number"),
+        ("id,onset_s\na,soon\n", "line 2: onset_s = 'soon': expected a number of seconds"),
+        (
+            "id,onset_s\na,01:00:19:18\n",
+            "line 2: onset_s = '01:00:19:18': expected a number of seconds from the film's first sample, "
+            "such as 19.75, and no timecode",
+        ),
         ('id,onset_s\na,"1,5"\n', "line 2: onset_s = '1,5': expected a number"),
         ("id;onset_s\na;1.234,5\n", "line 2: onset_s = '1.234,5': expected a number"),
         ("id;onset_sample\na;48.000\n", "line 2: onset_sample = '48.000': expected a whole number of samples, without"),
@@ -222,6 +227,10 @@ def test_nothing_is_an_empty_label_track_or_a_table_without_rows(tmp_path: Path)
         ("onset_s\n1e999999999\n", "line 2: onset_s = '1e999999999': expected a number"),
         ("onset_s\n1_0\n", "line 2: onset_s = '1_0': expected a number"),
         ("id,onset_s\na,\n", "line 2: no onset; expected a time in onset_sample or onset_s"),
+        (
+            "id,onset_s,timecode\na,,01:00:19:18\n",
+            "line 2: no onset; expected a time in onset_sample or onset_s; timecode is not read",
+        ),
         ("id,onset_s\na,1,5\n", "line 2: 3 cells; expected 2, as many as the header has columns"),
         ('id,onset_s\n"a,1\n', "line 2: not a row of a table"),
         ("id,onset_s\na,1\nb,2\na,3\n", "line 4: id = 'a': line 2 has it too; expected each once"),
@@ -249,7 +258,10 @@ def test_nothing_is_an_empty_label_track_or_a_table_without_rows(tmp_path: Path)
             "line 2: Start = '5.1.00': expected a time to the millisecond or the sample",
         ),
         ("#,Name,Start,End\nM1,shot-1 a,1.0,\nM2,shot-1 b,2.0,\n", "line 3: id = 'shot-1': line 2 has it too"),
-        (b"onset_s\n1\0\n", "not text; expected an edited timeline"),
+        (
+            b"onset_s\n1\0\n",
+            "not text; expected an edited timeline: timeline.json, timeline.csv, Audacity labels or REAPER's CSV",
+        ),
         ("{}", "not a timeline; expected an object with schema = 'blastline.timeline/1'"),
     ],
 )
@@ -284,6 +296,25 @@ def test_a_csv_of_blank_cells_is_refused(tmp_path: Path, text: str) -> None:
 )
 def test_labels_that_cannot_be_used_are_refused(tmp_path: Path, text: str, complaint: str) -> None:
     assert refusal(tmp_path, text, "labels.txt").startswith(complaint)
+
+
+@pytest.mark.parametrize(
+    ("name", "what"),
+    [
+        ("resolve", "an EDL"),
+        ("cmx3600", "an EDL"),
+        ("fcp7", "XML"),
+        ("fcpxml", "XML"),
+        ("webvtt", "subtitles"),
+        ("avid", "Avid's markers"),
+    ],
+)
+def test_a_file_for_a_tool_that_is_not_read_back_is_called_by_what_it_is(tmp_path: Path, name: str, what: str) -> None:
+    (file,) = export_timeline(timeline(SHOT, BURST_SHOT), tmp_path, formats=[name])
+    found = refusal(tmp_path, file.read_bytes(), f"edited{file.suffix}")
+    assert found == (
+        f"{what}, not an edited timeline; expected timeline.json, timeline.csv, Audacity labels or REAPER's CSV"
+    )
 
 
 @pytest.mark.parametrize(

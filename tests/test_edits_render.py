@@ -10,6 +10,7 @@ import msgspec
 import numpy as np
 import pytest
 import soundfile
+import wavinfo
 from numpy.typing import NDArray
 
 from blastline import run
@@ -282,6 +283,16 @@ def test_an_end_that_cannot_be_is_told_as_it_stands(tmp_path: Path, film: Path, 
     assert ended.complaint.endswith("window_start_s = 2.6: expected at most 2.5, the onset")
 
 
+def test_a_marker_of_the_drive_lasts_to_the_end_that_was_set(tmp_path: Path, film: Path, result: Path) -> None:
+    file = edited(result, tmp_path, lambda rows: rows[0].update(window_stop_s="1.7", window_stop_sample=""))
+    _, after, _ = rendered(film, file)
+    cues = wavinfo.WavInfoReader(str(tmp_path / "out" / "drive.wav")).cues
+    assert cues is not None
+    lengths = [cues.range(cue.name) for cue in cues.cues]
+    last_two = [196_800 - 192_000, after.events[3].window.stop - 196_800]
+    assert lengths == [33_600, after.events[1].window.stop - 120_000, *last_two]
+
+
 def test_the_end_of_a_label_is_the_end_of_its_window(tmp_path: Path, film: Path, result: Path) -> None:
     lines = (result / "timeline.audacity.txt").read_text().splitlines(keepends=True)
     lines[0] = "1.000000\t1.150000\tshot-0001 1.00\n"
@@ -365,6 +376,42 @@ def test_an_event_where_nothing_is_heard_is_rendered_and_not_held_against_the_dr
     assert not np.any(drive[: 2 * RATE_HZ])
     told = [check for check in after.checks if check.name in ("felt_lag", "drive_lag")]
     assert [(check.passed, check.limit) for check in told] == [(True, None)] * 4
+
+
+def test_an_edit_in_a_column_that_is_not_read_is_told(tmp_path: Path, film: Path, result: Path) -> None:
+    def edit(rows: list[Row]) -> None:
+        rows[0]["timecode"], rows[1]["drive_model"] = "00:00:01.100", "filter"
+        rows[2].update(timecode="00:00:04.005", onset_s="4.005")  # moved, and its timecode with it
+
+    ended, after, _ = rendered(film, edited(result, tmp_path, edit))
+    assert "edits: edited.csv: 3 kept, 1 moved" in ended.err
+    notes = [
+        "not used: the timecode of shot-0001, which was edited; onset_s or onset_sample moves a shot",
+        "not used: the drive_model of shot-0002, which was edited; --drive chooses it, for all shots",
+    ]
+    assert [line for line in ended.err.splitlines() if "not used" in line] == [f"note: {note}" for note in notes]
+    assert after.edits is not None
+    assert list(after.edits.notes) == notes
+
+
+def test_an_edit_in_a_key_that_is_not_read_is_told(tmp_path: Path, film: Path, result: Path) -> None:
+    plain = json.loads((result / "timeline.json").read_text())
+    plain["events"][0]["timecode"] = "00:00:01.100"
+    plain["events"][1]["drive"]["model"] = "filter"
+    (tmp_path / "edited.json").write_text(json.dumps(plain))
+    ended, _, _ = rendered(film, tmp_path / "edited.json", "--original", result / "timeline.json")
+    assert [line for line in ended.err.splitlines() if "not used" in line] == [
+        "note: not used: the timecode of shot-0001, which was edited; onset_s or onset_sample moves a shot",
+        "note: not used: the drive.model of shot-0002, which was edited; --drive chooses it, for all shots",
+    ]
+
+
+def test_columns_that_are_not_read_are_others_where_the_options_were(tmp_path: Path, film: Path, result: Path) -> None:
+    def edit(rows: list[Row]) -> None:
+        for row in rows:
+            row["timecode"], row["drive_model"] = f"01:{row['timecode'][3:]}", "filter"
+
+    assert "not used" not in rendered(film, edited(result, tmp_path, edit))[0].err
 
 
 def test_a_gain_makes_the_drive_stronger_or_softer(tmp_path: Path, film: Path, result: Path) -> None:

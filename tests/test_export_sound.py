@@ -319,6 +319,24 @@ def test_rounding_is_told_apart_where_the_clip_begins_beside_the_films_start() -
     assert in_clip.endswith("by +0.000 ms")
 
 
+@pytest.mark.parametrize(
+    ("rate", "has"), [("24000/1001", True), ("50", True), ("60", True), ("48", False), ("120", False)]
+)
+def test_a_rate_that_final_cut_does_not_have_is_told(rate: str, has: bool) -> None:
+    told = rounding(film(Counting(rate, "01:00:00:00"), onsets=[0]), ["resolve", "fcpxml"])
+    doubtful = [line for line in told if "Final Cut Pro may not open the file" in line]
+    assert [line.partition(":")[0] for line in doubtful] == ([] if has else ["fcpxml"])
+
+
+@pytest.mark.parametrize(("start", "passes"), [("23:59:59:12", True), ("23:59:50:00", False), ("00:00:00:00", False)])
+def test_an_edl_of_a_film_that_passes_midnight_is_told(start: str, passes: bool) -> None:
+    timeline = film(Counting("24", start), onsets=[0, 48_000])
+    timeline = msgspec.structs.replace(timeline, source=msgspec.structs.replace(timeline.source, frames=96_000))
+    told = rounding(timeline, ["resolve", "cmx3600", "otio", "avid"])
+    doubtful = [line for line in told if "passes midnight" in line]
+    assert [line.partition(":")[0] for line in doubtful] == (["resolve, cmx3600"] if passes else [])
+
+
 def test_every_format_says_how_exact_it_is() -> None:
     assert all(resolution(name) for name in FORMATS)
     assert resolution("fcp7") == "nearest frame, with the sub-frame offset as text"

@@ -119,6 +119,30 @@ def test_failures_come_first_and_in_words(tmp_path: Path) -> None:
     assert page.text.index("480 samples") < page.text.index("Every shot")
 
 
+def test_what_was_set_by_hand_is_told_of_each_shot_in_its_card_and_in_the_table(tmp_path: Path) -> None:
+    one, two, three = film().timeline.events
+    moved, louder = (
+        msgspec.structs.replace(one, origin="moved", gain_db=-6.0),
+        msgspec.structs.replace(two, gain_db=2.5),
+    )
+    text = written(tmp_path, film(), msgspec.structs.replace(film().timeline, events=(moved, louder, three)))
+    cards = [" ".join(Page(card).words) for card in re.findall("<article.*?</article>", text, re.DOTALL)]
+    rows = [" ".join(Page(row).words) for row in re.findall('<tr id="row.*?</tr>', text, re.DOTALL)]
+    assert len(cards) == len(rows) == 3
+    for told in (cards, rows):
+        assert "moved, gain −6 dB" in told[0]
+        assert "gain +2.5 dB" in told[1]
+        assert not re.search(r"\bgain\b|moved", told[2])
+
+
+def test_the_table_of_shots_calls_what_it_shows_as_the_cards_do(tmp_path: Path) -> None:
+    text = written(tmp_path, film())
+    (table,) = re.findall('<table id="shots">.*?</thead>', text, re.DOTALL)
+    heads = {head.partition(",&nbsp;")[0] for head in re.findall("<th[^>]*>(.*?)</th>", table)}
+    cards = set(re.findall("<dt>(.*?)</dt>", "".join(re.findall("<article.*?</article>", text, re.DOTALL))))
+    assert {"Confidence", "Over background", "Reflections", "Felt against direct", "Fidelity"} <= heads & cards
+
+
 def test_hostile_names_stay_text(tmp_path: Path) -> None:
     evil = '"><script>alert(1)</script><img src=//x onerror=y>&'
     events = tuple(

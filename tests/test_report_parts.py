@@ -58,6 +58,18 @@ def test_failures_everywhere_still_leave_room_for_the_others() -> None:
     assert len(why) == MAX_FIGURES
 
 
+def test_of_many_some_that_were_set_by_hand_are_shown() -> None:
+    events = list(many(300))
+    events[100] = msgspec.structs.replace(events[100], origin="added", confidence=1.0)
+    events[101] = msgspec.structs.replace(events[101], gain_db=-6.0)
+    why = pictured(events, tuple(Check("peak", event.id, False, 2.0, 1.0, "") for event in events[150:]))
+    assert why["s100"] == why["s101"] == "set by hand"
+    assert set(why.values()) == {"a check failed", "set by hand", "among the least sure", "among the strongest"}
+    assert len(why) == MAX_FIGURES
+    all_set = [msgspec.structs.replace(event, origin="added") for event in events]
+    assert set(pictured(all_set, ()).values()) == {"set by hand", "among the least sure", "among the strongest"}
+
+
 @pytest.mark.parametrize("length", [1, 2, 50, 999, 1_259, 20_000])
 @pytest.mark.parametrize("late", [0.0, 9.0])
 def test_an_envelope_keeps_ends_and_extremes(length: int, late: float) -> None:

@@ -58,14 +58,21 @@ def test_drop_frame_only_where_it_exists() -> None:
     ("start", "rate", "complaint"),
     [
         ("1h", "24", "--start-timecode '1h': expected HH:MM:SS:FF"),
-        ("01:00:00:24", "24", "timecode '01:00:00:24': expected hours up to 23 and frames up to 23"),
-        ("00:01:00;00", "29.97", "timecode '00:01:00;00': drop-frame has no such number"),
+        ("01:00:00:24", "24", "--start-timecode '01:00:00:24': expected hours up to 23 and frames up to 23"),
+        ("00:01:00;00", "29.97", "--start-timecode '00:01:00;00': drop-frame has no such number"),
         ("01:00:00:00", None, "--start-timecode '01:00:00:00': the film has no frame rate; give --frame-rate as well"),
     ],
 )
 def test_a_start_that_does_not_go_with_the_film_is_refused(start: str, rate: str | None, complaint: str) -> None:
     with pytest.raises(RuleError, match=re.escape(complaint)):
         with_timebase(SOUND, parse_timebase(start, rate))
+
+
+def test_a_rate_that_does_not_go_with_the_films_own_start_is_refused_by_its_option() -> None:
+    film = msgspec.structs.replace(FILM, start_timecode="01:00:00:24", frame_rate="25")
+    said = "--frame-rate: film.mov: its start timecode '01:00:00:24': expected hours up to 23 and frames up to 23"
+    with pytest.raises(RuleError, match=re.escape(said)):
+        with_timebase(msgspec.structs.replace(film, name="film.mov"), parse_timebase(None, "24"))
 
 
 def test_nothing_said_changes_nothing() -> None:

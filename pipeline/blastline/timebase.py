@@ -176,8 +176,12 @@ def _counted(source: Source, rate: Fraction, timebase: Timebase) -> Source:
             start_offset_s=float(exact_offset(source) + (frames - whole) / rate),
         )
     drops = start[8] != ":" if asked is None else asked
+    whose = "--start-timecode" if timebase.start_timecode else f"--frame-rate: {source.name}: its start timecode"
     if drops and rate not in DROP_FRAME_RATES:
-        raise RuleError(f"--start-timecode {start!r}: {float(rate):.6g} frames a second have no drop-frame")
+        raise RuleError(f"{whose} {start!r}: {float(rate):.6g} frames a second have no drop-frame")
     text = f"{start[:8]}{';' if drops else ':'}{start[9:]}"
-    frame_of(text, nominal, drop_frame=drops)
+    try:
+        frame_of(text, nominal, drop_frame=drops)
+    except RuleError as error:
+        raise RuleError(f"{whose} {str(error).removeprefix('timecode ')}") from error
     return msgspec.structs.replace(source, start_timecode=text)

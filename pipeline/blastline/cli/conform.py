@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..streams import parse_streams
+from ..timebase import parse_timebase
 from ..timecode import clock_text
-from .options import NewMix, NewStream, Overwrite, Quiet, ResultFolder, RulesOption
+from .options import FINDING, TIMECODE, Overwrite, Quiet, ResultFolder, RulesOption
 from .progress import shown_progress
 from .summary import say_warnings
 
@@ -16,6 +17,45 @@ if TYPE_CHECKING:
     from ..run import Conformed
 
 _MOST_LISTED = 20
+
+NewMix = Annotated[
+    str | None,
+    typer.Option(
+        metavar="MIX",
+        help="Which channels of the new film to listen to: mains, lfe, center, all, or their numbers from 0: 0,1.",
+        show_default="as in the timeline",
+        rich_help_panel=FINDING,
+    ),
+]
+NewStream = Annotated[
+    str | None,
+    typer.Option(
+        metavar="N[,N...]",
+        help="Which sound stream of the new film, from 0; several are joined, as in `render`.",
+        show_default="its default stream",
+        rich_help_panel=FINDING,
+    ),
+]
+NewStartTimecode = Annotated[
+    str | None,
+    typer.Option(
+        "--start-timecode",
+        metavar="HH:MM:SS:FF",
+        help="The timecode of the new film's first picture, as in `render`.",
+        show_default="as the new film says",
+        rich_help_panel=TIMECODE,
+    ),
+]
+NewFrameRate = Annotated[
+    str | None,
+    typer.Option(
+        "--frame-rate",
+        metavar="RATE",
+        help="The new film's frames a second, as in `render`.",
+        show_default="as the new film says",
+        rich_help_panel=TIMECODE,
+    ),
+]
 
 
 def conform(
@@ -31,6 +71,8 @@ def conform(
     mix: NewMix = None,
     stream: NewStream = None,
     rules: RulesOption = None,
+    start_timecode: NewStartTimecode = None,
+    frame_rate: NewFrameRate = None,
     overwrite: Overwrite = False,
     quiet: Quiet = False,
 ) -> None:
@@ -51,6 +93,7 @@ def conform(
             new=new,
             mix=mix,
             stream=parse_streams(stream),
+            timebase=parse_timebase(start_timecode, frame_rate),
             rules=rules,
             overwrite=overwrite,
             progress=progress,
@@ -64,8 +107,9 @@ def conform(
 def _say_lost(done: "Conformed") -> None:
     """List on stderr what was not placed."""
     lost = done.lost
-    for event, place in lost[:_MOST_LISTED]:
-        typer.echo(f"not placed: {event.id}: {place.reason.value} (old time {_clock(event.onset_s)})", err=True)
+    for event, place, missing in lost[:_MOST_LISTED]:
+        where = f"old film {event.timecode}, missing in the new one at {missing}"
+        typer.echo(f"not placed: {event.id}: {place.reason.value} ({where})", err=True)
     if len(lost) > _MOST_LISTED:
         typer.echo(f"not placed: {len(lost) - _MOST_LISTED} more, in conform.csv", err=True)
 

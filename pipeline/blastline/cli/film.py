@@ -37,7 +37,7 @@ from .options import (
     timeline_file,
 )
 from .progress import shown_progress
-from .summary import say_checks, say_summary, say_warnings
+from .summary import say_checks, say_found, say_summary, say_warnings
 
 if TYPE_CHECKING:
     from ..run import Allowance, RenderOptions
@@ -171,6 +171,8 @@ def detect(
             timeline = found()
             (hidden / output.name).write_bytes(encode(timeline))
     say_warnings(timeline)
+    if not quiet:
+        say_found(timeline)
 
 
 def _within(

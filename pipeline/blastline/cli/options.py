@@ -171,24 +171,6 @@ LevelOption = Annotated[
 ReportOption = Annotated[
     bool, typer.Option("--report/--no-report", help="Write report.html with pictures.", rich_help_panel=WRITING)
 ]
-NewMix = Annotated[
-    str | None,
-    typer.Option(
-        metavar="MIX",
-        help="Which channels of the new film to listen to: mains, lfe, center, all, or their numbers from 0: 0,1.",
-        show_default="as in the timeline",
-        rich_help_panel=FINDING,
-    ),
-]
-NewStream = Annotated[
-    str | None,
-    typer.Option(
-        metavar="N[,N...]",
-        help="Which sound stream of the new film, from 0; several are joined, as in `render`.",
-        show_default="its default stream",
-        rich_help_panel=FINDING,
-    ),
-]
 MadeFor = Annotated[
     str | None,
     typer.Option(

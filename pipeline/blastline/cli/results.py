@@ -79,8 +79,10 @@ def check(
             typer.echo(note, err=True)
     code = say_checks(timeline, quiet=quiet, err=False)
     beside = (target if target.is_dir() else target.parent) / run.DRIVE
-    if not quiet and timeline.actuator is None and drive is None and beside.is_file():
-        typer.echo(f"not checked: {beside}; the timeline has no drive, so this one is another's", err=True)
+    if not quiet and timeline.actuator is None and drive is None:
+        this = f"{beside}; the timeline has no drive, so this one is another's"
+        none = "a drive; the timeline has none, and only its events were held against the film"
+        typer.echo(f"not checked: {this if beside.is_file() else none}", err=True)
     return code
 
 

@@ -12,16 +12,20 @@ _ALL_DIGITS = 17
 
 def say_summary(timeline: Timeline, results: Path) -> None:
     """Say on stderr how many shots there are, how they are driven, and where the results are."""
-    events = timeline.events
-    bursts = {event.burst for event in events if event.burst is not None}
-    models = [event.drive.model for event in events if event.drive is not None]
-    typer.echo(f"{_count(len(events), 'shot')}, {_count(len(bursts), 'burst')}", err=True)
+    models = [event.drive.model for event in timeline.events if event.drive is not None]
+    say_found(timeline)
     if timeline.edits is not None:
         _say_edits(timeline.edits)
     if models:
         driven = ", ".join(f"{models.count(model)} {model}" for model in sorted(set(models)))
         typer.echo(f"drive: {driven}", err=True)
     typer.echo(f"results: {results}", err=True)
+
+
+def say_found(timeline: Timeline) -> None:
+    """Say on stderr how many shots there are."""
+    bursts = {event.burst for event in timeline.events if event.burst is not None}
+    typer.echo(f"{_count(len(timeline.events), 'shot')}, {_count(len(bursts), 'burst')}", err=True)
 
 
 def say_warnings(timeline: Timeline) -> None:

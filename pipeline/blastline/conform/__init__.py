@@ -10,7 +10,7 @@ from .ends import with_exact_ends
 from .film import Film, hear
 from .path import find_segments
 from .place import Loss, Lost, Placed, moment, place
-from .report import write_events, write_segments
+from .report import new_timecode, write_events, write_segments
 from .retime import Retimed, retimed
 
 __all__ = [
@@ -24,6 +24,7 @@ __all__ = [
     "hear",
     "measured",
     "moment",
+    "new_timecode",
     "place",
     "retimed",
     "with_exact_ends",

@@ -4,11 +4,24 @@ import csv
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from ..model import Event
+from ..model import Event, Source
+from ..timecode import timecode_at
+from ..units import samples_from_s
 from .courses import Course
 from .place import Lost, Placed
 
-EVENT_COLUMNS = ("id", "placed", "old_onset_s", "new_onset_s", "residual_ms", "likeness", "stretch", "reason")
+EVENT_COLUMNS = (
+    "id",
+    "placed",
+    "old_timecode",
+    "new_timecode",
+    "old_onset_s",
+    "new_onset_s",
+    "residual_ms",
+    "likeness",
+    "stretch",
+    "reason",
+)
 SEGMENT_COLUMNS = (
     "stretch",
     "old_start_s",
@@ -23,19 +36,28 @@ SEGMENT_COLUMNS = (
 )
 
 
-def write_events(path: Path, events: Sequence[Event], found: Sequence[Placed | Lost]) -> None:
-    """Write where each event of the old film went.
+def write_events(path: Path, events: Sequence[Event], found: Sequence[Placed | Lost], *, source: Source) -> None:
+    """Write where each event of the old film went; `source` is the new film.
 
     `new_onset_s` of an event that was not placed is the moment of the new film at which it is missing.
     """
     rows = []
     for event, each in zip(events, found, strict=True):
         if isinstance(each, Placed):
-            rest = [f"{each.new_s:.9f}", f"{each.residual_ms:z.4f}", f"{each.likeness:z.3f}", each.course + 1, ""]
+            new_s, residual, stretch, reason = each.new_s, f"{each.residual_ms:z.4f}", str(each.course + 1), ""
         else:
-            rest = [f"{each.near_s:.9f}", "", f"{each.likeness:z.3f}", "", each.reason.value]
-        rows.append([event.id, "yes" if isinstance(each, Placed) else "no", f"{event.onset_s:.9f}", *rest])
+            new_s, residual, stretch, reason = each.near_s, "", "", each.reason.value
+        at = [event.timecode, new_timecode(each, source), f"{event.onset_s:.9f}", f"{new_s:.9f}"]
+        placed = "yes" if isinstance(each, Placed) else "no"
+        rows.append([event.id, placed, *at, residual, f"{each.likeness:z.3f}", stretch, reason])
     _write(path, EVENT_COLUMNS, rows)
+
+
+def new_timecode(found: Placed | Lost, source: Source) -> str:
+    """Return where an event is in the new film, or where it is missing there, as the new film counts."""
+    new_s = found.new_s if isinstance(found, Placed) else found.near_s
+    sample = samples_from_s(new_s, source.sample_rate_hz)
+    return timecode_at(source, min(max(0, sample), source.frames - 1))
 
 
 def write_segments(path: Path, courses: Sequence[Course]) -> None:

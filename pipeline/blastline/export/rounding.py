@@ -5,12 +5,16 @@ from collections.abc import Callable, Iterable
 from fractions import Fraction
 
 from ..model import Source, Timeline
-from ..timecode import frame_scale, frame_time, picture_time
+from ..timecode import FrameScale, frame_scale, frame_time, frames_per_day, picture_time
 from .frames import FRAME_FORMATS, scale_in
 from .midi import beat_of
 from .webvtt import STEP_S
 
 Shift = Callable[[int], Fraction]
+
+_EDLS = frozenset({"resolve", "cmx3600"})
+_FINAL_CUTS = frozenset({24, 25, 30, 50, 60})
+"""How many numbers a second of timecode has in Final Cut Pro's projects."""
 
 
 def resolution(name: str) -> str:
@@ -60,6 +64,10 @@ def _way(name: str, source: Source) -> tuple[str, Shift] | None:
         words = f"times are whole frames, {float(scale.rate):.6g} a second{counting}, at most {half_ms:.2f} ms off"
         if scale != frame_scale(source):
             words += " in the clip, which begins on the nearest frame"
+        if name == "fcpxml" and scale.nominal not in _FINAL_CUTS:
+            words += "; Final Cut Pro may not open the file: it has no projects of that rate"
+        if name in _EDLS and _passes_midnight(source, scale):
+            words += "; the film passes midnight, across which many programs do not read an EDL"
         return words, lambda sample: -frame_time(source, sample, scale).offset_s
     if name == "webvtt":
         return "times are whole milliseconds", lambda sample: _stepped(picture_time(source, sample), STEP_S)
@@ -70,6 +78,13 @@ def _way(name: str, source: Source) -> tuple[str, Shift] | None:
             Fraction(sample, source.sample_rate_hz), tick_s
         )
     return None
+
+
+def _passes_midnight(source: Source, scale: FrameScale) -> bool:
+    """Return whether timecode starts again at 00:00:00:00 within the film."""
+    day = frames_per_day(scale.nominal, drop_frame=scale.drop_frame)
+    last = frame_time(source, source.frames - 1, scale).frame
+    return last // day != scale.first_frame // day
 
 
 def _stepped(time_s: Fraction, step_s: Fraction) -> Fraction:

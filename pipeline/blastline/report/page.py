@@ -16,7 +16,7 @@ from .style import STYLE
 from .summary import heading, tiles, verdict, warnings
 from .tables import checks_tables, origin_list, rejections_table, shots_table
 from .track import film_track
-from .words import claim, figure, fixed, measured, safe, signed
+from .words import by_hand, claim, figure, fixed, measured, safe, signed
 
 _MADE_OF: Final[dict[MadeOf, str]] = {
     "sides": "what the two channels play against each other",
@@ -193,6 +193,8 @@ def _numbers(event: Event, rate_hz: int) -> str:
     }
     if event.burst is not None:
         facts["Burst"] = f"{event.burst}, shot {event.shot_in_burst}"
+    if set_by_hand := by_hand(event):
+        facts["By hand"] = set_by_hand
     if event.drive is not None:
         facts["Felt against direct"] = f"{signed(event.drive.perceived_gain_db)} dB"
         facts["Fidelity"] = fixed(event.drive.fidelity, 3)

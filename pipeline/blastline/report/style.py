@@ -119,9 +119,10 @@ color:var(--ink-soft)}
 .numbers dd{margin:0;font-weight:550}
 .why{margin:0 0 10px;color:var(--ink-soft);font-size:13.5px}
 table{border-collapse:collapse;width:100%;font-size:13.5px;overflow-wrap:normal}
-th,td{padding:6px 8px;text-align:left;border-bottom:1px solid var(--line);white-space:nowrap}
+th,td{padding:6px;text-align:left;border-bottom:1px solid var(--line);white-space:nowrap}
 td.wide{white-space:normal}
-th{font-weight:600;color:var(--ink-soft);font-size:13px;background:var(--card)}
+th{font-weight:600;color:var(--ink-soft);font-size:13px;background:var(--card);white-space:normal;
+vertical-align:bottom}
 th button{all:unset;cursor:pointer}
 th button:hover{text-decoration:underline}
 th[aria-sort=ascending] button::after{content:" \\2191";opacity:1}

@@ -6,36 +6,46 @@ from collections.abc import Collection, Mapping, Sequence
 from ..model import Check, Edits, Event, Rejection, Source, Timeline
 from ..streams import streams_text
 from ..timecode import timecode_at
-from .words import allowed, channels, claim, figure, fixed, link, measured, safe
+from .words import allowed, by_hand, channels, claim, figure, fixed, link, measured, safe
 
 _STRONGEST = 5
 
 
 def shots_table(events: Sequence[Event], *, failed: Mapping[str, int], linked: Collection[str]) -> str:
-    """Return every shot, one row each; a click on a column's head sorts."""
+    """Return every shot, one row each; a click on a column's head sorts.
+
+    What was set by hand, and the azimuth, have a column where a shot has one.
+    """
+    edited = any(by_hand(event) for event in events)
+    in_space = any(event.azimuth_deg is not None for event in events)
     heads = [
         ("Shot", ""),
         ("Timecode", ""),
         ("Onset, s", "n"),
-        ("Sure", "n"),
+        ("Confidence", "n"),
         ("Peak, dBFS", "n"),
-        ("SNR, dB", "n"),
-        ("Azimuth, °", "n"),
-        ("Echoes", "n"),
+        ("Over background, dB", "n"),
+        *([("Azimuth, °", "n")] if in_space else []),
+        ("Reflections", "n"),
         ("Burst", "n"),
+        *([("By hand", "")] if edited else []),
         ("Drive", ""),
         ("Drive peak", "n"),
-        ("Gain, dB", "n"),
+        ("Felt against direct, dB", "n"),
         ("Fidelity", "n"),
         ("Checks", ""),
     ]
-    head = "".join(f'<th scope="col" class="{kind}">{name}</th>' for name, kind in heads)
-    rows = "".join(_shot_row(event, failed.get(event.id, 0), linked=event.id in linked) for event in events)
+    head = "".join(f'<th scope="col" class="{kind}">{name.replace(", ", ",&nbsp;")}</th>' for name, kind in heads)
+    rows = "".join(
+        _shot_row(event, failed.get(event.id, 0), linked=event.id in linked, edited=edited, in_space=in_space)
+        for event in events
+    )
     return f'<div class="scroll"><table id="shots"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
 
 
-def _shot_row(event: Event, failed: int, *, linked: bool) -> str:
+def _shot_row(event: Event, failed: int, *, linked: bool, edited: bool, in_space: bool) -> str:
     drive, name = event.drive, safe(event.id)
+    hand = safe(by_hand(event))
     burst = "" if event.burst is None else f"{event.burst}.{event.shot_in_burst}"
     cells = [
         (f'<a href="{link(f"shot-{event.id}")}">{name}</a>' if linked else name, name, ""),
@@ -44,9 +54,10 @@ def _shot_row(event: Event, failed: int, *, linked: bool) -> str:
         (fixed(event.confidence, 2), repr(event.confidence), "n"),
         (fixed(event.peak_dbfs, 1), repr(event.peak_dbfs), "n"),
         (fixed(event.snr_db, 1), repr(event.snr_db), "n"),
-        (_azimuth(event.azimuth_deg), repr(-999.0 if event.azimuth_deg is None else event.azimuth_deg), "n"),
+        *([_azimuth(event.azimuth_deg)] if in_space else []),
         (str(len(event.reflections)), str(len(event.reflections)), "n"),
         (burst, str(-1 if event.burst is None else event.burst * 1000 + (event.shot_in_burst or 0)), "n"),
+        *([(hand, hand, "")] if edited else []),
         (drive.model if drive else "–", drive.model if drive else "", ""),
         (fixed(drive.peak, 2) if drive else "–", repr(drive.peak) if drive else "-1", "n"),
         (fixed(drive.perceived_gain_db, 1) if drive else "–", repr(drive.perceived_gain_db) if drive else "-999", "n"),
@@ -61,8 +72,8 @@ def _shot_row(event: Event, failed: int, *, linked: bool) -> str:
     return f'<tr id="row-{name}" data-failed="{failed}">{body}</tr>'
 
 
-def _azimuth(azimuth_deg: float | None) -> str:
-    return "–" if azimuth_deg is None else fixed(azimuth_deg, 0)
+def _azimuth(azimuth_deg: float | None) -> tuple[str, str, str]:
+    return ("–", "-999.0", "n") if azimuth_deg is None else (fixed(azimuth_deg, 0), repr(azimuth_deg), "n")
 
 
 def checks_tables(checks: Sequence[Check], *, linked: Collection[str]) -> str:

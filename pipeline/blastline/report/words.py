@@ -5,7 +5,7 @@ import math
 from fractions import Fraction
 from urllib.parse import quote
 
-from ..model import Check, Source
+from ..model import Check, Event, Source
 from ..timecode import clock_text
 from ..units import SILENCE_DB
 
@@ -94,6 +94,14 @@ def signed(value: float | None, digits: int = 1) -> str:
     """
     text = figure(value, digits)
     return f"+{text}" if value is not None and math.isfinite(value) and value > 0.0 and text != "0" else text
+
+
+def by_hand(event: Event) -> str:
+    """Return what somebody has set of a shot, in words; nothing where nobody has."""
+    said: list[str] = [event.origin] if event.origin != "found" else []
+    if event.gain_db:
+        said.append(f"gain {signed(event.gain_db, 2)} dB")
+    return ", ".join(said)
 
 
 def measured(check: Check) -> str:

@@ -21,6 +21,7 @@ from ..conform import (
     hear,
     measured,
     moment,
+    new_timecode,
     place,
     retimed,
     with_exact_ends,
@@ -36,6 +37,7 @@ from ..ruleset import ConformRules, Rules, WindowRules, load_conform, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack
 from ..staging import staged
 from ..streams import Streams
+from ..timebase import AS_FILMED, Timebase
 from ..timecode import timecode_at
 from ..units import samples_from_ms, samples_from_s
 from . import names
@@ -55,10 +57,11 @@ class Conformed:
     courses: tuple[Course, ...]
 
     @property
-    def lost(self) -> tuple[tuple[Event, Lost], ...]:
-        """Return the events that were not placed, each with why."""
+    def lost(self) -> tuple[tuple[Event, Lost, str], ...]:
+        """Return the events that were not placed, each with why and the new film's timecode at which it is missing."""
         pairs = zip(self.events, self.places, strict=True)
-        return tuple((event, place) for event, place in pairs if isinstance(place, Lost))
+        source = self.timeline.source
+        return tuple((event, place, new_timecode(place, source)) for event, place in pairs if isinstance(place, Lost))
 
 
 def conform(
@@ -69,14 +72,15 @@ def conform(
     new: Path,
     mix: str | None = None,
     stream: Streams | None = None,
+    timebase: Timebase = AS_FILMED,
     rules: Path | None = None,
     overwrite: bool = False,
     progress: Progress = no_progress,
 ) -> Conformed:
     """Re-time a timeline from the film that it was made from to a new cut and write the result to `folder`.
 
-    `mix` and `stream` are the new film's; without them the mix is the timeline's. Raises BlastlineError for a timeline,
-    film or folder that cannot be used; nothing is written then.
+    `mix`, `stream` and `timebase` are the new film's; without a mix it is the timeline's. Raises BlastlineError for a
+    timeline, film or folder that cannot be used; nothing is written then.
     """
     read = read_timeline(timeline)
     known, hearing = load_rules(read.quality, rules), load_conform(rules)
@@ -86,7 +90,9 @@ def conform(
     with (
         staged(folder, names=files, films=[old, new], overwrite=overwrite) as hidden,
         open_soundtrack(old, stream=read.source.stream, mix=read.source.mix, spool_folder=hidden) as old_track,
-        open_soundtrack(new, stream=stream, mix=mix or read.source.mix, spool_folder=hidden) as new_track,
+        open_soundtrack(
+            new, stream=stream, mix=mix or read.source.mix, spool_folder=hidden, timebase=timebase
+        ) as new_track,
     ):
         before = _heard(old_track, old, "old film", progress)
         _require_same_film(old, old_track.source(), timeline, read.source)
@@ -95,7 +101,7 @@ def conform(
         if not done.courses:
             raise SoundtrackError(f"{new}: nothing of {old} was found in it; expected a cut of the same film")
         (hidden / names.TIMELINE).write_bytes(encode(done.timeline))
-        write_events(hidden / names.EVENTS, done.events, done.places)
+        write_events(hidden / names.EVENTS, done.events, done.places, source=done.timeline.source)
         write_segments(hidden / names.STRETCHES, done.courses)
     return done
 

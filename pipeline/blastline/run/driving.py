@@ -36,17 +36,27 @@ def write_drive_of(heard: HeardFilm, path: Path, setup: Setup) -> dict[int, Driv
 
     source = heard.source
     film = _read_again(heard.track, source.frames) if setup.options.background == "direct" else ()
-    cues = [Cue(shot.onset, mark.id, len(shot.span)) for shot, mark in zip(heard.found.shots, heard.marks, strict=True)]
     write_drive(
         path,
         compose(film, noted(), setup.options.background),
         rate_hz=source.sample_rate_hz,
         frames=source.frames,
         time_reference=heard.track.time_reference,
-        cues=cues,
+        cues=_cues(heard),
         description=f"vibration drive for {setup.profile.name}",
     )
     return drives
+
+
+def _cues(heard: HeardFilm) -> list[Cue]:
+    """Return a marker for each shot, to the end of its window or to the next shot, as in all formats."""
+    stops = {index: planned.window.stop for planned in heard.windows for index in planned.shots}
+    onsets = [shot.onset for shot in heard.found.shots]
+    nexts = (*onsets[1:], heard.source.frames)
+    return [
+        Cue(onset, mark.id, max(0, min(stops[index], nexts[index]) - onset))
+        for index, (onset, mark) in enumerate(zip(onsets, heard.marks, strict=True))
+    ]
 
 
 def open_drive(path: Path) -> Soundtrack:

@@ -1,12 +1,21 @@
 """What somebody has edited of a timeline, counted and in words."""
 
+from collections.abc import Iterator
 from itertools import islice
 
 from ..export.edits import EditedFile, Wanted, Wish
-from ..model import Edits
+from ..model import Edits, Event
 from . import names
 
 _MOST_NAMED = 10
+
+_DRIVE_INSTEAD = "--drive chooses it, for all shots"
+_INSTEAD = {
+    "timecode": "onset_s or onset_sample moves a shot",
+    "drive_model": _DRIVE_INSTEAD,
+    "drive.model": _DRIVE_INSTEAD,
+}
+"""What does what somebody may have meant who edited a table's column, or a JSON's key, that is not read."""
 
 
 def summarise_edits(edited: EditedFile, wanted: Wanted, *, has_original: bool, is_named: bool) -> Edits:
@@ -27,6 +36,7 @@ def summarise_edits(edited: EditedFile, wanted: Wanted, *, has_original: bool, i
             "gains, ends and confidences somebody has changed; they hold as they stand"
         )
         notes += _gaps(edited)
+    notes += _unheeded(edited, wanted)
     if not wanted.wishes:
         notes.append("no events: the drive is silent")
     ways = [_way(wish, known=has_original or bool(edited.own)) for wish in wanted.wishes]
@@ -39,6 +49,31 @@ def summarise_edits(edited: EditedFile, wanted: Wanted, *, has_original: bool, i
         deleted=len(wanted.deleted),
         notes=tuple(notes),
     )
+
+
+def _unheeded(edited: EditedFile, wanted: Wanted) -> Iterator[str]:
+    """Yield a note for each column or key that is not read and was edited, in shots that are where they were.
+
+    Where it is another for every shot, nobody typed it: the file was exported or rendered with other options.
+    """
+    aside = {edit.place: edit.aside for edit in edited.edits}
+    for name, instead in _INSTEAD.items():
+        told = [
+            (wish.id, aside[wish.place][name], _exported(wish.was, name))
+            for wish in wanted.wishes
+            if wish.was is not None and wish.unmoved and name in aside[wish.place]
+        ]
+        other = [identity for identity, now, before in told if before is not None and now != before]
+        if other and (len(other) < len(told) or len(told) == 1):
+            more = f" and {len(other) - _MOST_NAMED} more" if len(other) > _MOST_NAMED else ""
+            yield f"not used: the {name} of {', '.join(other[:_MOST_NAMED])}{more}, which was edited; {instead}"
+
+
+def _exported(event: Event, name: str) -> str | None:
+    """Return what a table or JSON has of an event in a column or key that is not read back."""
+    if name == "timecode":
+        return event.timecode
+    return event.drive.model if event.drive else None
 
 
 def _gaps(edited: EditedFile) -> list[str]:

@@ -55,7 +55,10 @@ def read_document(text: str, path: Path) -> EditedFile:
         raise TimelineError(f"{path}: {misfit(plain, error, _Timeline)}") from error
     for complaint in source_complaints(timeline.source):
         raise TimelineError(f"{path}: {complaint}")
-    edits = tuple(_edit(event, index, path) for index, event in enumerate(timeline.events))
+    edits = tuple(
+        _edit(event, _aside(fields), index, path)
+        for index, (event, fields) in enumerate(zip(timeline.events, plain["events"], strict=True))
+    )
     return EditedFile(
         path,
         edits,
@@ -82,7 +85,14 @@ def _unknown(plain: list[Any]) -> Iterator[str]:
         yield from (f"window.{key}" for key in fields.get("window") or {} if key not in of_window)
 
 
-def _edit(event: _Event, index: int, path: Path) -> Edit:
+def _aside(fields: Mapping[str, Any]) -> dict[str, str]:
+    """Return what stands in keys that are not read but that somebody may edit, by their names."""
+    drive = fields.get("drive")
+    said = {"timecode": fields.get("timecode"), "drive.model": drive.get("model") if isinstance(drive, dict) else None}
+    return {name: value for name, value in said.items() if isinstance(value, str)}
+
+
+def _edit(event: _Event, aside: Mapping[str, str], index: int, path: Path) -> Edit:
     place = f"events[{index}]"
     if event.onset_sample is None and event.onset_s is None:
         raise TimelineError(f"{path}: {place}: no onset; expected onset_sample or onset_s")
@@ -98,6 +108,7 @@ def _edit(event: _Event, index: int, path: Path) -> Edit:
         gain_db=None if event.gain_db is None else Decimal(repr(event.gain_db)),
         blast_start=event.blast.start if event.blast and event.blast.start >= 0 else None,
         origin=event.origin,
+        aside=aside,
     )
 
 

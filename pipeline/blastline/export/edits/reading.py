@@ -1,5 +1,6 @@
 """Which tool an edited file comes from, by what is in it, and reading it."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +12,16 @@ from .reaper import is_reaper, read_reaper
 from .row import EditedFile, with_common_steps
 from .table import ONSETS, read_table
 from .text import separated
+
+_READ = "timeline.json, timeline.csv, Audacity labels or REAPER's CSV"
+
+_OTHERS = (
+    (re.compile(r"TITLE:"), "an EDL"),
+    (re.compile(r"<"), "XML"),
+    (re.compile(r"WEBVTT\b"), "subtitles"),
+    (re.compile(r"[^\t\n]*\t\d\d:\d\d:\d\d[:;]\d\d\t"), "Avid's markers"),
+)
+"""How files of other tools begin. Their times are whole frames or milliseconds, too coarse to be read for onsets."""
 
 _HEADERS = "onset_sample or onset_s, as timeline.csv has, or #,Name,Start,End,Length, as REAPER writes"
 
@@ -26,7 +37,7 @@ def read_edits(path: Path) -> EditedFile:
 
 
 def _read(path: Path) -> EditedFile:
-    text = read_text(path, expected="an edited timeline")
+    text = read_text(path, expected=f"an edited timeline: {_READ}")
     if path.suffix.lower() == ".json" or text.lstrip().startswith("{"):
         return read_document(text, path)
     is_table = path.suffix.lower() in (".csv", ".tsv")
@@ -45,4 +56,11 @@ def _read(path: Path) -> EditedFile:
         if not set(header) & set(ONSETS) and header[0] != "id":
             raise TimelineError(f"{path}: line {grid.rows[0].line}: not a header of a timeline; expected {_HEADERS}")
         return read_table(grid, path)
+    _refuse_others(text.lstrip(), path)
     return read_labels(text, path)
+
+
+def _refuse_others(text: str, path: Path) -> None:
+    for beginning, what in _OTHERS:
+        if beginning.match(text):
+            raise TimelineError(f"{path}: {what}, not an edited timeline; expected {_READ}")

@@ -18,6 +18,8 @@ _COARSEST_S = Fraction(1, 1000)
 _WHOLE = re.compile(r"[+-]?\d+(,0*|\.0?)?|[^.,]*")
 """A whole number of a table with decimal commas, where a point may part thousands: `48.000` is 48000 or 48."""
 
+_NO_TIMECODE = "a number of seconds from the film's first sample, such as 19.75, and no timecode"
+
 _LONGEST_NUMBER = 40
 _WIDEST_EXPONENT = 100
 
@@ -71,7 +73,8 @@ class Edit:
     """One event of an edited file; None where the file does not say.
 
     `place` is where it stands in the file, for messages. `text` is a label in which an id may stand. `blast_start` is
-    a column that nobody edits, which tells where the onset was.
+    a column that nobody edits, which tells where the onset was. `aside` is what stands in columns that are not read but
+    that somebody may take for ones that are, by their names.
     """
 
     place: str
@@ -84,6 +87,7 @@ class Edit:
     gain_db: Decimal | None = None
     blast_start: int | None = None
     origin: Origin | None = None
+    aside: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
 
 
 @dataclass(frozen=True)
@@ -125,7 +129,7 @@ class Cell:
         """Return the error that says what was expected in place of the text."""
         return TimelineError(f"{self.path}: {self.place}: {self.name} = {self.text!r}: expected {expected}")
 
-    def number(self, *, decimal_comma: bool = False) -> Decimal:
+    def number(self, *, decimal_comma: bool = False, expected: str = "a number") -> Decimal:
         """Return the number that the text is; with `decimal_comma`, a comma may part its decimals."""
         text = self.text.strip()
         if decimal_comma and text.count(",") == 1 and "." not in text:
@@ -135,7 +139,7 @@ class Cell:
         except InvalidOperation:
             number = Decimal("nan")
         if not number.is_finite() or abs(number.adjusted()) > _WIDEST_EXPONENT:
-            raise self.refused("a number")
+            raise self.refused(expected)
         return number
 
     def sample(self, *, decimal_comma: bool = False) -> int:
@@ -151,7 +155,8 @@ class Cell:
 
     def seconds(self, *, decimal_comma: bool = False) -> Point:
         """Return the time that the text is, in seconds."""
-        number = self.number(decimal_comma=decimal_comma)
+        expected = _NO_TIMECODE if ":" in self.text else "a number of seconds"
+        number = self.number(decimal_comma=decimal_comma, expected=expected)
         if number < 0:
             raise self.refused("a time from 0, the first frame of the track")
         return Point(seconds=Fraction(number), step_s=Fraction(10) ** _exponent(number))

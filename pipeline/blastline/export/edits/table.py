@@ -13,6 +13,7 @@ from .row import Cell, Edit, EditedFile, Point
 from .text import Grid, Row
 
 ONSETS = ("onset_sample", "onset_s")
+_ASIDE = ("timecode", "drive_model")
 
 
 def read_table(grid: Grid, path: Path) -> EditedFile:
@@ -45,7 +46,8 @@ def _edit(row: Row, names: Sequence[str], path: Path, *, decimal_comma: bool) ->
     cells = {n: Cell(path, place, n, text) for n, text in zip(names, row.cells, strict=False) if n and text}
     onset = _point(cells, *ONSETS, decimal_comma=decimal_comma)
     if onset is None:
-        raise TimelineError(f"{path}: {place}: no onset; expected a time in {' or '.join(ONSETS)}")
+        unread = "; timecode is not read" if "timecode" in cells else ""
+        raise TimelineError(f"{path}: {place}: no onset; expected a time in {' or '.join(ONSETS)}{unread}")
     confidence, gain, origin = cells.get("confidence"), cells.get("gain_db"), cells.get("origin")
     blast_start = cells.get("blast_start_sample")
     return Edit(
@@ -58,6 +60,7 @@ def _edit(row: Row, names: Sequence[str], path: Path, *, decimal_comma: bool) ->
         gain_db=gain.number(decimal_comma=decimal_comma) if gain else None,
         blast_start=blast_start.sample(decimal_comma=decimal_comma) if blast_start else None,
         origin=_origin(origin) if origin else None,
+        aside={name: cells[name].text for name in _ASIDE if name in cells},
     )
 
 
