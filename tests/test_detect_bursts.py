@@ -20,9 +20,8 @@ def sample(at_ms: float) -> int:
 def shot(at_ms: float, *, confidence: float = 0.9, echoes_at_ms: tuple[float, ...] = ()) -> Shot:
     at = sample(at_ms)
     echoes = tuple(Reflection(sample(ms), sample(ms + 2.0), ms - at_ms, -12.0) for ms in echoes_at_ms)
-    return Shot(
-        at, confidence, peak_dbfs=0.0, snr_db=20.0, blast=Span(at, at + 9), reflections=echoes, span=Span(at, at + 9)
-    )
+    span = Span(at, max([at + 9, *(echo.stop for echo in echoes)]))
+    return Shot(at, confidence, peak_dbfs=0.0, snr_db=20.0, blast=Span(at, at + 9), reflections=echoes, span=span)
 
 
 def apart(*shots: Shot) -> tuple[list[int], list[Rejection]]:

@@ -1,9 +1,11 @@
 """A shot's parts: where its decay ends and why, and how peaks are held."""
 
+import msgspec
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from blastline.detect.bursts import drop_claimed_reflections
 from blastline.detect.segment import running_peak, segment
 from blastline.model import Shot
 from blastline.ruleset import load_rules
@@ -44,7 +46,7 @@ def ended(shot: Shot) -> tuple[float, str]:
 
 
 @pytest.mark.parametrize("width", range(1, 10))
-def test_a_running_peak_is_the_largest_of_each_sample_and_those_after_it(width: int) -> None:
+def test_arunning_peak_is_the_largest_of_each_sample_and_those_after_it(width: int) -> None:
     values = np.random.default_rng(width).uniform(0.0, 1.0, 50)
     ahead = [values[at : at + width].max() for at in range(values.size)]
     np.testing.assert_array_equal(running_peak(values, width), ahead)
@@ -112,3 +114,43 @@ def test_a_tick_does_not_end_a_decay() -> None:
     alone = ended(segmented((0.0, sound)))
     sound[705 * RATE_HZ // 1000 : 715 * RATE_HZ // 1000] *= 10.0
     assert ended(segmented((0.0, sound))) == alone
+
+
+def settled(*shots: Shot) -> Shot:
+    """Return the first of some shots with the reflections that are left to it."""
+    return drop_claimed_reflections(shots, rate_hz=RATE_HZ, rules=load_rules("standard").tier.bursts)[0]
+
+
+@pytest.mark.parametrize("gain", [0.01, 1.0, -1.0])
+def test_a_shot_lasts_until_its_last_reflection_is_over_though_its_decay_ended_sooner(gain: float) -> None:
+    echoes_ms, crack = (60.0, 170.0, 330.0), gain * cracking()
+    shot = segmented((0.0, crack), *((at_ms, 0.4 * crack) for at_ms in echoes_ms))
+    assert len(shot.span) < round(echoes_ms[1] * RATE_HZ / 1000.0)
+    kept = settled(shot)
+    np.testing.assert_allclose([each.delay_ms for each in kept.reflections[-3:]], echoes_ms, atol=0.1)
+    assert kept.span.stop == kept.reflections[-1].stop
+    assert ended(kept)[1] == "last reflection"
+
+
+def test_what_a_later_shot_claims_does_not_make_the_first_one_last() -> None:
+    first = segmented((0.0, cracking()), (330.0, 0.9 * cracking()))
+    later = msgspec.structs.replace(first, onset=first.reflections[-1].start, reflections=())
+    kept = settled(first, later)
+    assert all(each.delay_ms < 80.0 for each in kept.reflections)
+    assert kept.span == first.span
+    assert ended(kept) == ended(first)
+
+
+@pytest.mark.parametrize(("gain", "heard"), [(0.25, True), (0.14, False)])
+def test_after_the_decay_only_what_is_as_strong_as_what_was_before_is_a_reflection(gain: float, heard: bool) -> None:
+    hum = 0.01 * np.random.default_rng(3).standard_normal(2 * RATE_HZ)
+    shot = segmented((-400.0, hum), (0.0, cracking()), (330.0, gain * cracking()))
+    assert any(abs(each.delay_ms - 330.0) < 0.1 for each in shot.reflections)
+    kept = settled(shot)
+    assert any(abs(each.delay_ms - 330.0) < 0.1 for each in kept.reflections) == heard
+    assert kept.span.stop == (kept.reflections[-1].stop if heard else shot.span.stop)
+
+
+def test_an_earlier_shot_drowns_no_reflection() -> None:
+    shot = segmented((-100.0, 2.0 * cracking(seed=5)), (0.0, cracking()), (330.0, 0.1 * cracking()))
+    assert any(abs(each.delay_ms - 330.0) < 0.1 for each in settled(shot).reflections)

@@ -19,6 +19,7 @@ _ENDED: dict[DecayEnd, str] = {
     "background": "its level has come down to the background by then",
     "next sound": "another sound begins by then",
     "longest": "it is still heard at the longest that is rendered, or at the film's end",
+    "last reflection": "its last reflection is over by then",
 }
 
 

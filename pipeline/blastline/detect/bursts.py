@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 import msgspec
 import numpy as np
 
-from ..model import Rejection, Shot
+from ..model import Rejection, Shot, Span
 from ..ruleset import BurstRules
 from ..units import samples_from_ms
 from .rows import runs_of
@@ -64,7 +64,7 @@ def drop_claimed_reflections(shots: Sequence[Shot], *, rate_hz: int, rules: Burs
     """Return the shots without reflections that are later shots, or that a later shot also claims: that one keeps them.
 
     The next shot sounds like the first, and so do its echoes. All that sounds sooner after a shot than any gun fires
-    again is that shot's as well.
+    again is that shot's as well. A shot is not over before the last reflection that it keeps.
     """
     gap, same = samples_from_ms(rules.shortest_gap_ms, rate_hz), samples_from_ms(_SAME_ECHO_MS, rate_hz)
     onsets = sorted(shot.onset for shot in shots)
@@ -79,8 +79,26 @@ def drop_claimed_reflections(shots: Sequence[Shot], *, rate_hz: int, rules: Burs
         )
         for echo in echoes:
             insort(claimed, -echo.start)
-        left.append(msgspec.structs.replace(shot, reflections=echoes))
+        left.append(_lasting(msgspec.structs.replace(shot, reflections=echoes)))
     return tuple(reversed(left))
+
+
+def _lasting(shot: Shot) -> Shot:
+    """Return a shot that lasts until its last reflection is over, without those that its place drowns after the decay.
+
+    What is told from the decay is its own sound; later there may be anything, and what is like the blast in it is none.
+    """
+    known = shot.evidence
+    if known is None:
+        return shot
+    echoes = tuple(e for e in shot.reflections if e.start < shot.span.stop or e.level_db >= known.drowned_db)
+    copies = known.copies - (len(shot.reflections) - len(echoes))
+    stop = max((echo.stop for echo in echoes), default=shot.span.stop)
+    span, ended = shot.span, known.decay_end
+    if stop > span.stop:
+        span, ended = Span(span.start, stop), "last reflection"
+    known = msgspec.structs.replace(known, copies=copies, decay_end=ended)
+    return msgspec.structs.replace(shot, reflections=echoes, span=span, evidence=known)
 
 
 def _any_between(places: Sequence[int], above: int, below: int) -> bool:

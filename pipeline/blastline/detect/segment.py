@@ -30,6 +30,7 @@ _HOLD_MS = (0.1, 2.0)
 _DROWNED = 2.0
 _LOUDEST_DB = 3.0  # what is louder is no echo of this blast, were it clipped
 _GRAIN_MS, _USUAL_MS = 1.0, 5.0
+_ECHO_MS = 3.0  # how loud an echo is, its beginning tells, as in a scene's truth
 _DULL_LAG_MS = 1.0 / 6.0  # hears 1 to 5 kHz best
 
 
@@ -52,7 +53,8 @@ def segment(
     wave, still = _heard(samples, onset, stop, rate_hz)
     background = float(np.sqrt(still @ still / still.size)) if still.size else 0.0
     peak = float(np.abs(wave[: samples_from_ms(PEAK_MS, rate_hz)]).max(initial=0.0))
-    blast = _blast_length(wave, peak, _usual_power(still, rate_hz), rate_hz=rate_hz, rules=rules)
+    usual = _usual_power(still, rate_hz)
+    blast = _blast_length(wave, peak, usual, rate_hz=rate_hz, rules=rules)
     room_db, echoes = None, []
     if rules.reflection_level_db is not None:
         room_db = _echo_room_db(wave, blast, rate_hz=rate_hz, rules=rules)
@@ -72,7 +74,9 @@ def segment(
             Reflection(at + lag, at + lag + blast, ms_from_samples(lag, rate_hz), level_db) for lag, level_db in echoes
         ),
         span=Span(at, at + length),
-        evidence=ShotEvidence(None, 0, room_db, ended, copies=len(echoes)),
+        evidence=ShotEvidence(
+            None, 0, room_db, ended, copies=len(echoes), drowned_db=_drowned_db(wave, usual, rate_hz=rate_hz)
+        ),
     )
 
 
@@ -132,6 +136,13 @@ def _usual_power(still: NDArray[np.float64], rate_hz: int) -> float:
     grain = max(1, samples_from_ms(_USUAL_MS, rate_hz))
     grains = np.square(still[still.shape[0] % grain :]).reshape(-1, grain)
     return float(np.median(grains.mean(axis=1))) if grains.size else 0.0
+
+
+def _drowned_db(wave: NDArray[np.float64], usual: float, *, rate_hz: int) -> float:
+    """Return at which level against the blast an echo is, in power, as the usual sound before the blast."""
+    direct = wave[: samples_from_ms(_ECHO_MS, rate_hz)]
+    power = float(np.mean(np.square(direct))) if direct.size else 0.0
+    return db_from_gain(float(np.sqrt(usual / power))) if power > 0.0 else 0.0
 
 
 def _echo_room_db(wave: NDArray[np.float64], blast: int, *, rate_hz: int, rules: SegmentRules) -> float:

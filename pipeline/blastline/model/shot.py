@@ -1,5 +1,6 @@
 """A shot as detection finds it, and what that measured."""
 
+import math
 from typing import Annotated, Literal
 
 import msgspec
@@ -7,7 +8,7 @@ from msgspec import Meta
 
 from .sound import SPAN_KEYS, HeardIn, Span
 
-DecayEnd = Literal["fallen", "background", "next sound", "longest"]
+DecayEnd = Literal["fallen", "background", "next sound", "longest", "last reflection"]
 EvenRow = Literal["fire", "no fire"]
 
 Index = Annotated[int, Meta(ge=0)]
@@ -35,7 +36,8 @@ class ShotEvidence(msgspec.Struct, frozen=True):
     `screen` is the probability by the screen alone and `networks` how many judged beside it; None and 0 where somebody
     else found the shot. No later stretch as long as the blast is louder than `echo_room_db` against it, in the
     sound's difference over a sample or a sixth of a millisecond; None where no reflections are looked for. `copies`
-    counts what copies the blast, before later shots and their echoes were told from its reflections.
+    counts what copies the blast, before later shots and their echoes were told from its reflections. A reflection
+    softer than `drowned_db` is softer than what was usual before the shot.
     `decay_end` says what ended the decay. `backdrop` is what is heard just before (`detect.backdrop`); None where that
     is silence, or somebody else found the shot. `sound` are levels of the shot itself (`detect.backdrop`). `even_row`
     says of one of a row, as even as fire, that the row as a whole sounds like that, or, of a long one as fast as
@@ -50,10 +52,11 @@ class ShotEvidence(msgspec.Struct, frozen=True):
     sound: tuple[int, ...] = ()
     even_row: EvenRow | None = None
     copies: Index = 0
+    drowned_db: float = -math.inf
 
 
 class Shot(msgspec.Struct, frozen=True):
-    """A gunshot as detection found it; `span` runs from the onset to where its decay has ended.
+    """A gunshot as detection found it; `span` runs from the onset to where its decay and its reflections are over.
 
     Where it was heard and its azimuth are as in `Event`.
     """
