@@ -10,7 +10,7 @@ from ..errors import SoundtrackError
 from .chunks import ChunkTable, overflow_warning
 from .decode import Tally, check_sums, decoded, packed
 from .ending import stops_early
-from .facts import UNSTAMPED, film_facts, header_frames, origin_of, sound_streams
+from .facts import ESTIMATED, UNSTAMPED, film_facts, header_frames, origin_of, sound_streams
 from .placement import Placement, origin_by_others
 from .singles import joining_hint
 from .track import Samples, TrackFacts, stamp_warnings
@@ -60,6 +60,7 @@ class FilmTrack:
         self._overrule_first_stamp(is_cut=is_cut)
         self._placement: Placement[AudioFrame] = Placement(self.facts.rate_hz, _longest(self.facts), self._origin)
         self._table = table
+        self._played = 0
         # where a length is declared, that tells whether any sound is missing
         self._end_is_missing = is_cut and header_frames(container, stream, self.facts.rate_hz) is None
 
@@ -73,7 +74,9 @@ class FilmTrack:
         first, self._first = self._first, []  # not held any longer than needed: some codecs have a second in a frame
         placed = self._placement.place(chain(first, self._frames))
         del first
-        yield from packed(placed, rate_hz=self.facts.rate_hz, channels=self.facts.channels)
+        for samples in packed(placed, rate_hz=self.facts.rate_hz, channels=self.facts.channels):
+            self._played += samples.shape[0]
+            yield samples
         self._tally.require_readable()
 
     def read_approximately(self, start_s: float, frames: int) -> Iterator[Samples]:
@@ -129,6 +132,8 @@ class FilmTrack:
         elif self._table is not None and (self._table.data_bytes or 0) > self._table.present_bytes:
             declared, present = self._table.data_bytes, self._table.present_bytes
             lines.append(f"the header declares {declared} bytes of sound but {present} follow: the end is missing")
+        if self._container.format.name in ESTIMATED:
+            lines += tally.reach.warnings(Path(self._container.name), self._played / rate_hz)
         if self._end_is_missing:
             lines.append("the file stops or breaks before its own end: the end of the sound is missing")
         if tally.stopped:
