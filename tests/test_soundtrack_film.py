@@ -485,11 +485,11 @@ def test_a_missing_end_of_an_ogg_is_noticed(tmp_path: Path, codec: str) -> None:
         path.write_bytes(data + trailer)
         assert read(path)[1].warnings == ()
     pages = [found.start() for found in re.finditer(rb"OggS\0", data)]
-    for kept in (len(data) // 2, pages[len(pages) // 2], pages[-1], len(data) - 1):
-        path.write_bytes(data[:kept])
-        assert (
-            read(path)[1].warnings[0] == "the file stops or breaks before its own end: the end of the sound is missing"
-        )
+    spoilt = data[:-20] + bytes(20)  # FFmpeg drops a page whose checksum is wrong, and with it how long the sound is
+    cuts = [data[:kept] for kept in (len(data) // 2, pages[len(pages) // 2], pages[-1], len(data) - 1)]
+    for damaged in (spoilt, *cuts):
+        path.write_bytes(damaged)
+        assert BROKEN_OFF in read(path)[1].warnings
 
 
 @pytest.mark.parametrize("flags", ["frag_keyframe+empty_moov", "frag_keyframe", "dash"])

@@ -56,6 +56,18 @@ def test_an_end_that_was_never_written_is_told(tmp_path: Path, codec: str, exten
     assert any("% of the file holds nothing of this sound" in line for line in read(path)[1].warnings)
 
 
+def test_an_ogg_in_which_damage_hides_all_that_follows_is_told(tmp_path: Path) -> None:
+    """Where its last page, which says how long it is, is damaged too, FFmpeg ends at a bad page as if at the end."""
+    path = write_media(tmp_path / "film.ogg", [SOUND], codec="flac", container_format="ogg")
+    data = bytearray(path.read_bytes())
+    for place in range(len(data) // 5, len(data), 1_000):
+        data[place] ^= 0x55
+    path.write_bytes(data)
+    samples, source = read(path)
+    assert len(samples) < 0.3 * LONG
+    assert any("% of the file holds nothing of this sound" in line for line in source.warnings)
+
+
 @pytest.mark.parametrize("extension", ["ts", "aac"])
 def test_a_beginning_that_is_lost_is_told(tmp_path: Path, extension: str) -> None:
     path = tmp_path / f"film.{extension}"

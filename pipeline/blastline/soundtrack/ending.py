@@ -17,6 +17,18 @@ _PAGE = struct.Struct("<4sBB20xB")
 _LONGEST_PAGE_BYTES = 27 + 255 + 255 * 255
 _LAST_PAGE = 4
 
+
+def _check_of(byte: int) -> int:
+    """Return the checksum of one byte, by the polynomial of Ogg."""
+    check = byte << 24
+    for _ in range(8):
+        check = (check << 1 & 0xFFFFFFFF) ^ (_POLYNOMIAL if check >> 31 else 0)
+    return check
+
+
+_POLYNOMIAL = 0x04C11DB7
+_CHECKS = tuple(map(_check_of, range(256)))
+
 _TS_BYTES, _TS_DISTANCES, _TS_COMPARED = 188, (188, 192, 204), 8
 """How long a packet of a transport stream is, how far apart two may begin, and how many in a row are no chance."""
 
@@ -47,7 +59,7 @@ def _tail(path: Path, count: int) -> bytes:
 
 
 def _has_last_page(path: Path) -> bool:
-    """Return whether the last whole page of an Ogg file is marked as the last one."""
+    """Return whether the last whole page of an Ogg file is marked as the last one, and is as it was written."""
     tail = _tail(path, 2 * _LONGEST_PAGE_BYTES)  # tags of music players may follow the last one
     place = len(tail)
     while (place := tail.rfind(b"OggS", 0, place)) >= 0:
@@ -55,9 +67,18 @@ def _has_last_page(path: Path) -> bool:
             continue
         _, version, flags, segments = _PAGE.unpack_from(tail, place)
         body = place + _PAGE.size
-        if version == 0 and body + segments + sum(tail[body : body + segments]) <= len(tail):
-            return bool(flags & _LAST_PAGE)
+        end = body + segments + sum(tail[body : body + segments])
+        if version == 0 and end <= len(tail):
+            return bool(flags & _LAST_PAGE) and _is_as_written(tail[place:end])
     return False
+
+
+def _is_as_written(page: bytes) -> bool:
+    """Return whether the checksum of an Ogg page is right: FFmpeg drops one where it is not, the last one unnoticed."""
+    check = 0
+    for byte in page[:22] + bytes(4) + page[26:]:
+        check = (check << 8 & 0xFFFFFFFF) ^ _CHECKS[check >> 24 ^ byte]
+    return check == int.from_bytes(page[22:26], "little")
 
 
 def _is_cut_avi(path: Path) -> bool:

@@ -19,7 +19,7 @@ _TIME_STAMP = re.compile(r"\d{1,20}", re.ASCII)  # no more digits than a number 
 _AVERAGE_OFF = Fraction(1, 200)  # so much less than the rate the average of a fragmented film may be
 UNSTAMPED = frozenset({"aac", "ac3", "dts", "dtshd", "eac3", "loas", "mlp", "truehd"})
 """Formats without time stamps: FFmpeg counts what it finds."""
-ESTIMATED = UNSTAMPED | {"mpeg", "mpegts"}
+_ESTIMATED = UNSTAMPED | {"mpeg", "mpegts"}
 """Formats that declare no length: FFmpeg guesses one from the size of the file."""
 
 
@@ -139,7 +139,7 @@ def _frame_rate(picture: "VideoStream") -> str | None:
 
 def _declared_frames(container: "InputContainer", stream: "AudioStream", rate_hz: int, origin: Fraction) -> int | None:
     """Return how many frames the container says the stream has, None where it does not say."""
-    if container.format.name in ESTIMATED:
+    if container.format.name in _ESTIMATED:
         return None
     if stream.duration and stream.time_base:
         return int(stream.duration * stream.time_base * rate_hz)

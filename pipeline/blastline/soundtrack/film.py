@@ -10,7 +10,7 @@ from ..errors import SoundtrackError
 from .chunks import ChunkTable, overflow_warning
 from .decode import Tally, check_sums, decoded, packed
 from .ending import stops_early
-from .facts import ESTIMATED, UNSTAMPED, film_facts, header_frames, origin_of, sound_streams
+from .facts import UNSTAMPED, film_facts, header_frames, origin_of, sound_streams
 from .placement import Placement, origin_by_others
 from .singles import joining_hint
 from .track import Samples, TrackFacts, stamp_warnings
@@ -132,7 +132,7 @@ class FilmTrack:
         elif self._table is not None and (self._table.data_bytes or 0) > self._table.present_bytes:
             declared, present = self._table.data_bytes, self._table.present_bytes
             lines.append(f"the header declares {declared} bytes of sound but {present} follow: the end is missing")
-        if self._container.format.name in ESTIMATED:
+        if self.facts.declared_frames is None:
             lines += tally.reach.warnings(Path(self._container.name), self._played / rate_hz)
         if self._end_is_missing:
             lines.append("the file stops or breaks before its own end: the end of the sound is missing")
