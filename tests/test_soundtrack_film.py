@@ -338,6 +338,18 @@ def test_the_default_track_is_taken_and_any_other_on_request(tmp_path: Path) -> 
             open_soundtrack(path, stream=stream)
 
 
+def test_a_title_that_is_no_text_is_told_as_far_as_it_is(tmp_path: Path) -> None:
+    """PyAV up to 18 would refuse the film, and from 19 on gives letters that no file takes."""
+    silent, loud = np.zeros((FRAMES, 2), np.float32), impulses(FRAMES, SHOTS, channels=2)
+    path = write_media(tmp_path / "film.mkv", [silent, loud], codec="flac", titles=["first", "caf__ bar"])
+    path.write_bytes(path.read_bytes().replace(b"caf__ bar", b"caf\xe9\xe8 bar"))
+    source = read(path, stream=0)[1]
+    assert source.warnings[0].endswith(
+        "--stream chooses another: 1 (flac, 2 channels, caf\N{REPLACEMENT CHARACTER}\N{REPLACEMENT CHARACTER} bar)"
+    )
+    source.warnings[0].encode()
+
+
 def test_channels_in_streams_of_their_own_are_told_unless_one_is_chosen(tmp_path: Path) -> None:
     """Masters keep 5.1 in six streams of one channel: who is not told takes the left one for the film."""
     channels = [impulses(FRAMES, SHOTS, seed=seed) for seed in range(3)]
