@@ -109,6 +109,9 @@ def _frames(packet: "Packet[AudioStream]", tally: Tally, time_s: Fraction | None
     except FFmpegError as error:
         tally.fail(str(error.strerror), time_s)
         return []
+    except ValueError as error:  # so PyAV from 19 on tells a codec that is unknown or has not been opened
+        tally.fail(str(error), time_s)
+        return []
     sound = [frame for frame in frames if not frame.is_corrupt]
     if len(sound) < len(frames):
         tally.fail("damaged", time_s)

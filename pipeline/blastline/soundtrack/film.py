@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import chain, islice
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..errors import SoundtrackError
 from .chunks import ChunkTable, overflow_warning
@@ -182,7 +182,7 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None
         is_open = table is not None and table.is_wave and (table.goes_on or table.data_bytes == 0)
         options = {"ignore_length": "1"} if is_open else {}
         # PyAV 18 refuses a film of which a tag is no UTF-8; 19 never does, and takes no word about it any more
-        tags = {"metadata_errors": "replace"} if int(av.__version__.partition(".")[0]) < 19 else {}
+        tags: Any = {"metadata_errors": "replace"} if int(av.__version__.partition(".")[0]) < 19 else {}
         container = av.open(str(path.resolve()), options=options, **tags)
     except FFmpegError as error:
         raise SoundtrackError(f"is not a sound file or film that can be read: {error.strerror}") from error
