@@ -1,7 +1,9 @@
 """What the command line says and how it ends, without a film."""
 
+import contextlib
 import os
 import re
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -13,7 +15,7 @@ import typer
 
 from blastline import __version__
 from blastline.cli import app
-from blastline.errors import OutputError
+from blastline.errors import OutputError, SoundtrackError
 from blastline.export import FORMATS
 from blastline.ruleset import load_rules
 from commands import COMMAND, Ended, blastline, blastline_alone
@@ -145,6 +147,40 @@ def test_an_interruption_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("blastline.cli.rulefiles.load_rules", interrupt)
     ended = blastline("rules", "show")
     assert (ended.code, ended.err.splitlines()[-1]) == (130, "blastline: interrupted; nothing was written")
+
+
+@pytest.mark.parametrize("error", [ValueError("Invalid matrix"), SoundtrackError("film.wav: cannot be read")])
+def test_what_a_library_makes_of_an_interruption_is_one(monkeypatch: pytest.MonkeyPatch, error: Exception) -> None:
+    def interrupt(*_: object) -> None:
+        with contextlib.suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+        raise error
+
+    before = signal.signal(signal.SIGTERM, signal.SIG_DFL)  # whoever runs the tests may have it ignored
+    try:
+        with monkeypatch.context() as patched:
+            patched.setattr("blastline.cli.rulefiles.load_rules", interrupt)
+            ended = blastline("rules", "show")
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert (ended.code, ended.err) == (130, "blastline: interrupted; nothing was written\n")
+    assert blastline("rules", "show").code == 0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="processes are ended otherwise there")
+def test_an_interruption_after_all_is_done_changes_no_exit_code() -> None:
+    """Python has its own way with signals back while it puts its modules away, which takes a while."""
+    code = (
+        "import os, signal, sys\n"
+        "class Late:\n"
+        "    def __del__(self, kill=os.kill, process=os.getpid(), number=signal.SIGTERM): kill(process, number)\n"
+        "late = Late()\n"
+        "from blastline.cli import main\n"
+        "sys.argv[1:] = ['--version']\n"
+        "sys.exit(main())"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (0, f"blastline {__version__}\n")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes break otherwise there")

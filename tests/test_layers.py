@@ -14,6 +14,7 @@ PACKAGE = Path(blastline.__file__).parent
 GROUND = {
     "__version__",
     "abandoned",
+    "moving",
     "correlate",
     "dsp",
     "errors",

@@ -1,7 +1,7 @@
 """Frames are placed by counting; what the stamps say is missing is filled, and nothing else."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import pytest
@@ -96,6 +96,27 @@ def test_one_wild_stamp_moves_nothing(wild: int) -> None:
     assert places == {number: number * FRAME for number in range(50)}
     assert not placement.gaps
     assert not placement.jumps
+
+
+@pytest.mark.parametrize("time_base", [SAMPLE, MS, Fraction(1, 90_000)])
+@pytest.mark.parametrize("wild_s", [1491, 3, -3, -1491])
+def test_the_wild_stamp_of_several_frames_moves_nothing(time_base: Fraction, wild_s: int) -> None:
+    """In a transport stream it may be that of half a second of sound."""
+    frames = stamped(range(200), time_base=time_base)
+    for number in range(20, 43):
+        frames[number] = replace(frames[number], pts=(frames[number].pts or 0) + round(wild_s / time_base))
+    places, placement = placed(frames)
+    assert places == {number: number * FRAME for number in range(200)}
+    assert (placement.gaps, placement.jumps) == ([], [])
+
+
+@pytest.mark.parametrize("time_base", [SAMPLE, MS])
+def test_a_long_gap_is_filled_where_a_second_of_sound_confirms_it(time_base: Fraction) -> None:
+    lost = range(20, 20 + 60 * RATE_HZ // FRAME)
+    there = [*range(20), *range(lost.stop, lost.stop + 200)]
+    places, placement = placed(stamped(there, time_base=time_base))
+    assert places == {number: number * FRAME for number in there}
+    assert placement.gaps == [(20 * FRAME, len(lost) * FRAME)]
 
 
 def test_a_gap_of_no_whole_frame_is_taken_as_the_stamps_say() -> None:

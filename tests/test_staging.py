@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from blastline.errors import OutputError
+from blastline.moving import alone_in
 from blastline.staging import staged
 
 NAMES = ["a.wav", "b.json", "c.csv"]
@@ -292,7 +293,8 @@ def test_two_runs_do_not_move_their_files_at_once(tmp_path: Path, monkeypatch: p
 
 
 def test_a_run_that_never_ends_moving_is_not_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("blastline.staging._LONGEST_WAIT_S", 0.05)
+    monkeypatch.setattr("blastline.moving._LONGEST_WAIT_S", 0.05)
+    monkeypatch.setattr("blastline.moving.hold", lambda _: None)  # as of a lock that another run holds
     (tmp_path / ".blastline-moving").mkdir()
     with pytest.raises(OutputError, match=r"\.blastline-moving: another run is writing here; remove it"):
         run_into(tmp_path)
@@ -379,6 +381,35 @@ def test_what_a_killed_run_left_goes_with_the_next_and_what_a_living_one_writes_
         (living / "b.json").unlink()
         (living / "a.wav").unlink()
     assert state(tmp_path) == {name: f"second {name}" for name in NAMES}
+
+
+MOVING = """
+import os, sys
+from pathlib import Path
+from blastline.moving import alone_in
+with alone_in(Path(sys.argv[1])):
+    os.utime(Path(sys.argv[1]) / ".blastline-moving", (1e9, 1e9))
+    print("moving", flush=True)
+    sys.stdin.read()
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="no locks that end with their process")
+@pytest.mark.parametrize("is_new", [True, False])
+def test_a_run_that_was_killed_while_it_moved_its_files_hinders_none(tmp_path: Path, is_new: bool) -> None:
+    pipes: Any = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, "-c", MOVING, str(tmp_path)], **pipes) as moving:
+        assert moving.stdout is not None
+        assert moving.stdout.readline() == b"moving\n"
+        with pytest.raises(OutputError, match="another run is writing here"):
+            run_into(tmp_path)
+        moving.kill()
+    if is_new:
+        run_into(tmp_path)
+    else:  # it was killed only after this run had begun
+        with alone_in(tmp_path):
+            pass
+    assert not (tmp_path / ".blastline-moving").exists()
 
 
 @pytest.mark.skipif(os.name != "posix", reason="no locks that end with their process")

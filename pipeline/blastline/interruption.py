@@ -1,10 +1,11 @@
 """Requests to end the run (Ctrl-C, SIGTERM, a closed terminal) that cannot get lost.
 
 Python swallows an exception that is raised while an object is being destroyed, and a signal may well come there. So a
-request is remembered, and heeded at the next place that asks.
+request is remembered, and heeded at the next place that asks. Libraries written in C turn it into errors of their own.
 """
 
 import signal
+from collections.abc import Iterator
 from threading import Event
 from types import FrameType
 
@@ -14,16 +15,34 @@ _ASKED = Event()
 def let_signals_interrupt() -> None:
     """Make every request to end clean up as Ctrl-C does, but for those that whoever started us has us ignore."""
     _ASKED.clear()
-    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-        number = getattr(signal, name, None)
-        if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
+    for number in _numbers():
+        if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _interrupt)
+
+
+def ignore_interruption() -> None:
+    """Let no request to end change the exit code of a process that has nothing left to do but to end."""
+    for number in _numbers():
+        signal.signal(number, signal.SIG_IGN)
+
+
+def is_interrupted() -> bool:
+    """Return whether an end was asked for, so that what goes wrong since then may come from that."""
+    return _ASKED.is_set()
 
 
 def heed_interruption() -> None:
     """Raise KeyboardInterrupt where an end was asked for, though the one raised then may have been swallowed."""
     if _ASKED.is_set():
         raise KeyboardInterrupt
+
+
+def _numbers() -> Iterator[signal.Signals]:
+    """Yield the requests to end that this system has."""
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None:
+            yield number
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:

@@ -10,17 +10,16 @@ import os
 import shutil
 import stat
 import tempfile
-import time
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from .abandoned import EARLIER, HIDDEN, LOCK, clear_abandoned, hold
+from .abandoned import EARLIER, HIDDEN, clear_abandoned, hold
 from .errors import BlastlineError, OutputError
 from .interruption import heed_interruption
+from .moving import alone_in, refuse_locked
 
-_LONGEST_WAIT_S = 20.0
 _FULL = {errno.ENOSPC, errno.EFBIG, errno.EDQUOT}
 
 
@@ -58,7 +57,7 @@ def staged(
     """
     wanted = _Results(folder, names, sets, stale, films, spared, overwrite)
     _refuse_existing(wanted, names)
-    _refuse_locked(folder)
+    refuse_locked(folder)
     made = _missing_parents(folder)
     try:
         hidden = _hidden_folder(folder)
@@ -68,7 +67,7 @@ def staged(
             _require_nameable(hidden, names)
             yield hidden
             heed_interruption()
-            with _alone_in(folder):
+            with alone_in(folder):
                 _move_all(hidden, wanted)
             made = []
         except OSError as error:
@@ -112,40 +111,6 @@ def _require_nameable(hidden: Path, names: Collection[str]) -> None:
     for name in names:
         with suppress(FileNotFoundError):
             (hidden / name).lstat()
-
-
-@contextmanager
-def _alone_in(folder: Path) -> Iterator[None]:
-    """Let no other run move its files into the folder meanwhile; OutputError where one does not come to its end.
-
-    A folder that is made for it is a lock on every system; moving takes milliseconds, so that waiting is short.
-    """
-    lock, until_s = folder / LOCK, time.monotonic() + _LONGEST_WAIT_S
-    while True:
-        try:
-            lock.mkdir()
-            break
-        except FileExistsError:
-            if time.monotonic() > until_s:
-                raise _locked(lock) from None
-            time.sleep(0.01)
-        except OSError as error:
-            raise OutputError(f"{folder}: cannot write here: {error.strerror}") from error
-    try:
-        yield
-    finally:
-        lock.rmdir()
-
-
-def _refuse_locked(folder: Path) -> None:
-    """Raise OutputError where a run that was killed left its lock: better now than when all the work is done."""
-    lock = folder / LOCK
-    if lock.exists() and time.time() - lock.stat().st_mtime > _LONGEST_WAIT_S:
-        raise _locked(lock)
-
-
-def _locked(lock: Path) -> OutputError:
-    return OutputError(f"{lock}: another run is writing here; remove it where that is not so")
 
 
 def _output_error(error: OSError, hidden: Path, wanted: _Results) -> OutputError | None:

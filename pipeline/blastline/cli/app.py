@@ -17,7 +17,7 @@ import typer
 
 from .. import __version__
 from ..errors import BlastlineError
-from ..interruption import let_signals_interrupt
+from ..interruption import ignore_interruption, is_interrupted, let_signals_interrupt
 from . import actuators, conform, film, results, rulefiles, study, synthesis
 from .complaints import complaint
 from .interruption import INTERRUPTED, told_interrupted
@@ -63,32 +63,42 @@ def describe(
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit code; what a user can mend is one line on stderr."""
+    """Run the command line and return its exit code; what a user can mend is one line on stderr.
+
+    Without `arguments` it is that of the process, which ends then.
+    """
     let_signals_interrupt()
     _spell_out_what_has_no_letter()
     try:
         words = (sys.argv[1:] if arguments is None else arguments) or ["--help"]
-        code = app(words, prog_name="blastline", standalone_mode=False)
-    except typer.TyperException as error:
-        context = getattr(error, "ctx", None)
-        command = context.command_path if context else "blastline"
-        return _say(f"{complaint(error)} (see `{command} --help`)", USAGE)
-    except BlastlineError as error:
-        return _say(str(error), USAGE)
+        code = app(words, prog_name="blastline", standalone_mode=False) or 0
     except (BrokenPipeError, SystemExit):  # typer turns the first into the second
         _drop_unwritten_output()
-        return CLOSED_PIPE
-    except OSError as error:
-        _drop_unwritten_output()
-        return _say(f"{error.filename or 'input or output'}: {error.strerror or error}", USAGE)
+        code = CLOSED_PIPE
     except KeyboardInterrupt:
         code = INTERRUPTED
     except Exception as error:
-        if isinstance(error, MemoryError) or (isinstance(error, ImportError) and _UNMAPPED in str(error)):
-            return _say("there is not enough memory", USAGE)
-        traceback.print_exc()
-        return _say("this is a bug of blastline; please report it with the lines above", BUG)
-    return told_interrupted() if code == INTERRUPTED else code or 0
+        code = INTERRUPTED if is_interrupted() else _told(error)
+    if arguments is None:
+        ignore_interruption()
+    return told_interrupted() if code == INTERRUPTED else code
+
+
+def _told(error: Exception) -> int:
+    """Say what went wrong and return its exit code."""
+    if isinstance(error, typer.TyperException):
+        context = getattr(error, "ctx", None)
+        command = context.command_path if context else "blastline"
+        return _say(f"{complaint(error)} (see `{command} --help`)", USAGE)
+    if isinstance(error, BlastlineError):
+        return _say(str(error), USAGE)
+    if isinstance(error, OSError):
+        _drop_unwritten_output()
+        return _say(f"{error.filename or 'input or output'}: {error.strerror or error}", USAGE)
+    if isinstance(error, MemoryError) or (isinstance(error, ImportError) and _UNMAPPED in str(error)):
+        return _say("there is not enough memory", USAGE)
+    traceback.print_exception(error)
+    return _say("this is a bug of blastline; please report it with the lines above", BUG)
 
 
 def _say(message: str, code: int) -> int:

@@ -4,7 +4,7 @@ Samples are converted, never resampled; planar sound is packed by FFmpeg first, 
 """
 
 from collections.abc import Generator, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from ..errors import SoundtrackError
 from .placement import Gap
+from .reach import Reach
 from .track import PIECE, Samples
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ _CHECKSUMMED = frozenset({"ac3", "eac3", "flac", "tta", "wavpack"})
 
 @dataclass
 class Tally:
-    """What happened to the packets: how many there were, how many failed, and where reading stopped early.
+    """What happened to the packets: how many there were, how many failed, where they lie, where reading stopped early.
 
     A packet fails where it cannot be decoded, or only to sound that is known to be wrong. Times are time stamps.
     """
@@ -40,6 +41,7 @@ class Tally:
     first_failed_time: Fraction | None = None
     last_error: str = ""
     stopped: str = ""
+    reach: Reach = field(default_factory=Reach)
 
     def fail(self, reason: str, time_s: Fraction | None) -> None:
         """Count one more failure, at most one for each packet."""
@@ -74,6 +76,8 @@ def decoded(
         except FFmpegError as error:
             tally.stopped = str(error.strerror)
             packet = None
+        except IndexError:  # PyAV stumbles at the end over streams that began on the way, behind this one's last packet
+            packet = None
         if packet is None:
             return
         time_s = None if packet.pts is None or not packet.time_base else Fraction(packet.pts * packet.time_base)
@@ -83,6 +87,7 @@ def decoded(
             if not tally.packets:
                 tally.first_time = time_s
             tally.packets += 1
+            tally.reach.note(packet.pos, packet.size)
         for frame in _frames(packet, tally, time_s):
             tally.frames += 1
             yield frame
@@ -103,6 +108,9 @@ def _frames(packet: "Packet[AudioStream]", tally: Tally, time_s: Fraction | None
         frames = packet.decode()
     except FFmpegError as error:
         tally.fail(str(error.strerror), time_s)
+        return []
+    except ValueError as error:  # so PyAV from 19 on tells a codec that is unknown or has not been opened
+        tally.fail(str(error), time_s)
         return []
     sound = [frame for frame in frames if not frame.is_corrupt]
     if len(sound) < len(frames):

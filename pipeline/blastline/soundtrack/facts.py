@@ -101,7 +101,8 @@ def _description(stream: "AudioStream") -> str:
         return "a format that cannot be decoded"
     channels = stream.codec_context.channels
     words = [stream.codec_context.name, f"{channels} channel{'s' if channels != 1 else ''}"]
-    return ", ".join(words + [tag for key in ("language", "title") if (tag := stream.metadata.get(key))])
+    tags = [tag for key in ("language", "title") if (tag := stream.metadata.get(key))]
+    return ", ".join(words + [tag.encode("utf-8", "surrogateescape").decode("utf-8", "replace") for tag in tags])
 
 
 def _is_cover(stream: "VideoStream") -> bool:

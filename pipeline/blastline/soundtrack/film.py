@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import chain, islice
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..errors import SoundtrackError
 from .chunks import ChunkTable, overflow_warning
@@ -60,6 +60,7 @@ class FilmTrack:
         self._overrule_first_stamp(is_cut=is_cut)
         self._placement: Placement[AudioFrame] = Placement(self.facts.rate_hz, _longest(self.facts), self._origin)
         self._table = table
+        self._played = 0
         # where a length is declared, that tells whether any sound is missing
         self._end_is_missing = is_cut and header_frames(container, stream, self.facts.rate_hz) is None
 
@@ -73,7 +74,9 @@ class FilmTrack:
         first, self._first = self._first, []  # not held any longer than needed: some codecs have a second in a frame
         placed = self._placement.place(chain(first, self._frames))
         del first
-        yield from packed(placed, rate_hz=self.facts.rate_hz, channels=self.facts.channels)
+        for samples in packed(placed, rate_hz=self.facts.rate_hz, channels=self.facts.channels):
+            self._played += samples.shape[0]
+            yield samples
         self._tally.require_readable()
 
     def read_approximately(self, start_s: float, frames: int) -> Iterator[Samples]:
@@ -129,6 +132,8 @@ class FilmTrack:
         elif self._table is not None and (self._table.data_bytes or 0) > self._table.present_bytes:
             declared, present = self._table.data_bytes, self._table.present_bytes
             lines.append(f"the header declares {declared} bytes of sound but {present} follow: the end is missing")
+        if self.facts.declared_frames is None:
+            lines += tally.reach.warnings(Path(self._container.name), self._played / rate_hz)
         if self._end_is_missing:
             lines.append("the file stops or breaks before its own end: the end of the sound is missing")
         if tally.stopped:
@@ -176,7 +181,9 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None
         # an absolute path, because FFmpeg takes what comes before a colon for a protocol
         is_open = table is not None and table.is_wave and (table.goes_on or table.data_bytes == 0)
         options = {"ignore_length": "1"} if is_open else {}
-        container = av.open(str(path.resolve()), metadata_errors="replace", options=options)
+        # PyAV 18 refuses a film of which a tag is no UTF-8; 19 never does, and takes no word about it any more
+        tags: Any = {"metadata_errors": "replace"} if int(av.__version__.partition(".")[0]) < 19 else {}
+        container = av.open(str(path.resolve()), options=options, **tags)
     except FFmpegError as error:
         raise SoundtrackError(f"is not a sound file or film that can be read: {error.strerror}") from error
     try:

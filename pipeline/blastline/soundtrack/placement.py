@@ -8,7 +8,8 @@ damaged stretch without stamps, and then resumes:
     frames   [ A ][ B ] [ C ] [ D ]    [ F ]  [ G ]     F is 4096 samples later than counted, and so is G:
     placed   [ A ][ B ] [ C ] [ D ][..][ F ]  [ G ]     a gap of one frame before F
 
-A gap is believed once a second frame confirms it, so that one wild stamp moves nothing.
+A gap is believed once a second frame confirms it, a long one once a second of sound does, so that one wild stamp moves
+nothing: in a transport stream it may be that of all frames of a packet.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -20,6 +21,9 @@ MAX_HELD_S = 2.0
 """How much sound is held back at most until a gap before it is confirmed."""
 
 _TOLERANCE_S = 0.002
+
+_LONG_GAP_S, _CONFIRMED_BY_S = 2.0, 1.0
+"""A gap longer than the first is confirmed by so much sound that is as late."""
 
 
 class Stamped(Protocol):
@@ -83,10 +87,11 @@ class Placement(Generic[FrameT]):
                 continue
             if drift is not None and self._suspected:
                 if abs(drift - self._suspected) <= tolerance:
-                    yield from self._resolve()
-                    yield self._passed(frame)
-                    continue
-                if drift > self._suspected > 0:  # more was lost in between
+                    if self._is_witnessed():
+                        yield from self._resolve()
+                        yield self._passed(frame)
+                        continue
+                elif drift > self._suspected > 0:  # more was lost in between
                     yield from self._resolve()
                     drift = self._drift(frame)
             self._hold(frame)
@@ -110,6 +115,11 @@ class Placement(Generic[FrameT]):
             self._scale, self._tick = float(time_base * self.rate_hz), int(time_base * self.rate_hz) + 1
             self._zero = float(self.origin * self.rate_hz)
         return round(stamp * self._scale - self._zero) - counted
+
+    def _is_witnessed(self) -> bool:
+        """Return whether one more frame is enough to confirm the suspected gap."""
+        is_long = abs(self._suspected) > _LONG_GAP_S * self.rate_hz
+        return not is_long or self._held_samples >= _CONFIRMED_BY_S * self.rate_hz
 
     def _hold(self, frame: FrameT) -> None:
         self._held.append(frame)
