@@ -9,6 +9,7 @@ import numpy as np
 from ..model import Rejection, Shot, Span
 from ..ruleset import BurstRules
 from ..units import samples_from_ms
+from .copies import likeness
 from .rows import runs_of
 
 _SAME_ECHO_MS = 1.0  # two shots that hear an echo this close hear the same one
@@ -42,8 +43,8 @@ def without_echoes(
 ) -> tuple[tuple[Shot, ...], tuple[Rejection, ...]]:
     """Return the shots that are no echo of an earlier one, in order of time, and the echoes.
 
-    An echo lies where an earlier shot was found to repeat itself more softly, and its own peak is lower by as much. The
-    rounds of a burst are alike, too, but about as loud.
+    An echo lies where an earlier shot was found to repeat itself more softly, or sounds as an earlier shot does, and
+    its own peak is lower by as much. The rounds of a burst are alike, too, but about as loud, or fall evenly.
     """
     same = samples_from_ms(_SAME_ECHO_MS, rate_hz)
     kept: list[Shot] = []
@@ -51,13 +52,30 @@ def without_echoes(
     due: list[tuple[int, float]] = []  # where echoes are still to come, and how high they may peak
     for shot in sorted(shots, key=lambda s: s.onset):
         due = [(at, highest_dbfs) for at, highest_dbfs in due if at >= shot.onset - same]
-        if any(at <= shot.onset + same and shot.peak_dbfs <= highest_dbfs for at, highest_dbfs in due):
+        expected = any(at <= shot.onset + same and shot.peak_dbfs <= highest_dbfs for at, highest_dbfs in due)
+        if expected or _copies_any(shot, kept, rate_hz=rate_hz, rules=rules):
             echoes.append(Rejection(shot.onset, "the echo of an earlier shot", {"probability": shot.confidence}))
             continue
         kept.append(shot)
         softer = (echo for echo in shot.reflections if echo.level_db <= -rules.echo_drop_db)
         due += [(echo.start, shot.peak_dbfs - rules.echo_drop_db) for echo in softer]
     return tuple(kept), tuple(echoes)
+
+
+def _copies_any(shot: Shot, earlier: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> bool:
+    """Return whether a shot copies one of the earlier ones, in order of time, that is near and louder by enough.
+
+    A round of even fire does not: a designer's burst may be one sample again and again, more softly.
+    """
+    if shot.evidence is None or shot.evidence.even_row is not None:
+        return False
+    loudest: list[bytes] = []
+    for other in reversed(earlier):
+        if shot.onset - other.onset > samples_from_ms(rules.latest_copy_ms, rate_hz):
+            break
+        if other.evidence is not None and other.peak_dbfs >= shot.peak_dbfs + rules.echo_drop_db:
+            loudest.append(other.evidence.attack)
+    return bool(loudest) and bool((likeness(shot.evidence.attack, loudest) >= rules.copy_likeness).any())
 
 
 def drop_claimed_reflections(shots: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> tuple[Shot, ...]:

@@ -16,6 +16,7 @@ from .bursts import drop_claimed_reflections, group_bursts, suppress_non_maxima,
 from .candidates import CandidateFeatures, describe_candidates
 from .chunks import CORE_PIECES, SHORT_CORE_PIECES, Chunk, aligned_chunks, chunks, track_peaks_dbfs
 from .company import in_company, unlike_a_shot, worth_segmenting
+from .copies import attack
 from .direction import with_azimuths
 from .fire import ScoredCandidates, even_rows, worth_a_look
 from .rate import LISTENING_HZ, film_sample, in_film, resampled
@@ -195,6 +196,7 @@ def _segmented(
             "networks": int(verdicts.networks[index]),
             "backdrop": before[index],
             "sound": own[index],
+            "attack": attack(chunk.samples, int(found.onsets[index]), rate_hz),
         }
         shots.append(_with_evidence(shot, **evidence))
     return shots

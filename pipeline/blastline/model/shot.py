@@ -39,7 +39,8 @@ class ShotEvidence(msgspec.Struct, frozen=True):
     counts what copies the blast, before later shots and their echoes were told from its reflections. A reflection
     softer than `drowned_db` is softer than what was usual before the shot.
     `decay_end` says what ended the decay. `backdrop` is what is heard just before (`detect.backdrop`); None where that
-    is silence, or somebody else found the shot. `sound` are levels of the shot itself (`detect.backdrop`). `even_row`
+    is silence, or somebody else found the shot. `sound` are levels of the shot itself (`detect.backdrop`), `attack` is
+    its beginning (`detect.copies`). `even_row`
     says of one of a row, as even as fire, that the row as a whole sounds like that, or, of a long one as fast as
     automatic fire, that it does not.
     """
@@ -50,6 +51,7 @@ class ShotEvidence(msgspec.Struct, frozen=True):
     decay_end: DecayEnd
     backdrop: int | None = None
     sound: tuple[int, ...] = ()
+    attack: bytes = b""
     even_row: EvenRow | None = None
     copies: Index = 0
     drowned_db: float = -math.inf
