@@ -133,17 +133,17 @@ def locate(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap, s
 def _match(shared: Comparison, event: Event, heard: Heard, felt: Felt, pattern: slice) -> Match:
     """Return where the drive is most like the sound; its own place, if it is as like there as was predicted."""
 
-    def within(reach: int) -> Match:
-        return match_template(heard.intended[pattern], felt.following[pattern.start - reach : pattern.stop + reach])
+    def within(aside: int) -> Match:
+        return match_template(heard.intended[pattern], felt.following[pattern.start - aside : pattern.stop + aside])
 
     if event.drive is not None and not is_direct(event):
-        own = within(_reach(shared))
+        own = within(reach(shared))
         if own.correlation >= event.drive.fidelity - shared.rules.fidelity_error:
             return own
     return within(shared.samples(shared.rules.search_ms))
 
 
-def _reach(shared: Comparison) -> int:
+def reach(shared: Comparison) -> int:
     """Return within how many samples of its place the actuator's limit alone leaves a shot."""
     return max(4, shared.samples(shared.bend_ms))
 
@@ -193,12 +193,12 @@ def _bend(shared: Comparison, drive: _DriveRead, pattern: slice) -> float | None
     H'(H u - t) = 0. So H'H u and H't are one and the same at these samples, and only at the right lag. The pattern
     ends before H is asked for what the drive does not know or do: the next shot, and what follows the film's end.
     """
-    reach = _reach(shared)
+    within = reach(shared)
     if pattern.stop - pattern.start < shared.samples(_LEAST_MS):
         return None
-    around = slice(pattern.start - reach, pattern.stop + reach)
+    around = slice(pattern.start - within, pattern.stop + within)
     where_free = match_template(drive.adjoints.intended[pattern], drive.adjoints.felt[around], drive.felt.free[around])
-    return where_free.lag if where_free.correlation >= _EXACT and abs(where_free.lag) < reach else None
+    return where_free.lag if where_free.correlation >= _EXACT and abs(where_free.lag) < within else None
 
 
 def _delay(heard: Heard, pattern: slice, search: int) -> float:
