@@ -34,6 +34,7 @@ def shot_checks(shared: Comparison, event: Event, figures: ShotFigures | None, l
         return
     if event.drive is not None:
         yield _own_lag_check(shared, event, figures, lag)
+        yield _drive_check(shared, event, figures)
     yield _onset_check(shared, event, figures, lag)
     yield from _level_check(shared, event, figures)
     allowed_db = max(rules.preecho_db, figures.pre_echo.due_db + rules.preecho_margin_db)
@@ -101,6 +102,13 @@ def _onset_check(shared: Comparison, event: Event, figures: ShotFigures, lag: fl
     in_time = error_ms is None or -shared.lead_ms - allowed_ms <= error_ms <= allowed_ms
     name = "drive_onset" if is_direct(event) else "felt_onset"
     return Check(name, event.id, in_time, error_ms, allowed_ms, "ms")
+
+
+def _drive_check(shared: Comparison, event: Event, figures: ShotFigures) -> Check:
+    """Return the check of whether the drive is what is due to its end; one too short to tell passes."""
+    limit = shared.rules.departure_solved if is_solved(event) else shared.rules.departure
+    apart = figures.departure
+    return Check("drive_as_rendered", event.id, apart is None or apart <= limit, apart, limit, "of what is due")
 
 
 def _level_check(shared: Comparison, event: Event, figures: ShotFigures) -> Iterator[Check]:

@@ -11,7 +11,7 @@ from ..model import Event, Span
 from ..units import db_from_gain
 from .attack import PreEcho, late_start, pre_echo
 from .comparison import Comparison, Samples
-from .due import Adjoints, adjoints_of, due_drives
+from .due import Adjoints, adjoints_of, borne_out, departure, possible_drives
 from .hearing import Felt, Heard, Part, feel, hear, is_direct, peak_in
 from .sounds import TimeMap
 
@@ -30,8 +30,9 @@ class ShotFigures:
 
     `peak` is the largest of all that was compared, `own_peak` of the drive that is the shot's own.
     `match` is against the sound with the delay that the drive is meant to have; `delay` is that delay. `exact` says
-    that the actuator's limit has no part in the lag. The others are measured where the match is, or in the shot's own
-    place where the match is too poor to be believed.
+    that the actuator's limit has no part in the lag. `departure` is by which share of it the drive is not what is due,
+    in its worst stretch, None where it is too short or had to be interpolated. The others are measured where the match
+    is, or in the shot's own place where the match is too poor to be believed.
     """
 
     match: Match
@@ -42,6 +43,7 @@ class ShotFigures:
     late_start: float | None
     level_db: float
     pre_echo: PreEcho
+    departure: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +110,9 @@ def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap) 
         return None
     found = _refined(shared, event, part, heard, felt, pattern=pattern, match=match, time_map=time_map)
     felt = found.drive.felt
-    due = due_drives(shared, heard, felt, found.drive.adjoints)
+    possible = possible_drives(shared, heard, felt, found.drive.adjoints)
+    due = borne_out(shared, heard, felt, possible)
+    as_written = time_map.is_whole and shared.drive.rate_hz == shared.rate_hz
     return ShotFigures(
         found.match,
         exact=found.exact,
@@ -118,6 +122,7 @@ def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap) 
         late_start=late_start(shared, heard, felt, due),
         level_db=db_from_gain(_rms(felt.own[core])) - db_from_gain(_rms(heard.direct[core])),
         pre_echo=pre_echo(shared, event, part, heard, felt, due),
+        departure=departure(shared, heard, felt, possible) if as_written else None,
     )
 
 
