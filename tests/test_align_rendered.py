@@ -14,7 +14,7 @@ from scipy.signal import resample_poly
 
 from blastline import run
 from blastline.errors import RuleError
-from blastline.model import DriveChoice, Phase, Timeline
+from blastline.model import DriveChoice, Phase, Quality, Timeline
 from blastline.ruleset import load_actuator, rules_path
 from blastline.run import RenderOptions
 
@@ -134,6 +134,25 @@ def test_what_is_wrong_with_a_drive_after_its_attack_fails_by_name(
     names = {name for name, _, _ in failures(checked)}
     assert "drive_as_rendered" in names
     assert names.isdisjoint({"drive_onset", "felt_onset", "drive_shift", "lag_as_rendered", "pre_echo"})
+
+
+@pytest.mark.parametrize(("frequency_hz", "amplitude"), [(3000.0, 0.2), (8000.0, 0.5)])
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+@pytest.mark.parametrize("quality", ["draft", "standard"])
+def test_a_tone_above_the_band_fails_by_name(
+    tmp_path: Path, frequency_hz: float, amplitude: float, phase: Phase, quality: Quality
+) -> None:
+    """It is hardly felt, and a drive at its limit has as much energy there by itself."""
+    path = film(tmp_path / "film.wav", [14_400], [0.9])
+    made = rendered(path, [14_400], RenderOptions(report=False, drive="constrained", phase=phase, quality=quality))
+    assert failures(made) == []
+    samples, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    window = made.events[0].window
+    inside = np.arange(window.start + window.fade_in_samples, window.stop - window.fade_out_samples)
+    samples[inside] += amplitude * np.sin(2 * np.pi * frequency_hz * inside / RATE_HZ)
+    soundfile.write(tmp_path / "wrong.wav", np.clip(samples, -1.0, 1.0), RATE_HZ, subtype="PCM_24")
+    checked = run.check(tmp_path / "out", audio=path, drive=tmp_path / "wrong.wav")
+    assert "drive_above_band" in {name for name, _, _ in failures(checked)}
 
 
 @pytest.mark.parametrize("rate_hz", [96_000, 192_000])

@@ -70,22 +70,30 @@ def possible_drives(shared: Comparison, heard: Heard, felt: Felt, adjoints: Adjo
     """Return the drives that are due with the gains that a shot may have been rendered with.
 
     Two are tried for a solved drive: the gain that was asked for, and the one that is measured, by comparing H'H u with
-    H't where the drive is free of its limit. The second is uncertain where little of the drive is free. Of another
-    drive the gain is the one that most of its stretches have, be it that of its loud samples or that after its attack:
-    either may be missing.
+    H't where the drive is free of its limit. The second is uncertain where little of the drive is free.
     """
+    if not heard.solved:
+        return (unsolved_drive(shared, heard, felt),)
     rest = _rest(shared, heard)
     free = np.flatnonzero(felt.free[rest]) + rest.start
-    if not heard.solved:
-        after = _gain(heard.wet[free], felt.drive[free]) if free.size and heard.wet is not None else None
-        gains = [gain for gain in (_gain_of_wet(heard, felt), after) if gain is not None]
-        dues = [DueDrive(gain, _unsolved(heard, gain)) for gain in gains]
-        return (min(dues, key=lambda due: np.minimum(_departures(shared, heard, felt, due), 1.0).sum()),)
     limit, found = shared.rules.peak, []
     for gain in (heard.gain, _gain(adjoints.intended[free], adjoints.felt[free])):
         descent = gain * adjoints.intended - adjoints.felt
         found.append(DueDrive(gain, np.clip(felt.drive + _LONG * shared.step * descent, -limit, limit)))
     return tuple(found)
+
+
+def unsolved_drive(shared: Comparison, heard: Heard, felt: Felt) -> DueDrive:
+    """Return the drive that is due without a solver.
+
+    Its gain is the one that most of its stretches have, be it that of its loud samples or that after its attack: either
+    may be missing.
+    """
+    rest = _rest(shared, heard)
+    free = np.flatnonzero(felt.free[rest]) + rest.start
+    gains = [_gain_of_wet(heard, felt), *([_gain(heard.wet[free], felt.drive[free])] if free.size else [])]
+    dues = [DueDrive(gain, _unsolved(heard, gain)) for gain in gains]
+    return min(dues, key=lambda due: float(np.minimum(_departures(shared, heard, felt, due), 1.0).sum()))
 
 
 def borne_out(shared: Comparison, heard: Heard, felt: Felt, dues: tuple[DueDrive, ...]) -> tuple[DueDrive, ...]:
@@ -137,7 +145,7 @@ def due_before_next(shared: Comparison, heard: Heard, felt: Felt, due: DueDrive,
     A solver does not know what comes: it expects its drive to ring on as the compensator's would, which it was given
     from where the drive of the shot before begins, `since`.
     """
-    if not heard.solved or heard.wet is None:
+    if not heard.solved:
         return due.drive
     at = np.arange(len(heard.span))
     limit, early = shared.rules.peak, at < stop
@@ -151,7 +159,7 @@ def due_before_next(shared: Comparison, heard: Heard, felt: Felt, due: DueDrive,
 
 def _unsolved(heard: Heard, gain: float) -> Samples:
     """Return the drive of an open window without a solver, which keeps to the limit; rest, where there is one."""
-    return np.zeros(len(heard.span)) if heard.solved or heard.wet is None else np.clip(gain * heard.wet, -1.0, 1.0)
+    return np.zeros(len(heard.span)) if heard.solved else np.clip(gain * heard.wet, -1.0, 1.0)
 
 
 def _opening(heard: Heard, wet: Samples) -> Samples:
@@ -169,8 +177,6 @@ def _gain_of_wet(heard: Heard, felt: Felt) -> float:
 
     Most by energy: what is missing of it, at its beginning or its end, does not count.
     """
-    if heard.wet is None:
-        return 1.0
     wet, free = heard.wet[heard.core], felt.free[heard.core]
     loud = np.flatnonzero(free & (np.abs(wet) > _LOUD * np.max(np.abs(wet), where=free, initial=0.0)))
     if not loud.size:

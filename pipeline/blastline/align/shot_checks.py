@@ -35,6 +35,7 @@ def shot_checks(shared: Comparison, event: Event, figures: ShotFigures | None, l
     if event.drive is not None:
         yield _own_lag_check(shared, event, figures, lag)
         yield _drive_check(shared, event, figures)
+        yield from _above_band_check(shared, event, figures)
     yield _onset_check(shared, event, figures, lag)
     yield from _level_check(shared, event, figures)
     allowed_db = max(rules.preecho_db, figures.pre_echo.due_db + rules.preecho_margin_db)
@@ -109,6 +110,14 @@ def _drive_check(shared: Comparison, event: Event, figures: ShotFigures) -> Chec
     limit = shared.rules.departure_solved if is_solved(event) else shared.rules.departure
     apart = figures.departure
     return Check("drive_as_rendered", event.id, apart is None or apart <= limit, apart, limit, "of what is due")
+
+
+def _above_band_check(shared: Comparison, event: Event, figures: ShotFigures) -> Iterator[Check]:
+    """Yield the check of what a solved drive has above the band; any other is compared with what is due there, too."""
+    if is_solved(event):
+        limit, added = shared.rules.above_band, figures.above_band
+        still = added is None or added <= limit
+        yield Check("drive_above_band", event.id, still, added, limit, "of the compensator's")
 
 
 def _level_check(shared: Comparison, event: Event, figures: ShotFigures) -> Iterator[Check]:

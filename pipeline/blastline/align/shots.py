@@ -9,9 +9,10 @@ import numpy as np
 from ..correlate import Match, match_template
 from ..model import Event, Span
 from ..units import db_from_gain
+from .above import added_above_band
 from .attack import PreEcho, late_start, pre_echo
 from .comparison import Comparison, Samples
-from .due import Adjoints, adjoints_of, borne_out, departure, possible_drives
+from .due import Adjoints, adjoints_of, borne_out, departure, possible_drives, unsolved_drive
 from .hearing import Felt, Heard, Part, feel, hear, is_direct, peak_in
 from .sounds import TimeMap
 
@@ -31,7 +32,8 @@ class ShotFigures:
     `peak` is the largest of all that was compared, `own_peak` of the drive that is the shot's own.
     `match` is against the sound with the delay that the drive is meant to have; `delay` is that delay. `exact` says
     that the actuator's limit has no part in the lag. `departure` is by which share of it the drive is not what is due,
-    in its worst stretch, None where it is too short or had to be interpolated. The others are measured where the match
+    in its worst stretch, None where it is too short or had to be interpolated; `above_band` what it has above
+    the band beside the compensator's, as a share of that, None likewise. The others are measured where the match
     is, or in the shot's own place where the match is too poor to be believed.
     """
 
@@ -44,6 +46,7 @@ class ShotFigures:
     level_db: float
     pre_echo: PreEcho
     departure: float | None
+    above_band: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +126,7 @@ def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap) 
         level_db=db_from_gain(_rms(felt.own[core])) - db_from_gain(_rms(heard.direct[core])),
         pre_echo=pre_echo(shared, event, part, heard, felt, due),
         departure=departure(shared, heard, felt, possible) if as_written else None,
+        above_band=added_above_band(shared, heard, felt) if as_written else None,
     )
 
 
@@ -136,16 +140,25 @@ def locate(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap, s
 
 
 def _match(shared: Comparison, event: Event, heard: Heard, felt: Felt, pattern: slice) -> Match:
-    """Return where the drive is most like the sound; its own place, if it is as like there as was predicted."""
+    """Return where the drive is most like the sound; its own place, if it is due or as like there as was predicted."""
 
     def within(aside: int) -> Match:
         return match_template(heard.intended[pattern], felt.following[pattern.start - aside : pattern.stop + aside])
 
     if event.drive is not None and not is_direct(event):
         own = within(reach(shared))
-        if own.correlation >= event.drive.fidelity - shared.rules.fidelity_error:
+        if own.correlation >= event.drive.fidelity - shared.rules.fidelity_error or _is_due(shared, heard, felt):
             return own
     return within(shared.samples(shared.rules.search_ms))
+
+
+def _is_due(shared: Comparison, heard: Heard, felt: Felt) -> bool:
+    """Return whether a drive without a solver is, sample for sample, what is due where it was read.
+
+    So it is there, however little a seat that rings lets what is felt be like the sound.
+    """
+    apart = None if heard.solved else departure(shared, heard, felt, (unsolved_drive(shared, heard, felt),))
+    return apart is not None and apart <= shared.rules.departure
 
 
 def reach(shared: Comparison) -> int:
