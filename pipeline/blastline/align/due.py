@@ -93,7 +93,12 @@ def unsolved_drive(shared: Comparison, heard: Heard, felt: Felt) -> DueDrive:
     free = np.flatnonzero(felt.free[rest]) + rest.start
     gains = [_gain_of_wet(heard, felt), *([_gain(heard.wet[free], felt.drive[free])] if free.size else [])]
     dues = [DueDrive(gain, _unsolved(heard, gain)) for gain in gains]
-    return min(dues, key=lambda due: float(np.minimum(_departures(shared, heard, felt, due), 1.0).sum()))
+
+    def strays(due: DueDrive) -> tuple[int, float]:
+        apart = _departures(shared, heard, felt, due)
+        return int(np.count_nonzero(apart > shared.rules.departure)), float(np.minimum(apart, 1.0).sum())
+
+    return min(dues, key=strays)
 
 
 def borne_out(shared: Comparison, heard: Heard, felt: Felt, dues: tuple[DueDrive, ...]) -> tuple[DueDrive, ...]:
