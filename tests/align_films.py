@@ -196,13 +196,15 @@ def make_drive(
     piece = audio[start:stop]
     if phase == "causal":
         target = dsp.run_filter(dsp.discretise(dsp.band(PROFILE), rate_hz), piece)[inside]
-        wet = dsp.run_filter(dsp.discretise(dsp.compensator(PROFILE), rate_hz), piece)[inside]
+        wet = dsp.run_filter(dsp.compensator_sections(PROFILE, rate_hz, phase, lean=True), piece)[inside]
     else:
         half = dsp.half_band(PROFILE)
         back = dsp.discretise(half, rate_hz)
         target = dsp.run_filter(back, dsp.run_filter(back, piece)[::-1])[::-1][inside]
-        first = dsp.run_filter(dsp.discretise(dsp.inverse(PROFILE) * half, rate_hz), piece)
-        wet = dsp.run_filter(back, first[::-1])[::-1][inside]
+        forwards, backwards = (
+            sections(PROFILE, rate_hz, phase, lean=True) for sections in (dsp.compensator_sections, dsp.band_sections)
+        )
+        wet = dsp.run_both_ways(forwards, piece, backwards=backwards)[inside]
     if level * np.abs(wet).max() <= 1.0:
         return level * wet, "filter"
     return limited(level * target, onset - round(1e-3 * rate_hz) - window.start, rate_hz), "constrained"

@@ -94,11 +94,30 @@ def test_a_displaced_drive_fails_by_its_displacement(by: int, phase: Phase, mode
     assert figure(checks, "drive_shift") == pytest.approx(by, abs=0.05)
     assert "drive_shift" in failed(checks)
     of_place = {"silence_outside_windows", "fades", "drive_shift"}
-    of_time = of_place | {"felt_lag", "drive_lag", "felt_onset", "drive_onset"}
+    of_time = of_place | {"felt_lag", "drive_lag", "lag_as_rendered", "felt_onset", "drive_onset"}
     assert failed(checks) <= of_time
     subject = "drive_lag" if model else "felt_lag"
     before, after = (figure(c, subject, "shot-0003") for c in (checks_of(right, phase), checks))
     assert after - before == pytest.approx(1000.0 * by / RATE_HZ, abs=0.002)
+
+
+@pytest.mark.parametrize(
+    ("index", "by", "model"),
+    [(3, -16, None), (3, 3, None), (0, 3, None), (0, -38, None), (1, 8, "direct"), (1, -2, "direct")],
+)
+def test_one_shot_within_the_lag_allowed_but_beside_its_own_fails(
+    index: int, by: int, model: DriveModel | None
+) -> None:
+    """A drive may be early by as much as its band delays it, and still lag by less than it may."""
+    right = film("causal", "mute", model)
+    event, drive = right.timeline.events[index], right.drive.samples.copy()
+    inside = slice(event.window.start, event.window.stop)
+    drive[inside] = np.roll(drive[inside], by)
+    broken = [check for check in checks_of(right.with_drive(drive)) if not check.passed]
+    told = {check.name: check for check in broken if check.event == event.id}
+    assert {check.event for check in broken} <= {event.id, None}
+    assert told["lag_as_rendered"].measured == pytest.approx(1000.0 * by / RATE_HZ, abs=0.005)
+    assert {"felt_lag", "drive_lag"}.isdisjoint(told)
 
 
 def test_a_displacement_shows_where_the_background_sounds() -> None:
@@ -155,7 +174,10 @@ def test_a_clipped_gain_fails_by_its_level() -> None:
     right = film()
     checks = checks_of(right.with_drive(np.clip(3.0 * right.drive.samples, -1.0, 1.0)))
     assert "level_as_rendered" in failed(checks)
-    assert failed(checks) <= {"level_as_rendered", "peak_as_rendered", "felt_correlation", "felt_lag"}
+    assert failed(checks) <= {f"{what}_as_rendered" for what in ("level", "peak", "drive")} | {
+        "felt_correlation",
+        "felt_lag",
+    }
     assert figure(checks, "level_as_rendered", "shot-0001") == pytest.approx(20 * np.log10(3.0), abs=0.6)
 
 

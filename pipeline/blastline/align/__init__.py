@@ -1,7 +1,8 @@
 """Checks between soundtrack, drive and timeline, on the files as they were written.
 
     the film    same rate and length, within the limit, still outside windows, neither displaced nor at another speed
-    each shot   window whole, attack on time, lag, likeness, level and pre-echo of what is felt
+    each shot   window whole, attack on time, lag, likeness, level and pre-echo of what is felt, and the drive
+                  against what is due of it, to its end
 
 What is felt is predicted: the drive through H, the response of actuator and skin. It is compared with the sound in the
 band of vibration. Where the actuator is at its limit no drive can follow the sound, and so the drive is compared with

@@ -3,21 +3,17 @@
 import math
 from collections.abc import Iterator, Sequence
 
-import msgspec
-
 from ..model import Background, Check, Event, Phase, RandomAccessSound, SoundFile, Span, Timeline
 from ..ruleset import ActuatorProfile, AlignRules
-from ..units import db_from_gain, ms_from_samples, samples_from_ms
+from ..units import ms_from_samples, samples_from_ms
 from .comparable import is_comparable
 from .comparison import Comparison, compare
-from .hearing import is_direct, is_solved
 from .sanity import fade_margin, heard_rise_db, is_rise_owed, order_faults
-from .shots import ShotFigures, likeness_limit, parts_of
+from .shot_checks import can_lead, noted, shot_checks, within
+from .shots import parts_of
 from .sounds import Sound, read_padded
 from .timing import Timing, time_film
 from .whole_drive import DriveFigures, fades_of, gaps, scan
-
-_STEP = 2.0**-15
 
 
 def check_files(
@@ -57,12 +53,12 @@ def check_files(
         return (*checks, *_timing_checks(shared, (), None))
     parts = parts_of(timeline.events, lead=shared.samples(shared.lead_ms))
     comparable = [is_comparable(shared, event, part) for event, part in zip(timeline.events, parts, strict=True)]
-    placing = [each and _can_lead(shared, event) for event, each in zip(timeline.events, comparable, strict=True)]
+    placing = [each and can_lead(shared, event) for event, each in zip(timeline.events, comparable, strict=True)]
     timing = time_film(shared, timeline.events, parts, placing)
     checks += _timing_checks(shared, [e for e, places in zip(timeline.events, placing, strict=True) if places], timing)
     for event, compared, figures, lag in zip(timeline.events, comparable, timing.figures, timing.lags, strict=True):
         checks += _window_checks(event, shared.rate_hz)
-        checks += _shot_checks(shared, event, figures, lag) if compared else _noted(shared, event, figures, lag)
+        checks += shot_checks(shared, event, figures, lag) if compared else noted(shared, event, figures, lag)
     return tuple(checks)
 
 
@@ -135,9 +131,9 @@ def _timing_checks(shared: Comparison, events: Sequence[Event], timing: Timing |
     drift_limit = max(rules.drift_samples * shared.coarseness, 2.0 * bend)
     time_map, first, last = timing.time_map, events[0].onset_sample, events[-1].onset_sample
     drift = time_map.lag(last) - time_map.lag(first) if time_map else None
-    steady = _within(drift, drift_limit)
+    steady = within(drift, drift_limit)
     shift = time_map.lag((first + last) / 2 if steady else first) if time_map else None
-    yield Check("drive_shift", None, _within(shift, shift_limit), shift, shift_limit, "samples")
+    yield Check("drive_shift", None, within(shift, shift_limit), shift, shift_limit, "samples")
     if last > first:
         yield Check("drive_drift", None, steady, drift, drift_limit, "samples")
         speed = 1.0 / time_map.scale if time_map else None
@@ -148,85 +144,3 @@ def _window_checks(event: Event, rate_hz: int) -> Iterator[Check]:
     margin_ms = ms_from_samples(fade_margin(event), rate_hz)
     inside = event.onset_sample in event.window.span
     yield Check("fade_in_before_onset", event.id, inside and margin_ms >= 0.0, margin_ms, 0.0, "ms")
-
-
-def _shot_checks(shared: Comparison, event: Event, figures: ShotFigures | None, lag: float | None) -> Iterator[Check]:
-    """Yield the checks of a shot's drive; a `direct` one is compared as it is, any other as it is felt.
-
-    A shot that is not found in the drive has no lag, and fails by that.
-    """
-    rules = shared.rules
-    subject = "drive" if is_direct(event) else "felt"
-    late_ms = None if lag is None or figures is None else ms_from_samples(lag + figures.delay, shared.rate_hz)
-    allowed_ms = _allowed_lag_ms(shared, event, figures, late_ms)
-    yield Check(f"{subject}_lag", event.id, _within(late_ms, allowed_ms), late_ms, allowed_ms, "ms")
-    likeness, wanted = figures.match.correlation if figures else 0.0, likeness_limit(shared, event)
-    yield Check(f"{subject}_correlation", event.id, likeness >= wanted, likeness, wanted, "ratio")
-    if figures is None:
-        return
-    yield _onset_check(shared, event, figures, lag)
-    yield from _level_check(shared, event, figures)
-    allowed_db = max(rules.preecho_db, figures.pre_echo.due_db + rules.preecho_margin_db)
-    early_db = figures.pre_echo.level_db
-    still = early_db is None or early_db <= allowed_db
-    yield Check("pre_echo", event.id, still, early_db, allowed_db, "dB of its peak")
-    yield Check("peak", event.id, figures.peak <= rules.peak, figures.peak, rules.peak, "of the limit")
-
-
-def _allowed_lag_ms(shared: Comparison, event: Event, figures: ShotFigures | None, late_ms: float | None) -> float:
-    """Return by how much a shot may lag: as the rules have it, or where its band delays it by more, by as much.
-
-    A drive is as late as it is meant to be within what the actuator's limit may bend; a lag in which that has no part,
-    within what any has to without delay.
-    """
-    rules, exact_ms = shared.rules, ms_from_samples(shared.rules.lag_zero_samples * shared.coarseness, shared.rate_hz)
-    allowed_ms = exact_ms if shared.phase == "zero" else rules.lag_causal_ms
-    if figures is not None:
-        spare_ms = exact_ms if figures.exact else shared.bend_ms
-        delay_ms = ms_from_samples(figures.delay, shared.rate_hz)
-        if late_ms is not None and delay_ms > 0.0 and abs(late_ms - delay_ms) <= spare_ms:
-            allowed_ms = max(allowed_ms, delay_ms + spare_ms)
-        if not figures.exact:
-            allowed_ms = max(allowed_ms, shared.bend_ms)  # so much the actuator's limit alone may bend a lag of nothing
-    return allowed_ms if _can_lead(shared, event) else max(allowed_ms, shared.lead_ms)
-
-
-def _can_lead(shared: Comparison, event: Event) -> bool:
-    """Return whether the film has room for the lead before a shot: without it, a solved drive comes late."""
-    return not is_solved(event) or event.onset_sample >= shared.samples(shared.lead_ms)
-
-
-def _noted(shared: Comparison, event: Event, figures: ShotFigures | None, lag: float | None) -> Iterator[Check]:
-    """Yield the same checks of a shot that cannot be compared, without holding it to them.
-
-    But for the actuator's limit: that holds for every drive.
-    """
-    for check in _shot_checks(shared, event, figures, lag):
-        noted = check.measured if figures else None
-        yield check if check.name == "peak" else msgspec.structs.replace(check, passed=True, measured=noted, limit=None)
-
-
-def _onset_check(shared: Comparison, event: Event, figures: ShotFigures, lag: float | None) -> Check:
-    """Return the check of the attack; one of which nothing can be told passes, with nothing measured."""
-    late, allowed_ms = figures.late_start, max(shared.rules.onset_error_ms, shared.bend_ms)
-    error_ms = None if late is None else ms_from_samples(late + (lag or 0.0), shared.rate_hz)
-    in_time = error_ms is None or -shared.lead_ms - allowed_ms <= error_ms <= allowed_ms
-    name = "drive_onset" if is_direct(event) else "felt_onset"
-    return Check(name, event.id, in_time, error_ms, allowed_ms, "ms")
-
-
-def _level_check(shared: Comparison, event: Event, figures: ShotFigures) -> Iterator[Check]:
-    if event.drive is None:
-        return
-    rules = shared.rules
-    error_db = figures.level_db - event.drive.perceived_gain_db
-    yield Check(
-        "level_as_rendered", event.id, abs(error_db) <= rules.level_error_db, error_db, rules.level_error_db, "dB"
-    )
-    # what is clipped keeps most of its level; a step of 16 bits is no difference
-    error_db = db_from_gain((figures.own_peak + _STEP) / (event.drive.peak + _STEP))
-    yield Check("peak_as_rendered", event.id, abs(error_db) <= rules.peak_error_db, error_db, rules.peak_error_db, "dB")
-
-
-def _within(figure: float | None, limit: float) -> bool:
-    return figure is not None and abs(figure) <= limit

@@ -30,6 +30,9 @@ _BEND_AT_HZ = 1000.0
 _SET_AT_HZ, _COARSE_MS = 48_000, 0.25
 """Drives with corners 0.25 ms apart were felt up to 15 us aside, a sample at 96 kHz; a third as far apart 0.3 us."""
 
+_ABOVE = 2.0
+"""From so many times the corner of the band on, a drive does nothing for what is felt."""
+
 _LOWEST_HZ = 1.0
 """Where the search for the greatest response begins."""
 
@@ -40,7 +43,8 @@ class Comparison:
 
     `level_db` is how much stronger than usual every shot was asked to be, `corner_ms` how far apart the corners are of
     the straight lines that a solved drive is made of. `felt` and `band` are second-order sections, shape (sections, 6);
-    `band_gains` gives the band's magnitudes for a real transform of so many samples. `compensated` makes of a sound the
+    `band_gains` gives the band's magnitudes for a real transform of so many samples. `above_band` keeps what lies
+    above it, None where a film holds nothing there. `compensated` makes of a sound the
     drive that is felt like it where nothing limits it. `step` is 1 / max |H|^2: so long a step down the slope of
     |H u - t|^2 / 2 never overshoots. `settle` is how many samples the filters run before what is compared, `memory` how
     many H remembers. `bend_ms` is by how much the limit alone may displace what is felt.
@@ -57,6 +61,7 @@ class Comparison:
     felt: Samples
     band: Samples
     band_gains: Callable[[int], Samples]
+    above_band: Samples | None
     compensated: Callable[[Samples], Samples]
     step: float
     settle: int
@@ -122,6 +127,7 @@ def compare(
         felt=felt,
         band=dsp.discretise(dsp.band(profile), rate_hz),
         band_gains=_band_gains(profile, rate_hz, phase),
+        above_band=_above_band(profile, rate_hz),
         compensated=_compensation(profile, rate_hz, phase),
         step=1.0 / float(np.max(np.abs(response.at(frequencies_hz)) ** 2)),
         settle=round(dsp.settle_s(response, compensator) * rate_hz),
@@ -140,6 +146,16 @@ def _band_gains(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Callabl
         return np.abs(half.at(frequencies_hz)) ** 2 if phase == "zero" else np.abs(band.at(frequencies_hz))
 
     return gains
+
+
+def _above_band(profile: ActuatorProfile, rate_hz: int) -> Samples | None:
+    """Return the high-pass above the band as second-order sections; None where that leaves less than an octave."""
+    from scipy.signal import butter
+
+    corner_hz = _ABOVE * profile.lowpass.corner_hz
+    if corner_hz > rate_hz / 4.0:
+        return None
+    return np.asarray(butter(4, corner_hz, "highpass", fs=rate_hz, output="sos"), dtype=np.float64)
 
 
 def _compensation(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Callable[[Samples], Samples]:

@@ -18,12 +18,22 @@ import numpy as np
 from .. import dsp
 from .comparison import Comparison, Samples
 from .hearing import Felt, Heard
+from .lags import weighted_median
 
 ATTACK_MS = 12.0
 """The longest blast of the segmentation: the attack's peak lies within."""
 
 MISSING = 0.5
 """A drive does what is due where no more than this share of it is missing: 0.2 in right ones, 1 at rest."""
+
+_STRETCH_MS = 10.0
+"""So short that a hole of 3 ms shows, and so long that a drive may turn over a little aside."""
+
+_FAINT = 1e-3
+"""What is due of a drive counts as this share of the limit at least: rounding to 16 bits is 9e-6 to 15e-6 rms."""
+
+_LOUD = 0.1
+"""A gain is told from samples of at least this share of the largest, which are few."""
 
 _LONG = 16.0
 """A step so many times the safe one makes up at once for all that is missing where |H| is a quarter of its largest."""
@@ -50,30 +60,83 @@ class DueDrive:
 
 def adjoints_of(shared: Comparison, heard: Heard, felt: Felt) -> Adjoints:
     """Return the adjoints of a shot without what the opening of its window leaves ringing: no drive undoes that."""
-    wet = _unsolved(heard, 1.0 if heard.solved else _gain_of_wet(shared, heard, felt))
+    wet = _unsolved(heard, 1.0 if heard.solved else _gain_of_wet(heard, felt))
     left = _opening(heard, wet) - wet
     vibration = felt.own - dsp.run_filter(shared.felt, left) if left.any() else felt.own
     return Adjoints(shared.adjoint(heard.intended), shared.adjoint(vibration))
 
 
-def due_drives(shared: Comparison, heard: Heard, felt: Felt, adjoints: Adjoints) -> tuple[DueDrive, ...]:
-    """Return the drives that may be due: those that the actual drive follows after the attack; perhaps none.
+def possible_drives(shared: Comparison, heard: Heard, felt: Felt, adjoints: Adjoints) -> tuple[DueDrive, ...]:
+    """Return the drives that are due with the gains that a shot may have been rendered with.
 
-    Two gains are tried for a solved drive: the one that was asked for, and the one that is measured, by comparing H'H u
-    with H't where the drive is free of its limit. The second is uncertain where little of the drive is free.
+    Two are tried for a solved drive: the gain that was asked for, and the one that is measured, by comparing H'H u with
+    H't where the drive is free of its limit. The second is uncertain where little of the drive is free.
     """
     if not heard.solved:
-        gain = _gain_of_wet(shared, heard, felt)
-        return (DueDrive(gain, _unsolved(heard, gain)),)
+        return (unsolved_drive(shared, heard, felt),)
     rest = _rest(shared, heard)
     free = np.flatnonzero(felt.free[rest]) + rest.start
     limit, found = shared.rules.peak, []
     for gain in (heard.gain, _gain(adjoints.intended[free], adjoints.felt[free])):
         descent = gain * adjoints.intended - adjoints.felt
-        due = np.clip(felt.drive + _LONG * shared.step * descent, -limit, limit)
-        if _energy((due - felt.drive)[rest]) <= MISSING**2 * _energy(due[rest]):
-            found.append(DueDrive(gain, due))
+        found.append(DueDrive(gain, np.clip(felt.drive + _LONG * shared.step * descent, -limit, limit)))
     return tuple(found)
+
+
+def unsolved_drive(shared: Comparison, heard: Heard, felt: Felt) -> DueDrive:
+    """Return the drive that is due without a solver.
+
+    Its gain is the one that most of its stretches have, be it that of its loud samples or that after its attack: either
+    may be missing.
+    """
+    rest = _rest(shared, heard)
+    free = np.flatnonzero(felt.free[rest]) + rest.start
+    gains = [_gain_of_wet(heard, felt), *([_gain(heard.wet[free], felt.drive[free])] if free.size else [])]
+    dues = [DueDrive(gain, _unsolved(heard, gain)) for gain in gains]
+
+    def strays(due: DueDrive) -> tuple[int, float]:
+        apart = _departures(shared, heard, felt, due)
+        return int(np.count_nonzero(apart > shared.rules.departure)), float(np.minimum(apart, 1.0).sum())
+
+    return min(dues, key=strays)
+
+
+def borne_out(shared: Comparison, heard: Heard, felt: Felt, dues: tuple[DueDrive, ...]) -> tuple[DueDrive, ...]:
+    """Return those of the drives that may be due which a solved one follows after the attack; perhaps none."""
+    rest = _rest(shared, heard)
+    return tuple(
+        due
+        for due in dues
+        if not heard.solved or _energy((due.drive - felt.drive)[rest]) <= MISSING**2 * _energy(due.drive[rest])
+    )
+
+
+def departure(shared: Comparison, heard: Heard, felt: Felt, dues: tuple[DueDrive, ...]) -> float | None:
+    """Return by how much a drive departs from what is due in its worst stretch, as a share of that; None if too short.
+
+    A whole shot hides what happens to a part of it, for most of its energy is in the attack. Each stretch is compared
+    with itself, so a drive that rests or turns over long after the bang departs as plainly there. The best of what may
+    be due counts.
+    """
+    found = [_departures(shared, heard, felt, due) for due in dues]
+    return min((float(shares.max()) for shares in found if shares.size), default=None)
+
+
+def _departures(shared: Comparison, heard: Heard, felt: Felt, due: DueDrive) -> Samples:
+    """Return by which share of it a drive is not what is due in each of a shot's stretches; shape (stretches,).
+
+    A solved drive is compared up to where H is asked for what the drive does not know or do.
+    """
+    length = shared.samples(_STRETCH_MS)
+    where = slice(heard.core.start, max(heard.core.start, heard.core.stop - (shared.memory if heard.solved else 0)))
+    apart, asked = (_rms(samples[where], length) for samples in (felt.drive - due.drive, due.drive))
+    return np.asarray(apart / (asked + _FAINT), dtype=np.float64)
+
+
+def _rms(samples: Samples, length: int) -> Samples:
+    """Return the rms of every whole stretch of so many samples."""
+    whole = samples[: len(samples) // length * length].reshape(-1, length)
+    return np.asarray(np.sqrt(np.mean(whole**2, axis=1)), dtype=np.float64)
 
 
 def due_before_window(heard: Heard, due: DueDrive | None) -> Samples:
@@ -87,7 +150,7 @@ def due_before_next(shared: Comparison, heard: Heard, felt: Felt, due: DueDrive,
     A solver does not know what comes: it expects its drive to ring on as the compensator's would, which it was given
     from where the drive of the shot before begins, `since`.
     """
-    if not heard.solved or heard.wet is None:
+    if not heard.solved:
         return due.drive
     at = np.arange(len(heard.span))
     limit, early = shared.rules.peak, at < stop
@@ -101,7 +164,7 @@ def due_before_next(shared: Comparison, heard: Heard, felt: Felt, due: DueDrive,
 
 def _unsolved(heard: Heard, gain: float) -> Samples:
     """Return the drive of an open window without a solver, which keeps to the limit; rest, where there is one."""
-    return np.zeros(len(heard.span)) if heard.solved or heard.wet is None else np.clip(gain * heard.wet, -1.0, 1.0)
+    return np.zeros(len(heard.span)) if heard.solved else np.clip(gain * heard.wet, -1.0, 1.0)
 
 
 def _opening(heard: Heard, wet: Samples) -> Samples:
@@ -114,14 +177,16 @@ def _rest(shared: Comparison, heard: Heard) -> slice:
     return slice(start, max(start, heard.core.stop - shared.memory))
 
 
-def _gain_of_wet(shared: Comparison, heard: Heard, felt: Felt) -> float:
-    """Return the gain with which a drive without a solver was rendered, told where the limit does not hold it down."""
-    if heard.wet is None:
+def _gain_of_wet(heard: Heard, felt: Felt) -> float:
+    """Return the gain that most of a drive without a solver has where the limit does not hold it down.
+
+    Most by energy: what is missing of it, at its beginning or its end, does not count.
+    """
+    wet, free = heard.wet[heard.core], felt.free[heard.core]
+    loud = np.flatnonzero(free & (np.abs(wet) > _LOUD * np.max(np.abs(wet), where=free, initial=0.0)))
+    if not loud.size:
         return 1.0
-    rest = _rest(shared, heard)
-    where = rest if rest.stop > rest.start else heard.core
-    free = np.flatnonzero(felt.free[where]) + where.start
-    return _gain(heard.wet[free], felt.drive[free])
+    return weighted_median(felt.drive[heard.core][loud] / wet[loud], wet[loud] ** 2)
 
 
 def _gain(intended: Samples, given: Samples) -> float:

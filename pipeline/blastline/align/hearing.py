@@ -40,8 +40,8 @@ class Heard:
 
     All arrays have the span's length. `intended` has the delay that the drive is meant to have, `undelayed` none;
     `direct` is what direct conversion would make felt of the window alone, from rest. `wet` is the drive of an open
-    window if nothing limited it, None where nothing asks for it: in the window of a `solved` drive before the second
-    shot. `weights` blends it with the drive of the `background`. `gain` is how much stronger than usual the shot was
+    window if nothing limited it. `weights` blends it with the drive of the `background`; that of a `solved` window is
+    not `wet`, but it is solved as if it were after the next onset. `gain` is how much stronger than usual the shot was
     asked to be.
     """
 
@@ -51,7 +51,7 @@ class Heard:
     undelayed: Samples
     direct: Samples
     background: Samples
-    wet: Samples | None
+    wet: Samples
     weights: Samples
     solved: bool
     gain: float
@@ -95,17 +95,13 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
     intended = undelayed
     if shared.phase == "causal" and not is_direct(event):
         intended = dsp.run_filter(shared.band, audio[: kept.stop])[kept]
-    dry, wet = np.clip(audio, -1.0, 1.0), None
+    dry = np.clip(audio, -1.0, 1.0)
     beside = dry[kept] if event.made_of == "mains" else np.clip(read_padded(shared.audio, span), -1.0, 1.0)
-    if is_direct(event):
-        wet = audio
-    elif not (part.opens and is_solved(event)):
-        wet = shared.compensated(audio)
+    wet = audio if is_direct(event) else shared.compensated(audio)
     if part.before_db:
         relative = _relative_gain(shared, part, wide)
-        wet = None if wet is None else relative * wet
-        undelayed, intended = relative[kept] * undelayed, relative[kept] * intended
-        if wet is not None and not is_solved(event) and not is_direct(event):
+        wet, undelayed, intended = relative * wet, relative[kept] * undelayed, relative[kept] * intended
+        if not is_solved(event) and not is_direct(event):
             intended = dsp.run_filter(shared.felt, wet)[kept]  # H rings on with the shot before, however soft this one
     return Heard(
         span,
@@ -114,7 +110,7 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
         undelayed,
         direct=dsp.run_filter(shared.felt, _of_window(dry, event, wide.start)[: kept.stop])[kept],
         background=beside if shared.background == "direct" else np.zeros(len(span)),
-        wet=None if wet is None else wet[kept],
+        wet=wet[kept],
         weights=_weights(event, span),
         solved=is_solved(event),
         gain=gain_from_db(event.gain_db + shared.level_db),

@@ -39,7 +39,7 @@ def line_through(found: Sequence[ShotLag]) -> TimeMap:
     apart = samples[second] - samples[first]
     first, second, apart = first[apart > 0], second[apart > 0], apart[apart > 0]
     slopes = (lags[second] - lags[first]) / apart
-    slope = _weighted_median(slopes, apart) if len(slopes) else 0.0
+    slope = weighted_median(slopes, apart) if len(slopes) else 0.0
     return TimeMap(1.0 + slope, float(np.median(lags - slope * samples)))
 
 
@@ -62,7 +62,7 @@ def _scatter(found: Sequence[ShotLag], line: TimeMap) -> float:
     return float(np.median([abs(each.lag - line.lag(each.sample)) for each in found]))
 
 
-def _weighted_median(values: Samples, weights: Samples) -> float:
+def weighted_median(values: Samples, weights: Samples) -> float:
     """Return the value below which half of the weight lies."""
     order = np.argsort(values)
     reached = np.cumsum(weights[order])

@@ -9,9 +9,10 @@ import numpy as np
 from ..correlate import Match, match_template
 from ..model import Event, Span
 from ..units import db_from_gain
+from .above import added_above_band
 from .attack import PreEcho, late_start, pre_echo
 from .comparison import Comparison, Samples
-from .due import Adjoints, adjoints_of, due_drives
+from .due import Adjoints, adjoints_of, borne_out, departure, possible_drives, unsolved_drive
 from .hearing import Felt, Heard, Part, feel, hear, is_direct, peak_in
 from .sounds import TimeMap
 
@@ -30,8 +31,10 @@ class ShotFigures:
 
     `peak` is the largest of all that was compared, `own_peak` of the drive that is the shot's own.
     `match` is against the sound with the delay that the drive is meant to have; `delay` is that delay. `exact` says
-    that the actuator's limit has no part in the lag. The others are measured where the match is, or in the shot's own
-    place where the match is too poor to be believed.
+    that the actuator's limit has no part in the lag. `departure` is by which share of it the drive is not what is due,
+    in its worst stretch, None where it is too short or had to be interpolated; `above_band` what it has above
+    the band beside the compensator's, as a share of that, None likewise. The others are measured where the match
+    is, or in the shot's own place where the match is too poor to be believed.
     """
 
     match: Match
@@ -42,6 +45,8 @@ class ShotFigures:
     late_start: float | None
     level_db: float
     pre_echo: PreEcho
+    departure: float | None
+    above_band: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +113,9 @@ def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap) 
         return None
     found = _refined(shared, event, part, heard, felt, pattern=pattern, match=match, time_map=time_map)
     felt = found.drive.felt
-    due = due_drives(shared, heard, felt, found.drive.adjoints)
+    possible = possible_drives(shared, heard, felt, found.drive.adjoints)
+    due = borne_out(shared, heard, felt, possible)
+    as_written = time_map.is_whole and shared.drive.rate_hz == shared.rate_hz
     return ShotFigures(
         found.match,
         exact=found.exact,
@@ -118,6 +125,8 @@ def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap) 
         late_start=late_start(shared, heard, felt, due),
         level_db=db_from_gain(_rms(felt.own[core])) - db_from_gain(_rms(heard.direct[core])),
         pre_echo=pre_echo(shared, event, part, heard, felt, due),
+        departure=departure(shared, heard, felt, possible) if as_written else None,
+        above_band=added_above_band(shared, heard, felt) if as_written else None,
     )
 
 
@@ -131,19 +140,28 @@ def locate(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap, s
 
 
 def _match(shared: Comparison, event: Event, heard: Heard, felt: Felt, pattern: slice) -> Match:
-    """Return where the drive is most like the sound; its own place, if it is as like there as was predicted."""
+    """Return where the drive is most like the sound; its own place, if it is due or as like there as was predicted."""
 
-    def within(reach: int) -> Match:
-        return match_template(heard.intended[pattern], felt.following[pattern.start - reach : pattern.stop + reach])
+    def within(aside: int) -> Match:
+        return match_template(heard.intended[pattern], felt.following[pattern.start - aside : pattern.stop + aside])
 
     if event.drive is not None and not is_direct(event):
-        own = within(_reach(shared))
-        if own.correlation >= event.drive.fidelity - shared.rules.fidelity_error:
+        own = within(reach(shared))
+        if own.correlation >= event.drive.fidelity - shared.rules.fidelity_error or _is_due(shared, heard, felt):
             return own
     return within(shared.samples(shared.rules.search_ms))
 
 
-def _reach(shared: Comparison) -> int:
+def _is_due(shared: Comparison, heard: Heard, felt: Felt) -> bool:
+    """Return whether a drive without a solver is, sample for sample, what is due where it was read.
+
+    So it is there, however little a seat that rings lets what is felt be like the sound.
+    """
+    apart = None if heard.solved else departure(shared, heard, felt, (unsolved_drive(shared, heard, felt),))
+    return apart is not None and apart <= shared.rules.departure
+
+
+def reach(shared: Comparison) -> int:
     """Return within how many samples of its place the actuator's limit alone leaves a shot."""
     return max(4, shared.samples(shared.bend_ms))
 
@@ -193,12 +211,12 @@ def _bend(shared: Comparison, drive: _DriveRead, pattern: slice) -> float | None
     H'(H u - t) = 0. So H'H u and H't are one and the same at these samples, and only at the right lag. The pattern
     ends before H is asked for what the drive does not know or do: the next shot, and what follows the film's end.
     """
-    reach = _reach(shared)
+    within = reach(shared)
     if pattern.stop - pattern.start < shared.samples(_LEAST_MS):
         return None
-    around = slice(pattern.start - reach, pattern.stop + reach)
+    around = slice(pattern.start - within, pattern.stop + within)
     where_free = match_template(drive.adjoints.intended[pattern], drive.adjoints.felt[around], drive.felt.free[around])
-    return where_free.lag if where_free.correlation >= _EXACT and abs(where_free.lag) < reach else None
+    return where_free.lag if where_free.correlation >= _EXACT and abs(where_free.lag) < within else None
 
 
 def _delay(heard: Heard, pattern: slice, search: int) -> float:

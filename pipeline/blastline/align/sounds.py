@@ -37,6 +37,11 @@ class TimeMap:
     scale: float = 1.0
     offset: float = 0.0
 
+    @property
+    def is_whole(self) -> bool:
+        """Return whether every sample of the film has a sample of its own in a file of the same rate."""
+        return self.scale == 1.0 and self.offset == round(self.offset)
+
     def lag(self, sample: float) -> float:
         """Return how many samples late the drive is at a sample of the film."""
         return (self.scale - 1.0) * sample + self.offset
@@ -62,7 +67,7 @@ def drive_at(
     rates are interpolated by a cubic spline, which is exact enough in the band of vibration but may overshoot.
     """
     ratio = drive.rate_hz / rate_hz
-    if ratio == 1.0 and time_map.scale == 1.0 and time_map.offset == round(time_map.offset):
+    if ratio == 1.0 and time_map.is_whole:
         offset = round(time_map.offset)
         samples = read_padded(drive, Span(span.start + offset, span.stop + offset))
         return samples, samples

@@ -17,9 +17,12 @@ class AlignRules(Table, frozen=True):
     A drive that does not compensate has to reach `correlation` with its sound; any other the fidelity that was
     predicted when it was rendered, less `correlation_loss`, and at least `least_correlation`; where less was predicted,
     its figures are listed without a limit. One that reaches its fidelity within `fidelity_error` where it is due is
-    there. Its level is within `level_error_db` of that recorded, its peak within `peak_error_db`. Before the shot, up
-    to `preecho_guard_ms` before its onset, nothing is felt over `preecho_db` of its peak or, if more,
-    `preecho_margin_db` over what is due there. No sample exceeds `peak`, 1 being the actuator's limit.
+    there. Its level is within `level_error_db` of that recorded, its peak within `peak_error_db`. In no stretch of
+    10 ms does it depart from what is due by more than `departure` of that, `departure_solved` where it is the best
+    within the limit. Of that, what lies above the band beside the compensator's drive is at most `above_band` of it in
+    a stretch far from the limit. Before the shot, up to `preecho_guard_ms` before its onset, nothing is felt over
+    `preecho_db` of its peak or, if more, `preecho_margin_db` over what is due there. No sample exceeds `peak`, 1 being
+    the actuator's limit.
 
     Without a drive, the film's sound has to rise by `rise_db` at a shot that was found and is the first of its window;
     with one, a shot set by hand is held to its sound where that rises by `hand_rise_db`. From the first shot to the
@@ -38,6 +41,9 @@ class AlignRules(Table, frozen=True):
     fidelity_error: Ratio
     level_error_db: Positive
     peak_error_db: Positive
+    departure: Positive
+    departure_solved: Positive
+    above_band: Positive
     preecho_db: Level
     preecho_margin_db: NonNegative
     preecho_guard_ms: Annotated[float, Meta(ge=0.0, le=1000.0)]
