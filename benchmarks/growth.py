@@ -1,7 +1,8 @@
 """What four times as many shots cost: `python benchmarks/growth.py`, CPU of stages after detection, as ratios.
 
-A battle without a pause is the worst case of each stage: all shots are one window, and each has echoes where others
-fire. Work that grows with the shots has a ratio of about 4, work that grows with their square one of 16.
+A battle without a pause is the worst case of each stage: all shots are one window, each has echoes where others fire,
+and every other one is softer and may copy those before it. Work that grows with the shots has a ratio of about 4, work
+that grows with their square one of 16.
 """
 
 import sys
@@ -11,8 +12,11 @@ from time import process_time
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
+import numpy as np
+
 from blastline.detect.bursts import drop_claimed_reflections, suppress_non_maxima, without_echoes
-from blastline.model import Reflection, Shot, Span
+from blastline.detect.copies import attack
+from blastline.model import Reflection, Shot, ShotEvidence, Span
 from blastline.render import plan_windows
 from blastline.ruleset import load_rules
 
@@ -28,11 +32,13 @@ STAGES: dict[str, Callable[[Sequence[Shot], int], object]] = {
 
 def battle(count: int) -> list[Shot]:
     """Return so many shots, ten in a second, each of which sounds until the next but three."""
+    noise = np.random.default_rng(1).standard_normal((50, APART)).astype(np.float32)
+    attacks = [attack(each, APART // 2, RATE_HZ) for each in noise]
     return [
         Shot(
             at,
             0.9,
-            peak_dbfs=0.0,
+            peak_dbfs=-6.0 * (number % 2),
             snr_db=20.0,
             blast=Span(at, at + 400),
             reflections=tuple(
@@ -40,8 +46,9 @@ def battle(count: int) -> list[Shot]:
                 for late in range(APART // 2, 4 * APART, APART)
             ),
             span=Span(at, at + 4 * APART),
+            evidence=ShotEvidence(0.9, 1, None, "fallen", attack=attacks[number % len(attacks)]),
         )
-        for at in range(0, count * APART, APART)
+        for number, at in enumerate(range(0, count * APART, APART))
     ]
 
 
