@@ -139,6 +139,17 @@ def test_an_export_prints_the_files_that_it_wrote(tmp_path: Path, result: Path) 
     assert (tmp_path / "timeline.csv").read_bytes() == (result / "timeline.csv").read_bytes()
 
 
+def test_a_result_is_exported_by_its_folder_as_by_its_timeline(tmp_path: Path, result: Path) -> None:
+    formats = ("--format", "reaper,ahap")
+    assert blastline("export", result, *formats, "-o", tmp_path / "folder").code == 0
+    assert blastline("export", result / "timeline.json", *formats, "-o", tmp_path / "file").code == 0
+    written = {each.name: each.read_bytes() for each in (tmp_path / "folder").iterdir()}
+    assert written == {each.name: each.read_bytes() for each in (tmp_path / "file").iterdir()}
+    (tmp_path / "empty").mkdir()
+    ended = blastline("export", tmp_path / "empty", *formats, "-o", tmp_path / "none")
+    assert str(tmp_path / "empty" / "timeline.json") in ended.complaint
+
+
 @pytest.mark.parametrize(
     ("name", "content"),
     [

@@ -109,6 +109,19 @@ def test_a_new_cut_gets_its_timeline_and_its_tables(films: tuple[Path, Path, Pat
     assert ended.err.count("not placed: shot-") == 2
 
 
+def test_a_result_is_moved_by_its_folder_as_by_its_timeline(films: tuple[Path, Path, Path], tmp_path: Path) -> None:
+    timeline, old, new = films
+    result = tmp_path / "result"
+    result.mkdir()
+    timeline.rename(result / "timeline.json")
+    for name, given in (("by-folder", result), ("by-file", result / "timeline.json")):
+        assert blastline("conform", given, "--from", old, "--to", new, "-o", tmp_path / name).code == 0
+    folder, file = ((tmp_path / name / "timeline.json").read_bytes() for name in ("by-folder", "by-file"))
+    assert folder == file
+    ended = blastline("conform", result, "--from", old, "--to", new, "-o", result, "--overwrite")
+    assert "is the old timeline; choose another folder for the new one" in ended.complaint
+
+
 def test_old_and_new_places_are_told_in_the_timecode_of_either_film(
     films: tuple[Path, Path, Path], tmp_path: Path
 ) -> None:

@@ -9,7 +9,7 @@ import typer
 from ..streams import parse_streams
 from ..timebase import parse_timebase
 from ..timecode import clock_text
-from .options import FINDING, TIMECODE, Overwrite, Quiet, ResultFolder, RulesOption
+from .options import FINDING, TIMECODE, Overwrite, Quiet, ResultFolder, RulesOption, result_by_name
 from .progress import shown_progress
 from .summary import say_warnings
 
@@ -60,7 +60,13 @@ NewFrameRate = Annotated[
 
 def conform(
     timeline: Annotated[
-        Path, typer.Argument(metavar="TIMELINE", help="The timeline.json of the old cut.", show_default=False)
+        Path,
+        typer.Argument(
+            metavar="DIR|TIMELINE",
+            parser=result_by_name,
+            help="The result of the old cut, or its timeline.json.",
+            show_default=False,
+        ),
     ],
     old: Annotated[
         Path,

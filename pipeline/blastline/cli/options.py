@@ -22,7 +22,7 @@ def results_folder(text: str) -> Path:
     return _named(text, "a folder for the results")
 
 
-def result_to_check(text: str) -> Path:
+def result_by_name(text: str) -> Path:
     """Return the result that is named; RuleError where none is."""
     return _named(text, "a result's folder or its timeline.json")
 

@@ -18,7 +18,7 @@ from .options import (
     RulesOption,
     StartTimecode,
     listed,
-    result_to_check,
+    result_by_name,
 )
 from .progress import shown_progress
 from .summary import say_checks
@@ -29,7 +29,7 @@ def check(
         Path,
         typer.Argument(
             metavar="DIR|TIMELINE",
-            parser=result_to_check,
+            parser=result_by_name,
             help="A result's folder or its timeline.json.",
             show_default=False,
         ),
@@ -87,7 +87,15 @@ def check(
 
 
 def export(
-    timeline: Annotated[Path, typer.Argument(metavar="TIMELINE", help="A timeline.json.", show_default=False)],
+    timeline: Annotated[
+        Path,
+        typer.Argument(
+            metavar="DIR|TIMELINE",
+            parser=result_by_name,
+            help="A result's folder or its timeline.json.",
+            show_default=False,
+        ),
+    ],
     formats: Formats,
     folder: ResultFolder,
     start_timecode: StartTimecode = None,

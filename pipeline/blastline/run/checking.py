@@ -39,7 +39,7 @@ def check(
     is told where it was made with other rules. Raises BlastlineError where a file that is needed is missing or
     unusable.
     """
-    path = target / names.TIMELINE if target.is_dir() else target
+    path = names.timeline_of(target)
     timeline = read_timeline(path)
     read = load_rules(timeline.quality, rules)
     if timeline.version == __version__ and timeline.rules_digest != read.digest:

@@ -38,13 +38,13 @@ def export(
     overwrite: bool = False,
     note: Note = no_note,
 ) -> list[Path]:
-    """Write a timeline in other formats into `folder` and return the files.
+    """Write a timeline, given as its file or its result's folder, in other formats into `folder`; return the files.
 
     `timebase` is what the user says about the film's timecode. The haptic formats are made from the drive, looked for
     beside the timeline. `note` is told what had to be rounded.
     Raises BlastlineError for a timeline, drive, format, time base or folder it cannot use, and writes nothing then.
     """
-    chosen = [known.name for known in known_formats(formats)]
+    chosen, timeline = [known.name for known in known_formats(formats)], names.timeline_of(timeline)
     read = retimed(read_timeline(timeline), timebase)
     require_frame_rate(chosen, read.source)
     files = [file for known in known_formats(chosen) for file in known.files]
