@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from blastline.detect import find_shots, load_verifier
-from blastline.detect.bursts import without_echoes
+from blastline.detect.bursts import drop_claimed_reflections, without_echoes
 from blastline.detect.copies import attack, likeness
 from blastline.model import Clip, EvenRow, Shot, ShotEvidence, Span
 from blastline.ruleset import load_rules, rules_path
@@ -97,6 +97,19 @@ LATEST_MS, DROP_DB = RULES.latest_copy_ms, RULES.echo_drop_db
 )
 def test_a_softer_copy_within_a_second_is_an_echo(second: Shot, is_echo: bool) -> None:
     assert echoes(shot(0.0, -6.0), second) == ([second.onset] if is_echo else [])
+
+
+def test_an_echo_found_as_a_sound_is_a_reflection_of_what_it_copies() -> None:
+    other, first, echo = shot(0.0, -6.0, seed=2), shot(300.0, -8.0), shot(700.0, -15.0)
+    kept, _ = without_echoes([other, first, echo], rate_hz=RATE_HZ, rules=RULES)
+    assert [len(each.reflections) for each in kept] == [0, 1]
+    (found,) = kept[1].reflections
+    assert (found.start, found.stop) == (echo.onset, echo.blast.stop)
+    assert (found.delay_ms, found.level_db) == pytest.approx((400.0, -7.0))
+    lasting = drop_claimed_reflections(kept, rate_hz=RATE_HZ, rules=RULES)[1]
+    assert lasting.span.stop == echo.blast.stop
+    assert lasting.evidence is not None
+    assert (lasting.evidence.copies, lasting.evidence.decay_end) == (1, "last reflection")
 
 
 def test_any_louder_shot_before_it_may_be_what_a_shot_copies() -> None:

@@ -213,3 +213,19 @@ def test_a_tier_without_a_level_looks_for_no_reflections() -> None:
     assert shot.evidence is not None
     assert shot.evidence.echo_room_db is None
     assert decisions(shot, tier, rate_hz=RATE_HZ)[0].choice == "none looked for"
+
+
+@pytest.mark.parametrize(("looks", "room_db"), [(False, None), (True, -80.0)])
+def test_a_reflection_that_was_found_as_a_sound_is_told_where_none_was_looked_for(
+    looks: bool, room_db: float | None
+) -> None:
+    segment_rules = TIER.segment if looks else msgspec.structs.replace(TIER.segment, reflection_level_db=None)
+    tier = msgspec.structs.replace(TIER, segment=segment_rules)
+    echo = Reflection(20_000, 20_100, 400.0, -9.0)
+    measured = ShotEvidence(0.9, 1, room_db, "last reflection", copies=1)
+    told = next(
+        each for each in decisions(shot_of(measured, [echo]), tier, rate_hz=RATE_HZ) if each.about == "reflections"
+    )
+    assert told.choice == "segmented"
+    assert "found as a sound of its own" in told.reason
+    assert (told.evidence["reflections"], told.evidence["level_db"], told.evidence["delay_ms"]) == (1.0, -9.0, 400.0)

@@ -10,6 +10,8 @@
 
 from collections.abc import Iterator
 
+import msgspec
+
 from .model import DecayEnd, Decision, DriveChoice, DriveModel, Reflection, SceneEvidence, Shot, ShotEvidence
 from .ruleset import QualityRules, SceneRules
 from .units import ms_from_samples, share_text
@@ -74,20 +76,36 @@ def _verifier(measured: ShotEvidence, confidence: float, tier: QualityRules) -> 
 
 
 def _reflections(measured: ShotEvidence, found: tuple[Reflection, ...], tier: QualityRules) -> Decision:
-    least_db = tier.segment.reflection_level_db
-    if measured.echo_room_db is None or least_db is None:
-        return Decision("reflections", "none looked for", "this quality does without", {})
-    room = f"nothing as long as the blast is louder than {measured.echo_room_db:.1f} dB against it"
-    evidence = {"echo_room_db": measured.echo_room_db, "reflections": float(len(found))}
-    if measured.echo_room_db < least_db:
-        return Decision("reflections", "none looked for", f"{room}, too little for a reflection", evidence)
+    least_db, room_db = tier.segment.reflection_level_db, measured.echo_room_db
+    if room_db is None or least_db is None:
+        return _found_as_sounds(found, {}) or Decision(
+            "reflections", "none looked for", "this quality does without", {}
+        )
+    room = f"nothing as long as the blast is louder than {room_db:.1f} dB against it"
+    evidence = {"echo_room_db": room_db, "reflections": float(len(found))}
+    if room_db < least_db:
+        nothing = Decision("reflections", "none looked for", f"{room}, too little for a reflection", evidence)
+        return _found_as_sounds(found, evidence) or nothing
     if not found and measured.copies:
         many = "what copies it is a later shot" if measured.copies == 1 else "what copies it are later shots"
         return Decision("reflections", "none", f"{room}, but {many}, or an echo of one", evidence)
     if not found:
         return Decision("reflections", "none", f"{room}, but nothing that stands out copies it", evidence)
+    return _told(found, evidence)
+
+
+def _found_as_sounds(found: tuple[Reflection, ...], evidence: dict[str, float]) -> Decision | None:
+    """Return what is said of reflections that nobody looked for: softer sounds that copy the shot; None for none."""
+    if not found:
+        return None
+    told = _told(found, evidence | {"reflections": float(len(found))})
+    own = "a sound of its own" if len(found) == 1 else "sounds of their own"
+    return msgspec.structs.replace(told, reason=f"{told.reason}; found as {own}, no others looked for")
+
+
+def _told(found: tuple[Reflection, ...], evidence: dict[str, float]) -> Decision:
     loudest = max(found, key=lambda echo: echo.level_db)
-    evidence |= {"level_db": loudest.level_db, "delay_ms": loudest.delay_ms}
+    evidence = evidence | {"level_db": loudest.level_db, "delay_ms": loudest.delay_ms}
     many = "1 copies" if len(found) == 1 else f"{len(found)} copy"
     reason = f"{many} the blast, the loudest {loudest.level_db:.1f} dB against it after {loudest.delay_ms:.1f} ms"
     return Decision("reflections", "segmented", reason, evidence)

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 import msgspec
 import numpy as np
 
-from ..model import Rejection, Shot, Span
+from ..model import Reflection, Rejection, Shot, Span
 from ..ruleset import BurstRules
-from ..units import samples_from_ms
+from ..units import ms_from_samples, samples_from_ms
 from .copies import likeness
 from .rows import runs_of
 
@@ -44,7 +44,8 @@ def without_echoes(
     """Return the shots that are no echo of an earlier one, in order of time, and the echoes.
 
     An echo lies where an earlier shot was found to repeat itself more softly, or sounds as an earlier shot does, and
-    its own peak is lower by as much. The rounds of a burst are alike, too, but about as loud, or fall evenly.
+    its own peak is lower by as much. The rounds of a burst are alike, too, but about as loud, or fall evenly. An echo
+    that only its sound gives away becomes a reflection of the shot that it copies.
     """
     same = samples_from_ms(_SAME_ECHO_MS, rate_hz)
     kept: list[Shot] = []
@@ -53,7 +54,10 @@ def without_echoes(
     for shot in sorted(shots, key=lambda s: s.onset):
         due = [(at, highest_dbfs) for at, highest_dbfs in due if at >= shot.onset - same]
         expected = any(at <= shot.onset + same and shot.peak_dbfs <= highest_dbfs for at, highest_dbfs in due)
-        if expected or _copies_any(shot, kept, rate_hz=rate_hz, rules=rules):
+        copied = None if expected else _copied_by(shot, kept, rate_hz=rate_hz, rules=rules)
+        if copied is not None:
+            kept[copied] = _with_echo(kept[copied], shot, rate_hz=rate_hz)
+        if expected or copied is not None:
             echoes.append(Rejection(shot.onset, "the echo of an earlier shot", {"probability": shot.confidence}))
             continue
         kept.append(shot)
@@ -62,20 +66,34 @@ def without_echoes(
     return tuple(kept), tuple(echoes)
 
 
-def _copies_any(shot: Shot, earlier: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> bool:
-    """Return whether a shot copies one of the earlier ones, in order of time, that is near and louder by enough.
+def _copied_by(shot: Shot, earlier: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> int | None:
+    """Return the index of the one of the earlier shots, in order of time, that a shot copies most; None for none.
 
-    A round of even fire does not: a designer's burst may be one sample again and again, more softly.
+    That one is near, and louder by enough. A round of even fire copies none: a designer's burst may be one sample again
+    and again, more softly.
     """
     if shot.evidence is None or shot.evidence.even_row is not None:
-        return False
-    loudest: list[bytes] = []
-    for other in reversed(earlier):
+        return None
+    louder: list[int] = []
+    attacks: list[bytes] = []
+    for index in range(len(earlier) - 1, -1, -1):
+        other = earlier[index]
         if shot.onset - other.onset > samples_from_ms(rules.latest_copy_ms, rate_hz):
             break
         if other.evidence is not None and other.peak_dbfs >= shot.peak_dbfs + rules.echo_drop_db:
-            loudest.append(other.evidence.attack)
-    return bool(loudest) and bool((likeness(shot.evidence.attack, loudest) >= rules.copy_likeness).any())
+            louder.append(index)
+            attacks.append(other.evidence.attack)
+    like = likeness(shot.evidence.attack, attacks)
+    return louder[int(like.argmax())] if like.max(initial=0.0) >= rules.copy_likeness else None
+
+
+def _with_echo(shot: Shot, echo: Shot, *, rate_hz: int) -> Shot:
+    """Return a shot with one reflection more: a softer sound that was taken for a shot and copies it."""
+    delay_ms, level_db = ms_from_samples(echo.onset - shot.onset, rate_hz), echo.peak_dbfs - shot.peak_dbfs
+    found = Reflection(echo.onset, echo.blast.stop, delay_ms, level_db)
+    evidence = shot.evidence and msgspec.structs.replace(shot.evidence, copies=shot.evidence.copies + 1)
+    reflections = tuple(sorted((*shot.reflections, found), key=lambda each: each.start))
+    return msgspec.structs.replace(shot, reflections=reflections, evidence=evidence)
 
 
 def drop_claimed_reflections(shots: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> tuple[Shot, ...]:
