@@ -67,6 +67,15 @@ def test_what_is_not_known_is_like_nothing() -> None:
     assert likeness(b"", [known]).tolist() == [0.0]
 
 
+def test_an_attack_that_is_heard_in_its_margin_alone_is_like_nothing() -> None:
+    known = np.frombuffer(attack(bang(1), ONSET, RATE_HZ), np.int16)
+    margin = RATE_HZ // 1000
+    late = np.zeros_like(known)
+    late[-margin:] = 30_000
+    with np.errstate(all="raise"):
+        assert likeness(known.tobytes(), [late.tobytes(), known.tobytes()]).tolist() == [0.0, pytest.approx(1.0)]
+
+
 def shot(at_ms: float, peak_dbfs: float, *, seed: int = 1, row: EvenRow | None = None) -> Shot:
     at = round(at_ms * RATE_HZ / 1000.0)
     part = Span(at, at + 9)

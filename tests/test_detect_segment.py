@@ -46,7 +46,7 @@ def ended(shot: Shot) -> tuple[float, str]:
 
 
 @pytest.mark.parametrize("width", range(1, 10))
-def test_arunning_peak_is_the_largest_of_each_sample_and_those_after_it(width: int) -> None:
+def test_a_running_peak_is_the_largest_of_each_sample_and_those_after_it(width: int) -> None:
     values = np.random.default_rng(width).uniform(0.0, 1.0, 50)
     ahead = [values[at : at + width].max() for at in range(values.size)]
     np.testing.assert_array_equal(running_peak(values, width), ahead)

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from blastline.soundtrack import open_soundtrack
+from blastline.soundtrack.reach import Reach
 from media import impulses, write_media
 from test_soundtrack_film import BROKEN_OFF, FILM_RATE, LONG, LONG_SHOTS, read
 
@@ -98,3 +99,14 @@ def test_sound_that_goes_on_in_streams_that_began_on_the_way_is_told(tmp_path: P
         source = track.source()
     assert heard < 1.2 * LONG
     assert any("goes on in another stream" in line for line in source.warnings)
+
+
+@pytest.mark.parametrize(("silent", "share"), [(99_600, "100 %"), (34_000, "34 %"), (9_940, "9.9 %"), (310, "0.31 %")])
+def test_shares_of_a_file_are_plain_numbers(tmp_path: Path, silent: int, share: str) -> None:
+    path = tmp_path / "film.ts"
+    path.write_bytes(bytes(100_000))
+    reach = Reach()
+    for place in range(silent, 100_000, 20):
+        reach.note(place, 20)
+    lines = reach.warnings(path, played_s=3600.0)
+    assert lines == [f"the first {share} of the file holds no sound: where it should, the beginning is missing"]

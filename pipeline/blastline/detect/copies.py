@@ -43,7 +43,8 @@ def likeness(later: bytes, earlier: list[bytes]) -> NDArray[np.float64]:
     heard = np.frombuffer(later, np.int16).astype(np.float32) / _LOUDEST
     shift = round(heard.shape[0] * _SHIFT_MS / (_TEMPLATE_MS + 2.0 * _SHIFT_MS))
     templates = np.array([np.frombuffer(earlier[place], np.int16)[shift:-shift] for place in known], np.float32)
-    templates /= np.sqrt(np.square(templates).sum(axis=1, keepdims=True))
+    # one that lasts less than its margin may be still within it; any other has a square of 1 at least
+    templates /= np.sqrt(np.maximum(np.square(templates).sum(axis=1, keepdims=True), 1.0))
     windows = np.lib.stride_tricks.sliding_window_view(heard, templates.shape[1])
     energies = np.square(windows).sum(axis=1, keepdims=True)
     like[known] = np.abs(windows @ templates.T / np.sqrt(np.maximum(energies, 1e-12))).max(axis=0)

@@ -1,6 +1,6 @@
 """Where the drive follows the film: one window around each shot, and one around shots whose windows meet.
 
-     fade in   guard     onset ......... end of decay   fade out
+     fade in   guard     onset ..... end of the sound   fade out
 0 ───╱────────|─────────|▇▇▆▅▄▃▂▂▁▁▁▁▁▁▁▁|──────────────╲─── 0
      window.start                                window.stop
 """
@@ -50,10 +50,10 @@ def plan_windows(
 ) -> tuple[PlannedWindow, ...]:
     """Return the windows of a film's shots: sorted, disjoint, not touching, inside [0, frames).
 
-    The fade-in is over `guard_ms` before the onset, the fade-out begins where the decay has ended. Windows that touch
-    or overlap become one. At the ends of the film a fade shrinks to the room there is: a shot on frame 0 has full
-    weight at once. `given` are windows, by the shot's index, that are settled already. Raises ValueError for a shot
-    that begins outside the film.
+    The fade-in is over `guard_ms` before the onset, the fade-out begins where the shot's decay and its reflections are
+    over. Windows that touch or overlap become one. At the ends of the film a fade shrinks to the room there is: a shot
+    on frame 0 has full weight at once. `given` are windows, by the shot's index, that are settled already. Raises
+    ValueError for a shot that begins outside the film.
     """
     own: list[_OwnWindow] = []
     for index, shot in enumerate(shots):

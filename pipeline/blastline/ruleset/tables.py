@@ -112,9 +112,9 @@ class SegmentRules(Table, frozen=True):
     The blast lasts until it has fallen by `blast_decay_db`, `longest_blast_ms` at most. A reflection is a copy of it
     from `earliest_reflection_ms` to `latest_reflection_ms` later, of `reflection_level_db` against it or more, that is
     `reflection_prominence` times as clear as what is around it; without that level none are looked for. The decay,
-    which the window follows, is over when the level has fallen by `decay_db`, come down to the background or risen
-    again, between `shortest_ms` and `longest_ms` after the onset. All ends within 3 s: beyond it, a shot's parts would
-    depend on where in the film it lies.
+    which the window follows unless a reflection is over later, ends when the level has fallen by `decay_db`, come down
+    to the background or risen again, between `shortest_ms` and `longest_ms` after the onset. All ends within 3 s:
+    beyond it, a shot's parts would depend on where in the film it lies.
     """
 
     longest_blast_ms: Decay

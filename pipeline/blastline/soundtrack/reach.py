@@ -66,4 +66,5 @@ class Reach:
 
 
 def _percent(part: int, whole: int) -> str:
-    return f"{100 * part / whole:.2g} %"
+    share = 100.0 * part / whole
+    return f"{share:.0f} %" if share >= 10.0 else f"{share:.2g} %"

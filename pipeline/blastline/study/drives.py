@@ -148,7 +148,7 @@ def rendered(
 
 
 def judged(window: Window, scene: str, setup: RenderSetup) -> WindowRow:
-    """Return what is felt of each shot of a window, from its onset to the lead of the next, to where the decay ends.
+    """Return what is felt of each shot of a window, from its onset to the lead of the next or the fade-out.
 
     Shots that a film's end or the next shot leaves less than 5 ms are left out.
     """
