@@ -108,6 +108,12 @@ def test_a_softer_copy_within_a_second_is_an_echo(second: Shot, is_echo: bool) -
     assert echoes(shot(0.0, -6.0), second) == ([second.onset] if is_echo else [])
 
 
+def test_a_shot_with_nothing_louder_before_it_copies_nothing_however_little_is_asked() -> None:
+    rules = msgspec.structs.replace(RULES, copy_likeness=0.0)
+    kept, dropped = without_echoes([shot(0.0, -9.0), shot(300.0, -6.0, seed=2)], rate_hz=RATE_HZ, rules=rules)
+    assert (len(kept), dropped) == (2, ())
+
+
 def test_an_echo_found_as_a_sound_is_a_reflection_of_what_it_copies() -> None:
     other, first, echo = shot(0.0, -6.0, seed=2), shot(300.0, -8.0), shot(700.0, -15.0)
     kept, _ = without_echoes([other, first, echo], rate_hz=RATE_HZ, rules=RULES)

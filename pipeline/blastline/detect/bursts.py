@@ -83,8 +83,10 @@ def _copied_by(shot: Shot, earlier: Sequence[Shot], *, rate_hz: int, rules: Burs
         if other.evidence is not None and other.peak_dbfs >= shot.peak_dbfs + rules.echo_drop_db:
             louder.append(index)
             attacks.append(other.evidence.attack)
+    if not louder:
+        return None
     like = likeness(shot.evidence.attack, attacks)
-    return louder[int(like.argmax())] if like.max(initial=0.0) >= rules.copy_likeness else None
+    return louder[int(like.argmax())] if like.max() >= rules.copy_likeness else None
 
 
 def _with_echo(shot: Shot, echo: Shot, *, rate_hz: int) -> Shot:
