@@ -9,7 +9,7 @@ import typer
 from ..streams import parse_streams
 from ..timebase import parse_timebase
 from ..timecode import clock_text
-from .options import FINDING, TIMECODE, Overwrite, Quiet, ResultFolder, RulesOption, result_by_name
+from .options import FINDING, TIMECODE, Overwrite, Quiet, Result, ResultFolder, RulesOption
 from .progress import shown_progress
 from .summary import say_warnings
 
@@ -59,15 +59,7 @@ NewFrameRate = Annotated[
 
 
 def conform(
-    timeline: Annotated[
-        Path,
-        typer.Argument(
-            metavar="DIR|TIMELINE",
-            parser=result_by_name,
-            help="The result of the old cut, or its timeline.json.",
-            show_default=False,
-        ),
-    ],
+    timeline: Result,
     old: Annotated[
         Path,
         typer.Option("--from", metavar="OLD", help="The film that the timeline was made from.", show_default=False),

@@ -171,6 +171,15 @@ LevelOption = Annotated[
 ReportOption = Annotated[
     bool, typer.Option("--report/--no-report", help="Write report.html with pictures.", rich_help_panel=WRITING)
 ]
+Result = Annotated[
+    Path,
+    typer.Argument(
+        metavar="DIR|TIMELINE",
+        parser=result_by_name,
+        help="A result's folder or its timeline.json.",
+        show_default=False,
+    ),
+]
 MadeFor = Annotated[
     str | None,
     typer.Option(

@@ -14,26 +14,18 @@ from .options import (
     MadeFor,
     Overwrite,
     Quiet,
+    Result,
     ResultFolder,
     RulesOption,
     StartTimecode,
     listed,
-    result_by_name,
 )
 from .progress import shown_progress
 from .summary import say_checks
 
 
 def check(
-    target: Annotated[
-        Path,
-        typer.Argument(
-            metavar="DIR|TIMELINE",
-            parser=result_by_name,
-            help="A result's folder or its timeline.json.",
-            show_default=False,
-        ),
-    ],
+    target: Result,
     audio: Annotated[
         Path | None,
         typer.Option(
@@ -87,15 +79,7 @@ def check(
 
 
 def export(
-    timeline: Annotated[
-        Path,
-        typer.Argument(
-            metavar="DIR|TIMELINE",
-            parser=result_by_name,
-            help="A result's folder or its timeline.json.",
-            show_default=False,
-        ),
-    ],
+    timeline: Result,
     formats: Formats,
     folder: ResultFolder,
     start_timecode: StartTimecode = None,

@@ -102,7 +102,8 @@ def drop_claimed_reflections(shots: Sequence[Shot], *, rate_hz: int, rules: Burs
     """Return the shots without reflections that are later shots, or that a later shot also claims: that one keeps them.
 
     The next shot sounds like the first, and so do its echoes. All that sounds sooner after a shot than any gun fires
-    again is that shot's as well. A shot is not over before the last reflection that it keeps.
+    again is that shot's as well. A shot is not over before the last reflection that it keeps. What it claims,
+    but its place drowns, is nobody's: no earlier shot hears it better.
     """
     gap, same = samples_from_ms(rules.shortest_gap_ms, rate_hz), samples_from_ms(_SAME_ECHO_MS, rate_hz)
     onsets = sorted(shot.onset for shot in shots)

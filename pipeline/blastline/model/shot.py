@@ -40,9 +40,8 @@ class ShotEvidence(msgspec.Struct, frozen=True):
     softer than `drowned_db` is softer than what was usual before the shot.
     `decay_end` says what ended the decay. `backdrop` is what is heard just before (`detect.backdrop`); None where that
     is silence, or somebody else found the shot. `sound` are levels of the shot itself (`detect.backdrop`), `attack` is
-    its beginning (`detect.copies`). `even_row`
-    says of one of a row, as even as fire, that the row as a whole sounds like that, or, of a long one as fast as
-    automatic fire, that it does not.
+    its beginning (`detect.copies`). `even_row` says of one of a row, as even as fire, that the row as a whole sounds
+    like that, or, of a long one as fast as automatic fire, that it does not.
     """
 
     screen: Ratio | None

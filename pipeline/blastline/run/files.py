@@ -44,7 +44,8 @@ def export(
     beside the timeline. `note` is told what had to be rounded.
     Raises BlastlineError for a timeline, drive, format, time base or folder it cannot use, and writes nothing then.
     """
-    chosen, timeline = [known.name for known in known_formats(formats)], names.timeline_of(timeline)
+    chosen = [known.name for known in known_formats(formats)]
+    timeline = names.timeline_of(timeline)
     read = retimed(read_timeline(timeline), timebase)
     require_frame_rate(chosen, read.source)
     files = [file for known in known_formats(chosen) for file in known.files]
