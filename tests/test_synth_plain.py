@@ -2,11 +2,20 @@
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from blastline.synth import plain_bed, plain_negative, plain_shot
-from blastline.synth.plain import swell
+from blastline.synth.plain import hit, sloped_noise, swell, thud, tick
 
 RATE_HZ = 48_000
+
+
+def share(samples: NDArray[np.float64], low_hz: float, high_hz: float) -> float:
+    """Return how much of the energy lies from one frequency to another."""
+    count = max(len(samples), RATE_HZ)
+    energy = np.abs(np.fft.rfft(samples, count)) ** 2
+    hz = np.fft.rfftfreq(count, 1.0 / RATE_HZ)
+    return float(energy[(hz >= low_hz) & (hz < high_hz)].sum() / energy.sum())
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -25,6 +34,22 @@ def test_bursts_fire_as_fast_as_guns_do(seed: int) -> None:
     _, onsets = plain_shot(np.random.default_rng(seed), RATE_HZ)
     gaps_ms = np.diff(onsets) * 1000 / RATE_HZ
     assert ((gaps_ms > 40) & (gaps_ms < 170)).all()
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_blast_fills_the_band_and_what_is_none_does_not(seed: int) -> None:
+    samples, _ = plain_shot(np.random.default_rng(seed), RATE_HZ)
+    assert share(samples, 0.0, 400.0) > 0.005
+    assert share(samples, 800.0, RATE_HZ) > 1e-4
+    assert share(thud(np.random.default_rng(seed), RATE_HZ), 2_000.0, RATE_HZ) < 0.2
+    assert share(hit(np.random.default_rng(seed), RATE_HZ), 0.0, 100.0) < 0.05
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_tick_is_over_before_a_blast_has_turned(seed: int) -> None:
+    samples = np.abs(tick(np.random.default_rng(seed), RATE_HZ))
+    assert np.flatnonzero(samples > 0.05).max() < 0.006 * RATE_HZ
+    assert share(samples, 0.0, 300.0) < 0.25
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -49,8 +74,6 @@ def test_negatives_and_beds_are_sound_of_the_asked_length_and_the_same_each_time
 
 def test_a_bed_of_steeper_noise_has_less_treble() -> None:
     def treble(power: float) -> float:
-        from blastline.synth.plain import sloped_noise
-
         spectrum = np.abs(np.fft.rfft(sloped_noise(np.random.default_rng(3), RATE_HZ, power))) ** 2
         return float(spectrum[8_000:].sum() / spectrum.sum())
 

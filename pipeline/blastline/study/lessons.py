@@ -68,7 +68,7 @@ def synthetic_mix(seed: int) -> LessonMaker:
 
 
 def plain_mix(seed: int) -> LessonMaker:
-    """Return lessons of blasts, swells, clicks and knocks as textbooks draw them; one in four has no shot."""
+    """Return lessons of shots and swells, clicks, knocks as textbooks draw them, and of others; one in four no shot."""
     return partial(_plain_mix, seed)
 
 
@@ -111,7 +111,7 @@ def _synthetic_mix(seed: int, number: int) -> Mix:
 
 def _plain_mix(seed: int, number: int) -> Mix:
     shot = partial(_sound_of, plain_shot)
-    return _armed_mix(np.random.default_rng([seed, number]), shot, plain_negative, plain_bed)
+    return _armed_mix(np.random.default_rng([seed, number]), shot, _plain_negative, plain_bed)
 
 
 def _designed_mix(seed: int, number: int) -> Mix:
@@ -150,6 +150,11 @@ def _armed_mix(
 
 def _near_negative(rng: np.random.Generator, rate_hz: int) -> Samples:
     return handling(rng, rate_hz) if rng.random() < 0.5 else _any_negative(rng, rate_hz)
+
+
+def _plain_negative(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return what a textbook draws, or as often anything: a burst of noise is a shot there, and a drum is none."""
+    return plain_negative(rng, rate_hz) if rng.random() < 0.5 else _any_negative(rng, rate_hz)
 
 
 def _any_negative(rng: np.random.Generator, rate_hz: int) -> Samples:

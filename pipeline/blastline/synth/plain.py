@@ -1,7 +1,7 @@
-"""Sounds as textbooks draw them: bare blasts, swells, clicks and knocks over coloured noise and tones.
+"""What is no shot, as textbooks and sound toolkits draw it: swells, clicks, ticks, knocks and tones; and plain beds.
 
-`shots` and `negatives` imitate recordings. These do not: they say what makes a blast a blast, and keep a model from
-taking the richness of recordings for it. A shot rises at once, a swell never does.
+`negatives` imitates recordings. These do not: beside `plain_shots` they say what makes a blast a blast. A shot rises
+at once and fills the band, a swell never does the one, a tone never the other.
 """
 
 import math
@@ -13,24 +13,10 @@ from ..units import gain_from_db, gains_from_db
 from .chance import between, chance, fork, log_between, pick
 from .echoes import overlaid
 from .impacts import modes, series
-from .tone import Samples, bandpass, highpass, lowpass, rms, saturate
-from .waves import band_burst, boom, friedlander, normalised
+from .tone import Samples, bandpass, lowpass, rms
+from .waves import band_burst, boom, normalised
 
 _LONGEST_S = 3.0
-
-
-def plain_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, tuple[int, ...]]:
-    """Return one blast or a burst of up to 12, each with echoes and a tail of noise, and where the blasts begin."""
-    blast = _blast(rng, rate_hz)
-    if chance(rng, 0.7):
-        return blast, (0,)
-    gap_s = 60.0 / log_between(rng, (400.0, 1_300.0))
-    rounds = int(rng.integers(2, 13))
-    gaps = gap_s * (1.0 + 0.02 * rng.standard_normal(rounds - 1))
-    places = [0, *np.round(np.cumsum(gaps) * rate_hz).astype(int).tolist()]
-    levels_db = 1.5 * rng.standard_normal(rounds)
-    parts = [(at, blast * gain_from_db(level)) for at, level in zip(places, levels_db.tolist(), strict=True)]
-    return normalised(overlaid(parts)), tuple(places)
 
 
 def plain_negative(rng: np.random.Generator, rate_hz: int) -> Samples:
@@ -58,24 +44,6 @@ def plain_bed(rng: np.random.Generator, rate_hz: int, seconds: float) -> Samples
         at = int(rng.integers(max(1, frames - len(tone))))
         bed[at : at + len(tone)] += tone[: frames - at] * level * gain_from_db(between(rng, (-12.0, 14.0)))
     return bed
-
-
-def _blast(rng: np.random.Generator, rate_hz: int) -> Samples:
-    rise_ms = pick(rng, (0.0, 0.0, 0.05, 0.2, 0.5))
-    wave = friedlander(rate_hz, positive_ms=log_between(rng, (0.2, 5.0)), rise_ms=rise_ms, decay=between(rng, (0.7, 2)))
-    parts = [(0, wave), (round(between(rng, (1.0, 20.0)) * 1e-3 * rate_hz), wave * between(rng, (0.0, 0.8)))]
-    for _ in range(int(rng.integers(0, 6))):
-        parts.append((round(log_between(rng, (0.012, 0.4)) * rate_hz), wave * between(rng, (0.05, 0.6))))
-    decay_s = log_between(rng, (0.1, 2.5)) / math.log(1e3)
-    frames = round(min(_LONGEST_S, 7.0 * decay_s) * rate_hz)
-    tail = fork(rng).standard_normal(frames) * np.exp(-np.arange(frames) / (decay_s * rate_hz))
-    tail = lowpass(tail, log_between(rng, (300.0, 20_000.0)), rate_hz=rate_hz)
-    parts.append((round(between(rng, (0.0, 5.0)) * 1e-3 * rate_hz), tail / 3.0 * log_between(rng, (0.003, 0.5))))
-    sound = lowpass(overlaid(parts), log_between(rng, (1_500.0, 22_000.0)), rate_hz=rate_hz, order=pick(rng, (1, 2)))
-    if chance(rng, 0.4):
-        sound = highpass(sound, log_between(rng, (20.0, 200.0)), rate_hz=rate_hz)
-    sound = normalised(sound)
-    return saturate(sound, between(rng, (0.0, 20.0))) if chance(rng, 0.3) else sound
 
 
 def swell(rng: np.random.Generator, rate_hz: int) -> Samples:
@@ -113,6 +81,50 @@ def _click(rng: np.random.Generator, rate_hz: int) -> Samples:
     return band_burst(fork(rng), rate_hz, band_hz=band_hz, attack_ms=0.0, decay_ms=decay_ms)
 
 
+def tick(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return what a splice, a scratch or a lost sample leaves: up to three pulses of a sixth of a millisecond."""
+    ticks = np.zeros(round(0.02 * rate_hz))
+    for at in (0, *rng.integers(1, len(ticks) // 4, int(rng.integers(0, 3))).tolist()):
+        width = max(1, round(log_between(rng, (0.01, 0.16)) * 1e-3 * rate_hz))
+        pulse = np.full(width, pick(rng, (-1.0, 1.0)) * between(rng, (0.3, 1.0)))
+        if chance(rng, 0.5):
+            pulse[width // 2 :] *= -1.0
+        ticks[at : at + width] += pulse
+    if chance(rng, 0.6):
+        ticks = lowpass(ticks, log_between(rng, (3_000.0, 20_000.0)), rate_hz=rate_hz, order=pick(rng, (1, 2)))
+    return normalised(ticks)
+
+
+def thud(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return a dull blow as a toolkit makes it: noise below some hundred hertz, perhaps over a tone that falls."""
+    noise = band_burst(
+        fork(rng),
+        rate_hz,
+        band_hz=(20.0, log_between(rng, (150.0, 700.0))),
+        attack_ms=log_between(rng, (0.3, 10.0)),
+        decay_ms=log_between(rng, (10.0, 150.0)),
+    )
+    low_hz, decay_ms = log_between(rng, (40.0, 160.0)), log_between(rng, (30.0, 200.0))
+    start_hz = low_hz * log_between(rng, (1.0, 5.0))
+    tone = boom(rate_hz, start_hz=start_hz, stop_hz=low_hz, attack_ms=log_between(rng, (0.1, 5.0)), decay_ms=decay_ms)
+    return normalised(overlaid([(0, noise * between(rng, (0.0, 1.0))), (0, tone * between(rng, (0.2, 1.0)))]))
+
+
+def hit(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return a hand or a drum as a toolkit makes it: noise above a kilohertz, perhaps in flams or over a tone."""
+    low_hz = log_between(rng, (700.0, 6_000.0))
+    band_hz = (low_hz, min(0.45 * rate_hz, low_hz * log_between(rng, (2.0, 20.0))))
+    decay_ms, attack_ms = log_between(rng, (4.0, 150.0)), log_between(rng, (0.1, 2.0))
+    noise = band_burst(fork(rng), rate_hz, band_hz=band_hz, attack_ms=attack_ms, decay_ms=decay_ms)
+    parts = [(0, noise)]
+    for _ in range(int(rng.integers(0, 3)) if decay_ms < 20.0 else 0):
+        parts.append((round(between(rng, (0.006, 0.025)) * rate_hz), noise))
+    if chance(rng, 0.4):
+        tone = modes(rate_hz, np.array([log_between(rng, (130.0, 350.0))]), np.array([0.06]), np.array([1.0]))
+        parts.append((0, normalised(tone) * between(rng, (0.1, 1.0))))
+    return normalised(overlaid(parts))
+
+
 def _knock(rng: np.random.Generator, rate_hz: int) -> Samples:
     """Return 1 to 10 damped tones that begin together, at once or within some milliseconds."""
     count = int(rng.integers(1, 11))
@@ -128,7 +140,17 @@ def _tone(rng: np.random.Generator, rate_hz: int) -> Samples:
     return _gliding(rng, rate_hz, log_between(rng, (60.0, 6_000.0)), log_between(rng, (0.03, 1.5)))
 
 
-_NEGATIVES: tuple[Callable[[np.random.Generator, int], Samples], ...] = (swell, swell, _click, _knock, _knock, _tone)
+_NEGATIVES: tuple[Callable[[np.random.Generator, int], Samples], ...] = (
+    swell,
+    swell,
+    _click,
+    tick,
+    thud,
+    hit,
+    _knock,
+    _knock,
+    _tone,
+)
 
 
 def _gliding(rng: np.random.Generator, rate_hz: int, hz: float, seconds: float) -> Samples:
