@@ -213,8 +213,10 @@ EditedTimeline = Annotated[
     Path | None,
     typer.Option(
         "--timeline",
-        metavar="FILE",
-        help="Render the events of an edited timeline (JSON, CSV, Audacity labels, REAPER CSV) and detect none.",
+        metavar="RESULT",
+        parser=result_by_name,
+        help="Render the events of an edited timeline (JSON, CSV, Audacity labels, REAPER CSV), or of a result's "
+        "folder, and detect none.",
         show_default=False,
         rich_help_panel=FINDING,
     ),
@@ -223,8 +225,9 @@ OriginalTimeline = Annotated[
     Path | None,
     typer.Option(
         "--original",
-        metavar="FILE",
-        help="The timeline.json that the edited one was exported from.",
+        metavar="RESULT",
+        parser=result_by_name,
+        help="The timeline.json that the edited one was exported from, or its folder.",
         show_default="timeline.json beside the edited one",
         rich_help_panel=FINDING,
     ),

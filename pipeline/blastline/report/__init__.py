@@ -9,6 +9,7 @@ from .choice import MAX_FIGURES
 from .exports import ExportRow
 from .overview import Overview, OverviewMeter
 from .page import write_report
+from .words import verdict
 
 __all__ = [
     "MAX_FIGURES",
@@ -16,6 +17,7 @@ __all__ = [
     "ExportRow",
     "Overview",
     "OverviewMeter",
+    "verdict",
     "write_bode",
     "write_report",
 ]

@@ -3,6 +3,7 @@
 film -> find shots -> plan windows -> choose a model for each -> render -> write -> check what was written -> report
 """
 
+from ..report import verdict
 from .actuators import (
     FitOptions,
     MadeProfile,
@@ -47,4 +48,5 @@ __all__ = [
     "render",
     "require_place",
     "synthesise",
+    "verdict",
 ]
