@@ -45,6 +45,8 @@ _KINDS = {
 }
 """What msgspec calls the types of JSON and TOML, in words."""
 
+_SAID = {"True": "true", "False": "false", "None": "null"}
+
 
 def misfit(plain: Any, error: Exception, table: type | None = None) -> str:
     """Return which key of plain data does not fit, its value and what was expected, from msgspec's complaint.
@@ -57,7 +59,7 @@ def misfit(plain: Any, error: Exception, table: type | None = None) -> str:
     complaint, _, place = str(error).partition(" - at `$")
     key = place.strip(".`")
     value = _value_at(plain, key)
-    shown = "" if isinstance(value, dict | list) else f" = {_written(value)}"
+    shown = "" if isinstance(value, dict | list) else f" = {_SAID.get(str(value), repr(value))}"
     words = _words_at(table, key) if table and complaint.startswith("Invalid enum value") else ()
     if words:
         complaint = f"expected {'one of: ' * (len(words) > 1)}{', '.join(words)}"
@@ -66,13 +68,6 @@ def misfit(plain: Any, error: Exception, table: type | None = None) -> str:
     complaint = re.sub(r"Object contains unknown field `(.*)`", r"unknown key \1", complaint)
     complaint = re.sub(r"`(\w+)`", lambda each: _KINDS.get(each[1], each[0]), complaint)
     return f"{key or 'top level'}{shown}: {re.sub('^Expected', 'expected', complaint)}"
-
-
-def _written(value: Any) -> str:
-    """Return a single value as it stands in a file."""
-    if value is None or isinstance(value, bool):
-        return "null" if value is None else str(value).lower()
-    return repr(value)
 
 
 def _steps(key: str) -> list[str]:
