@@ -189,19 +189,6 @@ def test_what_was_not_edited_is_rendered_to_the_bit(tmp_path: Path, film: Path, 
         assert (tmp_path / "out" / "drive.wav").read_bytes() == (result / "drive.wav").read_bytes()
 
 
-def test_a_results_folder_stands_for_its_timeline(tmp_path: Path, film: Path, result: Path) -> None:
-    plain = json.loads((result / "timeline.json").read_text())
-    plain["events"][0]["onset_sample"] = 52_800
-    (tmp_path / "edited").mkdir()
-    file = tmp_path / "edited" / "timeline.json"
-    file.write_text(json.dumps(plain))
-    by_file = rendered(film, file, "--original", result / "timeline.json")[0].err
-    by_folder = blastline("render", film, "-o", tmp_path / "out", "--timeline", file.parent, "--original", result)
-    assert "3 kept, 1 moved" in by_folder.err
-    assert (tmp_path / "out" / "drive.wav").read_bytes() == (file.parent / "out" / "drive.wav").read_bytes()
-    assert by_file.splitlines()[0] in by_folder.err
-
-
 def test_a_shot_that_is_deleted_leaves_the_window_that_it_shared(tmp_path: Path, film: Path, result: Path) -> None:
     before = by_id(read_timeline(result / "timeline.json"))
     assert before["shot-0003"].window == before["shot-0004"].window

@@ -34,40 +34,23 @@ class TimelineError(BlastlineError, ValueError):
     """A timeline file cannot be used."""
 
 
-_KINDS = {
-    "float": "a number",
-    "int": "a whole number",
-    "str": "a text",
-    "bool": "true or false",
-    "array": "a list",
-    "object": "a table",
-    "null": "nothing",
-}
-"""What msgspec calls the types of JSON and TOML, in words."""
-
-_SAID = {"True": "true", "False": "false", "None": "null"}
-
-
 def misfit(plain: Any, error: Exception, table: type | None = None) -> str:
     """Return which key of plain data does not fit, its value and what was expected, from msgspec's complaint.
 
     Which words a key takes msgspec does not tell; `table`, what the data was to become, does.
 
     >>> misfit({"scan": {"window_ms": 0}}, ValueError("Expected `float` > 0.0 - at `$.scan.window_ms`"))
-    'scan.window_ms = 0: expected a number > 0.0'
+    'scan.window_ms = 0: expected `float` > 0.0'
     """
     complaint, _, place = str(error).partition(" - at `$")
     key = place.strip(".`")
     value = _value_at(plain, key)
-    shown = "" if isinstance(value, dict | list) else f" = {_SAID.get(str(value), repr(value))}"
+    shown = "" if isinstance(value, dict | list) else f" = {value!r}"
     words = _words_at(table, key) if table and complaint.startswith("Invalid enum value") else ()
     if words:
         complaint = f"expected {'one of: ' * (len(words) > 1)}{', '.join(words)}"
     complaint = re.sub(r"`str` of length >= (\d+)", r"a text of at least \1 characters", complaint)
-    complaint = re.sub(r"Object missing required field `(\S+)`", r"\1 is missing", complaint)
-    complaint = re.sub(r"Object contains unknown field `(.*)`", r"unknown key \1", complaint)
-    complaint = re.sub(r"`(\w+)`", lambda each: _KINDS.get(each[1], each[0]), complaint)
-    return f"{key or 'top level'}{shown}: {re.sub('^Expected', 'expected', complaint)}"
+    return f"{key or 'top level'}{shown}: {complaint[:1].lower()}{complaint[1:]}"
 
 
 def _steps(key: str) -> list[str]:

@@ -213,10 +213,8 @@ EditedTimeline = Annotated[
     Path | None,
     typer.Option(
         "--timeline",
-        metavar="RESULT",
-        parser=result_by_name,
-        help="Render the events of an edited timeline (JSON, CSV, Audacity labels, REAPER CSV), or of a result's "
-        "folder, and detect none.",
+        metavar="FILE",
+        help="Render the events of an edited timeline (JSON, CSV, Audacity labels, REAPER CSV) and detect none.",
         show_default=False,
         rich_help_panel=FINDING,
     ),
@@ -225,9 +223,8 @@ OriginalTimeline = Annotated[
     Path | None,
     typer.Option(
         "--original",
-        metavar="RESULT",
-        parser=result_by_name,
-        help="The timeline.json that the edited one was exported from, or its folder.",
+        metavar="FILE",
+        help="The timeline.json that the edited one was exported from.",
         show_default="timeline.json beside the edited one",
         rich_help_panel=FINDING,
     ),

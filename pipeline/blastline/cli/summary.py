@@ -4,9 +4,10 @@ from pathlib import Path
 
 import typer
 
-from ..model import Edits, Timeline
+from ..model import Check, Edits, Timeline
 
 FAILED_CHECK = 1
+_ALL_DIGITS = 17
 
 
 def say_summary(timeline: Timeline, results: Path) -> None:
@@ -46,17 +47,25 @@ def say_checks(timeline: Timeline, *, quiet: bool, err: bool) -> int:
 
     Return the exit code: 0, or `FAILED_CHECK`.
     """
-    from .. import run
-
     checks = timeline.checks
     failed = [check for check in checks if not check.passed]
-    places = {event.id: event.timecode for event in timeline.events}
     for check in failed:
-        of = "the film" if check.event is None else f"{check.event} at {places.get(check.event, 'no known time')}"
-        typer.echo(f"failed: {of}, {check.name}. {run.verdict(check)}", err=err)
+        typer.echo(f"failed: {_described(check)}", err=err)
     if not quiet:
         typer.echo(f"checks: {len(checks) - len(failed)} of {len(checks)} passed", err=err)
     return FAILED_CHECK if failed else 0
+
+
+def _described(check: Check) -> str:
+    """Return a check's name, its event, what was measured and what it had to stay within: told apart, however near."""
+    value, bound, unit = check.measured, check.limit, f" {check.unit}" if check.unit else ""
+    usual = 11 if check.name == "drive_speed" else 6
+    digits = usual
+    if value is not None and bound is not None:
+        digits = next((n for n in range(usual, _ALL_DIGITS) if f"{value:.{n}g}" != f"{bound:.{n}g}"), usual)
+    measured = "not measured" if value is None else f"{value:.{digits}g}{unit}"
+    limit = "" if bound is None else f" (limit {bound:.{digits}g}{unit})"
+    return f"{check.name}, {check.event or 'the film'}: {measured}{limit}"
 
 
 def _count(number: int, noun: str) -> str:

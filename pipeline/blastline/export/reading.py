@@ -77,8 +77,6 @@ def _content(path: Path, *, expected: str) -> bytes:
 
 
 def _refuse_schema(plain: Any, path: Path) -> None:
-    if isinstance(plain, dict) and "OTIO_SCHEMA" in plain:
-        raise TimelineError(f"{path}: OpenTimelineIO, whose times are whole frames; expected a timeline.json")
     if not isinstance(plain, dict) or "schema" not in plain:
         raise TimelineError(f"{path}: not a timeline; expected an object with schema = {SCHEMA!r}")
     found = plain["schema"]

@@ -9,7 +9,6 @@ from .choice import MAX_FIGURES
 from .exports import ExportRow
 from .overview import Overview, OverviewMeter
 from .page import write_report
-from .words import verdict
 
 __all__ = [
     "MAX_FIGURES",
@@ -17,7 +16,6 @@ __all__ = [
     "ExportRow",
     "Overview",
     "OverviewMeter",
-    "verdict",
     "write_bode",
     "write_report",
 ]

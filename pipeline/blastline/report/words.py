@@ -148,18 +148,6 @@ def allowed(check: Check) -> str:
     return f"at least {limit}" if check.name in _AT_LEAST else f"up to {limit}"
 
 
-def verdict(check: Check) -> str:
-    """Return what a check claims, measured and allows, on one line.
-
-    With a hyphen for a minus: a terminal may not have the sign.
-
-    >>> verdict(Check("felt_lag", "shot-0002", False, -0.75, 0.5, "ms"))
-    'The vibration is felt with the bang: -0.75 ms, allowed up to 0.5 ms either way'
-    """
-    limit = "" if check.limit is None else f", allowed {allowed(check)}"
-    return f"{claim(check)}: {measured(check)}{limit}".replace("−", "-")
-
-
 def _digits(check: Check) -> int:
     """Return how many decimals a check has: where it failed, as many as tell what was measured from what is allowed."""
     usual = 7 if check.name == "drive_speed" else 3

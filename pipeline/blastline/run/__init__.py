@@ -3,7 +3,6 @@
 film -> find shots -> plan windows -> choose a model for each -> render -> write -> check what was written -> report
 """
 
-from ..report import verdict
 from .actuators import (
     FitOptions,
     MadeProfile,
@@ -48,5 +47,4 @@ __all__ = [
     "render",
     "require_place",
     "synthesise",
-    "verdict",
 ]

@@ -54,17 +54,13 @@ class Editing:
     named_by: Path | None
 
 
-def read_editing(result: Path, *, original: Path | None) -> Editing:
+def read_editing(path: Path, *, original: Path | None) -> Editing:
     """Return an edited file with its original timeline: the one that is given, else `timeline.json` beside the file.
 
-    Of a result's folder it is the timeline in it. An edited JSON without an original tells by itself where its events
-    were; so it does where it is said to be its own original, beside which nothing would differ. Raises TimelineError
-    for a file that cannot be used.
+    An edited JSON without an original tells by itself where its events were; so it does where it is said to be its own
+    original, beside which nothing would differ. Raises TimelineError for a file that cannot be used.
     """
-    path = names.timeline_of(result)
     edited = read_edits(path)
-    if original is not None:
-        original = names.timeline_of(original)
     if original is not None and original.exists() and original.samefile(path):
         original = None
     beside = path.parent / names.TIMELINE
