@@ -2,7 +2,6 @@
 
 import html
 import math
-import re
 from fractions import Fraction
 from urllib.parse import quote
 
@@ -80,15 +79,6 @@ def figure(value: float | None, digits: int = 2) -> str:
     if "." in rounded:
         rounded = rounded.rstrip("0").rstrip(".")
     return rounded.replace("-", "−")
-
-
-def typeset(text: str) -> str:
-    """Return what the timeline says with true minus signs, as the page's own figures have; a range keeps its hyphen.
-
-    >>> typeset("felt -1.5 dB against the target, of 8-500 ms")
-    'felt −1.5 dB against the target, of 8-500 ms'
-    """
-    return re.sub(r"(?<![\w.-])-(?=\d)", "−", text)
 
 
 def fixed(value: float, digits: int) -> str:
