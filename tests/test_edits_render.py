@@ -256,6 +256,25 @@ def test_what_is_deleted_within_a_shot_leaves_it_whole(tmp_path: Path, film: Pat
     assert after.events[0].window.stop > 196_800
 
 
+def test_a_result_is_rendered_again_by_its_folder_as_by_its_timeline(tmp_path: Path, film: Path, result: Path) -> None:
+    made = []
+    for given in (result, result / "timeline.json"):
+        out = tmp_path / given.name
+        ended = blastline("render", film, "-o", out, "--timeline", given, "--no-report")
+        assert (ended.code, "edits: timeline.json: 4 kept" in ended.err) == (0, True)
+        made.append((read_timeline(out / "timeline.json"), (out / "drive.wav").read_bytes()))
+    assert made[0] == made[1]
+    labels = tmp_path / "labels.txt"
+    labels.write_bytes((result / "timeline.audacity.txt").read_bytes())
+    assert "4 kept" in rendered(film, labels, "--original", result)[0].err
+
+
+def test_a_folder_without_a_timeline_is_told_by_the_file_that_is_missing(tmp_path: Path, film: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    ended = blastline("render", film, "-o", tmp_path / "out", "--timeline", tmp_path / "empty")
+    assert ended.complaint.startswith(f"{tmp_path / 'empty' / 'timeline.json'}: no such file; expected ")
+
+
 def test_a_json_without_its_original_says_what_it_cannot_tell(tmp_path: Path, film: Path, result: Path) -> None:
     plain = json.loads((result / "timeline.json").read_text())
     plain["events"][1]["gain_db"] = -12.0

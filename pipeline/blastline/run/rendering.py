@@ -25,7 +25,7 @@ from .editing import Editing, hear_edited, read_editing, timebase_of
 from .exports import export_rows
 from .haptics import rounding_notes, tell_silent, track_of
 from .listening import HeardFilm, assemble, listen
-from .options import RenderOptions, Setup, set_up
+from .options import RenderOptions, Setup, set_up, with_files
 from .progress import Note, Progress, no_note, no_progress
 
 
@@ -34,10 +34,11 @@ def render(
 ) -> Timeline:
     """Find the shots of a film and write drive, timeline and report to `folder`; return the timeline with its checks.
 
-    With `options.timeline`, an edited timeline, its events are rendered instead of what would be found. `note` is told
-    what the timeline's formats had to round.
+    With `options.timeline`, an edited timeline or its result's folder, its events are rendered instead of what would be
+    found. `note` is told what the timeline's formats had to round.
     Raises BlastlineError for input, rules or an output folder that cannot be used; nothing is written then.
     """
+    options = with_files(options)
     setup = set_up(options, progress)
     place = _place(film, folder, options)
     timebase, editing = options.timebase, None
