@@ -14,6 +14,7 @@ import pytest
 import soundfile
 
 from blastline.export import read_timeline
+from blastline.report import CHECKS
 from blastline.run import rendering
 from commands import BELIEVE, RATE_HZ, blastline, blastline_alone, interrupted, write_film
 from media import write_media
@@ -99,7 +100,7 @@ def test_a_drive_that_is_no_sound_fails_and_one_of_two_channels_is_refused(
     )
     assert (one.code, one.out.splitlines()) == (
         1,
-        [f"failed: drive_samples, the film: {RATE_HZ // 10} samples (limit 0 samples)"],
+        [f"failed: {CHECKS['drive_samples']}: {RATE_HZ // 10} samples (exactly 0 samples)"],
     )
     assert "pair.wav: has 2 channels; expected a drive of 1" in two.complaint
 

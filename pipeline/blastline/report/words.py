@@ -140,7 +140,7 @@ def allowed(check: Check) -> str:
 
 def _digits(check: Check) -> int:
     """Return how many decimals a check has: where it failed, as many as tell what was measured from what is allowed."""
-    usual = 7 if check.name == "drive_speed" else 3
+    usual = 7 if check.name == "drive_speed" else 2 if check.unit.startswith("dB") else 3
     value, limit = check.measured, check.limit
     if check.passed or value is None or limit is None:
         return usual
