@@ -328,8 +328,8 @@ def test_a_file_for_a_tool_that_is_not_read_back_is_called_by_what_it_is(tmp_pat
             lambda t: t["events"][1].pop("onset_s") and t["events"][1].pop("onset_sample"),
             "events[1]: no onset; expected",
         ),
-        (lambda t: t["events"][1].update(onset_s=-1.0), "events[1].onset_s = -1.0: expected `float` >= 0.0"),
-        (lambda t: t["events"][1].update(onset_sample="2"), "events[1].onset_sample = '2': expected `int"),
+        (lambda t: t["events"][1].update(onset_s=-1.0), "events[1].onset_s = -1.0: expected a number, 0 or more"),
+        (lambda t: t["events"][1].update(onset_sample="2"), "events[1].onset_sample = '2': expected a whole number"),
         (lambda t: t["events"][1].update(id="shot-0001"), "events[1]: id = 'shot-0001': events[0] has it too"),
         (
             lambda t: t["events"][1]["window"].update(stop_sample=5),

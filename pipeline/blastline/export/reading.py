@@ -7,7 +7,8 @@ from typing import Any
 
 import msgspec
 
-from ..errors import TimelineError, misfit
+from ..errors import TimelineError
+from ..misfits import misfit
 from ..model import SCHEMA, Timeline
 from .geometry import event_complaints, source_complaints
 

@@ -10,7 +10,8 @@ from typing import Annotated, Any
 import msgspec
 from msgspec import Meta
 
-from ...errors import TimelineError, misfit
+from ...errors import TimelineError
+from ...misfits import misfit
 from ...model import Event, Origin, Ratio, Rejection, Source, Span, Window
 from ..geometry import reflection_complaints, source_complaints
 from ..reading import read_plain
