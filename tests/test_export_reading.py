@@ -35,7 +35,7 @@ def refusal(file: Path) -> str:
         ),
         (lambda t: t.update(schema="blastline.timeline/2"), "this version reads only 'blastline.timeline/1'"),
         (lambda t: t.update(schema=1), "schema = 1"),
-        (lambda t: t.pop("schema"), "not a timeline; expected an object with schema = 'blastline.timeline/1'"),
+        (lambda t: t.pop("schema"), "JSON without schema = 'blastline.timeline/1'"),
         (lambda t: t.pop("source"), "source: is missing"),
         (lambda t: t.update(quality="best"), "quality = 'best': expected one of: draft, reference, standard"),
         (lambda t: t["events"][1].pop("onset_s"), "events[1].onset_s: is missing"),
@@ -146,14 +146,15 @@ def test_a_field_that_does_not_fit_is_named(tmp_path: Path, edit: Edit, complain
 @pytest.mark.parametrize(
     ("content", "complaint"),
     [
-        (b"", "not JSON"),
-        (b"RIFF\xff\x00\x00\x00WAVE", "not text; expected a timeline.json"),
-        (encode(timeline())[:-20], "not JSON"),
+        (b"", "an empty file"),
+        (b"RIFF\xff\x00\x00\x00WAVE", "a WAV file; expected a timeline.json"),
+        (encode(timeline())[:-20], "not JSON: it ends too early"),
+        (b'{"schema": 1,\n "e": \xc3\xa9 12,5}', "line 2, column 7: not JSON: invalid character"),
         (b'{"schema": NaN}', "not JSON"),
         (b"[" * 100_000, "not JSON"),
-        (b"[]", "not a timeline"),
-        (b"3", "not a timeline"),
-        (b"{}", "not a timeline"),
+        (b"[]", "JSON without schema"),
+        (b"3", "JSON without schema"),
+        (b"{}", "JSON without schema"),
     ],
 )
 def test_a_file_that_is_no_timeline_is_refused(tmp_path: Path, content: bytes, complaint: str) -> None:

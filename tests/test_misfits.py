@@ -82,7 +82,8 @@ def test_a_misfit_says_its_value_and_what_would_fit(key: str, value: Any, told: 
 
 
 @pytest.mark.parametrize(
-    ("name", "meant"), [("korrelation", "correlation"), ("peak_db", "peak"), ("zzz", "one of: source, schema, longest_ms, ")]
+    ("name", "meant"),
+    [("korrelation", "correlation"), ("peak_db", "peak"), ("zzz", "one of: source, schema, longest_ms, ")],
 )
 def test_a_key_that_is_not_known_is_told_with_the_one_that_may_be_meant(name: str, meant: str) -> None:
     told = refusal({name: 1}, AlignRules)

@@ -44,12 +44,13 @@ class _Timeline(msgspec.Struct, frozen=True):
     rejections: tuple[Rejection, ...] = ()
 
 
-def read_document(text: str, path: Path) -> EditedFile:
+def read_document(text: str, path: Path, *, expected: str) -> EditedFile:
     """Return the events of a timeline that somebody edited; its schema has to be the one this version reads.
 
-    Keys of events and windows that no timeline has are left aside, with a note.
+    `expected` says which files were, where this is none. Keys of events and windows that no timeline has are left
+    aside, with a note.
     """
-    plain = read_plain(path, text)
+    plain = read_plain(path, text, expected=expected)
     try:
         timeline = msgspec.convert(plain, _Timeline)
     except msgspec.ValidationError as error:
