@@ -34,8 +34,8 @@ def say_warnings(timeline: Timeline) -> None:
 
 
 def _say_edits(edits: Edits) -> None:
-    ways = ("kept", "moved", "changed", "added", "deleted")
-    counts = ", ".join(f"{number} {way}" for way in ways if (number := getattr(edits, way)))
+    ways = ("kept", "moved", "changed", "added", "deleted", "as_given")
+    counts = ", ".join(f"{number} {way.replace('_', ' ')}" for way in ways if (number := getattr(edits, way)))
     typer.echo(f"edits: {edits.file}{': ' if counts else ''}{counts}", err=True)
     for note in edits.notes:
         typer.echo(f"note: {note}", err=True)

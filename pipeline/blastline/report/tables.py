@@ -168,4 +168,6 @@ def _edits(edits: Edits | None) -> dict[str, str]:
     counts = (
         f"{edits.kept} kept, {edits.moved} moved, {edits.changed} changed, {edits.added} added, {edits.deleted} deleted"
     )
+    if edits.as_given:
+        counts += f", {edits.as_given} as given"
     return {"Edited by hand": "; ".join([f"{edits.file}: {counts}", *edits.notes])}
