@@ -86,6 +86,18 @@ def test_a_result_passes_its_checks_again_and_a_late_drive_does_not(
     assert "failed: " in ended.out
 
 
+def test_a_film_that_is_not_found_is_told_with_where_it_was_looked_for(
+    tmp_path: Path, result: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "a" / "b").mkdir(parents=True)
+    moved = tmp_path / "a" / "b" / "timeline.json"
+    moved.write_bytes((result / "timeline.json").read_bytes())
+    monkeypatch.chdir(tmp_path)
+    told = blastline("check", moved).complaint
+    assert told.startswith(f"{moved}: source.name = 'film.wav': not in its folder, the one above or the current one; ")
+    assert "--audio" in told
+
+
 def test_a_drive_that_is_no_sound_fails_and_one_of_two_channels_is_refused(
     tmp_path: Path, result: Path, film: Path, believing: Path
 ) -> None:

@@ -216,7 +216,7 @@ def test_a_file_that_is_no_utf_8_is_named(tmp_path: Path) -> None:
 
 
 def test_a_folder_and_a_verifier_that_do_not_exist_are_named(tmp_path: Path) -> None:
-    with pytest.raises(RuleError, match=r"none: not a folder; --rules expects a folder"):
+    with pytest.raises(RuleError, match=r"none: not a folder; expected one with rule files"):
         load_rules("standard", tmp_path / "none")
     written(tmp_path, "quality/standard.toml", "[verify]\nmodel = 'own.json'\n")
     with pytest.raises(RuleError, match=r"no such file; \[verify\] model = 'own.json' expects it under verifier/"):

@@ -9,7 +9,7 @@ from .choice import MAX_FIGURES
 from .exports import ExportRow
 from .overview import Overview, OverviewMeter
 from .page import write_report
-from .words import CHECKS, allowed, claim, measured
+from .words import CHECKS, allowed, claim, measured, typeset
 
 __all__ = [
     "CHECKS",
@@ -21,6 +21,7 @@ __all__ = [
     "allowed",
     "claim",
     "measured",
+    "typeset",
     "write_bode",
     "write_report",
 ]

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from ..model import Check, Edits, Event, Rejection, Source, Timeline
 from ..streams import streams_text
 from ..timecode import timecode_at
-from .words import allowed, by_hand, channels, claim, figure, fixed, link, measured, safe
+from .words import allowed, by_hand, channels, claim, figure, fixed, link, measured, safe, typeset
 
 _STRONGEST = 5
 
@@ -111,15 +111,17 @@ def rejections_table(rejections: Sequence[Rejection], source: Source) -> str:
     """
     if not rejections:
         return "<p>No candidate was turned down.</p>"
+    count_of = "1 candidate was" if len(rejections) == 1 else f"{len(rejections)} candidates were"
     counts = Counter(rejection.reason for rejection in rejections)
     rows = []
     for reason, count in counts.most_common():
         nearest = sorted((r for r in rejections if r.reason == reason), key=lambda r: (-_probability(r), r.at_sample))
         shown = "; ".join(_rejection(rejection, source) for rejection in nearest[:_STRONGEST])
-        rows.append(f'<tr><td>{safe(reason)}</td><td class="n">{count}</td><td class="wide">{safe(shown)}</td></tr>')
+        why = safe(typeset(reason))
+        rows.append(f'<tr><td>{why}</td><td class="n">{count}</td><td class="wide">{safe(shown)}</td></tr>')
     heads = '<th>Reason</th><th class="n">Candidates</th><th>The nearest to being shots, with the evidence</th>'
     return (
-        f"<details><summary>{len(rejections)} candidates were not taken for shots</summary>"
+        f"<details><summary>{count_of} not taken for shots</summary>"
         f'<div class="scroll"><table><thead><tr>{heads}</tr></thead><tbody>{"".join(rows)}</tbody></table></div>'
         "</details>"
     )

@@ -2,6 +2,7 @@
 
 import html
 import math
+import re
 from fractions import Fraction
 from urllib.parse import quote
 
@@ -98,6 +99,15 @@ def signed(value: float | None, digits: int = 1) -> str:
     """
     text = figure(value, digits)
     return f"+{text}" if value is not None and math.isfinite(value) and value > 0.0 and text != "0" else text
+
+
+def typeset(text: str) -> str:
+    """Return a sentence with true minus signs before its numbers; hyphens of names and ranges stay.
+
+    >>> typeset("shot-0001 is felt -9.4 dB against it, after 3-4 ms")
+    'shot-0001 is felt −9.4 dB against it, after 3-4 ms'
+    """
+    return re.sub(r"(?<![\w.)-])-(?=\d)", "−", text)
 
 
 def by_hand(event: Event) -> str:

@@ -14,7 +14,7 @@ from ..errors import RuleError
 from ..export import FORMATS, HAPTIC_FORMATS, export_timeline, known_formats, needs_drive, require_frame_rate, rounding
 from ..model import DriveInfo, Edits, Timeline
 from ..render import require_renderable
-from ..report import OverviewMeter, write_report
+from ..report import OverviewMeter, typeset, write_report
 from ..soundtrack import Soundtrack, open_soundtrack
 from ..staging import require_free, require_utf_8, staged
 from ..timecode import late_stamp
@@ -165,6 +165,6 @@ def write_report_of(
             "drive": options.drive,
             "phase": options.phase,
             "background": options.background,
-            "level": f"{timeline.level_db:+g} dB",
+            "level": typeset(f"{timeline.level_db:+g} dB"),
         },
     )
