@@ -163,6 +163,24 @@ def test_the_table_of_shots_calls_what_it_shows_as_the_cards_do(tmp_path: Path) 
     assert {"Confidence", "Over background", "Reflections", "Felt against direct", "Fidelity"} <= heads & cards
 
 
+def test_what_the_checks_came_to_is_never_at_the_hidden_end_of_the_table(tmp_path: Path) -> None:
+    bad = Check("felt_lag", "shot-0002", False, 10.35, 0.5, "ms")
+    text = written(tmp_path, film(), msgspec.structs.replace(film().timeline, checks=(bad,)))
+    (table,) = re.findall('<table id="shots">.*?</table>', text, re.DOTALL)
+    assert re.findall("<th [^>]*>(.*?)</th>", table)[:3] == ["Shot", "Timecode", "Checks"]
+    third = [re.findall("<td.*?</td>", row)[2] for row in re.findall("<tr id=.*?</tr>", table)]
+    assert ["1 failed" in cell for cell in third] == [False, True, False]
+
+
+def test_a_lag_that_could_not_be_measured_is_counted_beside_those_that_were(tmp_path: Path) -> None:
+    """A median of what was found alone would read "0 ms" of a drive in which most shots were not found."""
+    lags = [Check("felt_lag", f"shot-000{n}", n == 1, 0.25 if n == 1 else None, 0.5, "ms") for n in (1, 2, 3)]
+    told = Page(written(tmp_path, film(), msgspec.structs.replace(film().timeline, checks=tuple(lags)))).text
+    assert "median; largest 0.25 ms of 1; 2 not measured" in told
+    told = Page(written(tmp_path, film(), msgspec.structs.replace(film().timeline, checks=(lags[0],)))).text
+    assert "ms of 1" not in told
+
+
 def test_hostile_names_stay_text(tmp_path: Path) -> None:
     evil = '"><script>alert(1)</script><img src=//x onerror=y>&'
     events = tuple(
