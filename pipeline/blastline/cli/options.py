@@ -9,7 +9,7 @@ from ..errors import RuleError
 from ..model import Background, DriveChoice, Phase, Quality
 
 FINDING, DRIVING, TIMECODE = "Finding shots", "Making the drive", "The film's timecode"
-WRITING, MESSAGES = "Results", "Messages"
+WRITING, MESSAGES, RULES = "Results", "Messages", "Rules"
 
 
 def rules_folder(text: str) -> Path:
@@ -92,7 +92,7 @@ RulesOption = Annotated[
         parser=rules_folder,
         help="A folder with rule files of your own; what they do not name stays as built in.",
         show_default="built-in rules",
-        rich_help_panel=FINDING,
+        rich_help_panel=RULES,
     ),
 ]
 Mix = Annotated[
