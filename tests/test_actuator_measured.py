@@ -136,7 +136,7 @@ def test_a_threshold_of_ones_own_is_read(tmp_path: Path) -> None:
         (
             "own.toml",
             "schema = 1\nsource = 'mine'\nname = 'x'\n",
-            "top level: object missing required field `freq",
+            "frequencies_hz: is missing; expected a list",
         ),
         (
             "own.toml",

@@ -151,7 +151,7 @@ def test_a_spoilt_table(tmp_path: Path, made: Path, name: str, text: str, place:
 @pytest.mark.parametrize("command", ["export", "conform"])
 def test_a_table_where_a_timeline_is_wanted(tmp_path: Path, made: Path, command: str) -> None:
     told = run_on(command, made, made / "out" / "timeline.csv", tmp_path / "out").complaint
-    assert told.startswith(f"{made / 'out' / 'timeline.csv'}: not JSON: ")
+    assert told.startswith(f"{made / 'out' / 'timeline.csv'}: a table of shots, ")
     assert told.endswith("expected a timeline.json")
     assert not (tmp_path / "out").exists()
 

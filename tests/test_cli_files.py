@@ -14,6 +14,7 @@ import pytest
 import soundfile
 
 from blastline.export import read_timeline
+from blastline.report import CHECKS
 from blastline.run import rendering
 from commands import BELIEVE, RATE_HZ, blastline, blastline_alone, interrupted, write_film
 from media import write_media
@@ -85,6 +86,18 @@ def test_a_result_passes_its_checks_again_and_a_late_drive_does_not(
     assert "failed: " in ended.out
 
 
+def test_a_film_that_is_not_found_is_told_with_where_it_was_looked_for(
+    tmp_path: Path, result: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "a" / "b").mkdir(parents=True)
+    moved = tmp_path / "a" / "b" / "timeline.json"
+    moved.write_bytes((result / "timeline.json").read_bytes())
+    monkeypatch.chdir(tmp_path)
+    told = blastline("check", moved).complaint
+    assert told.startswith(f"{moved}: source.name = 'film.wav': not in its folder, the one above or the current one; ")
+    assert "--audio" in told
+
+
 def test_a_drive_that_is_no_sound_fails_and_one_of_two_channels_is_refused(
     tmp_path: Path, result: Path, film: Path, believing: Path
 ) -> None:
@@ -99,7 +112,7 @@ def test_a_drive_that_is_no_sound_fails_and_one_of_two_channels_is_refused(
     )
     assert (one.code, one.out.splitlines()) == (
         1,
-        [f"failed: drive_samples, the film: {RATE_HZ // 10} samples (limit 0 samples)"],
+        [f"failed: {CHECKS['drive_samples']}: {RATE_HZ // 10} samples (exactly 0 samples)"],
     )
     assert "pair.wav: has 2 channels; expected a drive of 1" in two.complaint
 
@@ -179,8 +192,8 @@ def test_what_is_no_film_is_refused(tmp_path: Path, name: str, content: bytes | 
             "unstable.toml: response.poles_rad_s[0] = [5.0, 0.0]: expected a negative real part",
         ),
         ("--rules none", "none: not a folder"),
-        ("--rules wrong", "align.toml: correlation = 7: expected `float` <= 1.0"),
-        ("--rules unknown", "align.toml: top level: object contains unknown field `korrelation`"),
+        ("--rules wrong", "align.toml: correlation = 7: expected a number, 1 or less"),
+        ("--rules unknown", "align.toml: korrelation: no such key"),
         ("--format json,xls", "--format 'xls': no such format; expected some of: json, schema, csv"),
         ("--format ,", "--format '': no such format"),
         ("--mix sides", "mix 'sides'"),

@@ -10,37 +10,68 @@ import pytest
 from blastline import run
 from blastline.cli.progress import shown_progress
 from blastline.model import Check, Timeline, encode
+from blastline.report import CHECKS
 from blastline.timebase import parse_timebase
 from commands import Ended, blastline
 from timelines import timeline
 
 
-def test_a_failed_check_is_listed_and_gives_exit_code_1(monkeypatch: pytest.MonkeyPatch) -> None:
-    failed = (Check("lag", "shot-0002", False, 0.75, 0.5, "ms"), Check("frames", None, False, None, None, "frames"))
-    found = timeline()
-    found = msgspec.structs.replace(found, checks=(*found.checks, *failed))
+def checked_by(monkeypatch: pytest.MonkeyPatch, *checks: Check) -> Timeline:
+    """Let `check` find these checks in the timeline of two shots, and return it."""
+    found = msgspec.structs.replace(timeline(), checks=checks)
     monkeypatch.setattr(run, "check", lambda *_, **__: found)
+    return found
+
+
+def test_a_failed_check_says_what_where_when_and_by_how_much(monkeypatch: pytest.MonkeyPatch) -> None:
+    late = Check("felt_lag", "shot-0002", False, 0.75, 0.5, "ms")
+    found = checked_by(monkeypatch, late, Check("drive_samples", None, False, 7, 0.0, "samples"))
     ended = blastline("check", "result", "--quiet")
     assert (ended.code, ended.err) == (1, "")
     assert ended.out.splitlines() == [
-        "failed: lag, shot-0002: 0.75 ms (limit 0.5 ms)",
-        "failed: frames, the film: not measured",
+        f"failed: {CHECKS['felt_lag']}: not in shot-0002 at {found.events[1].timecode}, 0.75 ms "
+        "(up to 0.5 ms either way)",
+        f"failed: {CHECKS['drive_samples']}: 7 samples (exactly 0 samples)",
     ]
-    assert blastline("check", "result").out.endswith("checks: 2 of 4 passed\n")
+    assert blastline("check", "result").out.endswith("checks: 0 of 2 passed\n")
+
+
+@pytest.mark.parametrize("name", CHECKS)
+def test_no_check_is_called_by_the_name_that_it_has_in_json(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    passed = Check(name, None, True, 0.0, 1.0, "ms")
+    for check in (passed, msgspec.structs.replace(passed, passed=False, measured=-2.0)):
+        checked_by(monkeypatch, check)
+        line, _ = blastline("check", "result").out.splitlines()
+        assert line.startswith(f"{'passed' if check.passed else 'failed'}: {CHECKS[name]}")
+        assert name not in line or "_" not in name
+        assert line.isascii()  # a pipe's alphabet may have no other minus
 
 
 @pytest.mark.parametrize(("value", "limit"), [(1.0000004, 1.0), (0.8999999, 0.9), (-0.50000001, -0.5)])
 def test_a_check_that_just_fails_is_not_said_to_be_at_its_limit(
     monkeypatch: pytest.MonkeyPatch, value: float, limit: float
 ) -> None:
-    """A drive that a mixer left a hair above full scale fails: "1 (limit 1)" would tell nobody why."""
-    failed = Check("drive_peak", None, False, value, limit, "of the limit")
-    monkeypatch.setattr(run, "check", lambda *_, **__: msgspec.structs.replace(timeline(), checks=(failed,)))
+    """A drive that a mixer left a hair above full scale fails: "1 (up to 1)" would tell nobody why."""
+    checked_by(monkeypatch, Check("drive_peak", None, False, value, limit, "of the limit"))
     [line] = blastline("check", "result", "--quiet").out.splitlines()
-    said = re.fullmatch(r"failed: drive_peak, the film: (\S+) of the limit \(limit (\S+) of the limit\)", line)
+    said = re.search(r": (\S+) of the limit \(up to (\S+) of the limit\)$", line)
     assert said
     assert (float(said[1]) > float(said[2])) == (value > limit)
     assert said[1] != said[2]
+
+
+def test_what_passed_is_listed_once_with_the_shots_that_were_held_to_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    lag = Check("felt_lag", "shot-0001", True, 0.1, 0.5, "ms")
+    noted = msgspec.structs.replace(lag, event="shot-0002", limit=None)
+    peaks = [Check("peak", f"shot-000{n}", n == 1, 0.5 * n, 0.9, "of the limit") for n in (1, 2)]
+    checked_by(monkeypatch, lag, noted, Check("drive_shift", None, True, None, 0.5, "samples"), *peaks)
+    *passed, failed, count = blastline("check", "result").out.splitlines()
+    assert passed == [
+        f"passed: {CHECKS['felt_lag']} (1 shot; 1 could not be held to it)",
+        f"passed: {CHECKS['drive_shift']} (nothing to measure)",
+    ]
+    assert failed.startswith(f"failed: {CHECKS['peak']}: not in shot-0002")
+    assert count == "checks: 4 of 5 passed"
 
 
 @pytest.mark.parametrize("encoding", ["cp1252", "utf-8"])
@@ -55,7 +86,9 @@ def test_a_name_that_the_outputs_alphabet_lacks_is_spelt_out(tmp_path: Path, enc
 
 def test_passed_checks_are_counted_and_give_exit_code_0(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run, "check", lambda *_, **__: timeline())
-    assert blastline("check", "result") == Ended(0, "checks: 2 of 2 passed\n", "")
+    ended = blastline("check", "result")
+    assert (ended.code, ended.out.splitlines()[-1], ended.err) == (0, "checks: 2 of 2 passed", "")
+    assert blastline("check", "result", "--quiet") == Ended(0, "", "")
 
 
 def test_a_render_is_summed_up(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from blastline.report import CHECKS
+
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
 LINK = re.compile(r"\]\(([^)\s]+)\)")
@@ -48,3 +50,9 @@ def test_a_page_begins_with_what_it_is_for(page: Path) -> None:
     title, _, first, *_ = page.read_text(encoding="utf-8").splitlines()
     assert title.startswith("# ")
     assert re.match(r"\w|`", first), "expected a sentence under the title"
+
+
+def test_every_check_is_explained_under_its_words_and_its_name() -> None:
+    page = (ROOT / "docs" / "checks.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (.+?) \| `(\w+)` \| .+ \| .+ \|$", page, re.MULTILINE)
+    assert sorted((name, words) for words, name in rows) == sorted(CHECKS.items())

@@ -14,12 +14,13 @@ import pytest
 from hypothesis import given
 
 from blastline.errors import TimelineError
-from blastline.export import export_timeline
+from blastline.export import export_timeline, read_timeline
 from blastline.export.edits import EditedFile, Point, match, read_edits
 from blastline.export.edits.document import read_document
 from blastline.model import Timeline, encode
 from timelines import BURST_SHOT, RATE_HZ, SHOT, any_timeline, timeline
 
+READ = "an edited timeline: timeline.json, timeline.csv, Audacity labels or REAPER's CSV"
 TABLE = "id,onset_sample,onset_s,confidence\nshot-0001,48001,,0.5\nshot-0002,96000,,\n"
 LABELS = "1.000021\t1.500000\tshot-0001 0.97\n2.000000\t2.083333\tshot-0002 0.50\n"
 REAPER = "#,Name,Start,End,Length\nR1,shot-0001 0.97,0:01.000,0:01.500,0:00.500\nM1,bang,0:02.250,,\n"
@@ -103,7 +104,7 @@ def test_keys_that_nobody_knows_are_left_aside_and_said(tmp_path: Path) -> None:
 
 @given(any_timeline())
 def test_no_key_of_a_timeline_is_unknown(drawn: Timeline) -> None:
-    assert read_document(encode(drawn).decode(), Path("timeline.json")).notes == ()
+    assert read_document(encode(drawn).decode(), Path("timeline.json"), expected=READ).notes == ()
 
 
 def test_labels_are_points_and_ranges_with_frequencies_left_aside(tmp_path: Path) -> None:
@@ -260,9 +261,9 @@ def test_nothing_is_an_empty_label_track_or_a_table_without_rows(tmp_path: Path)
         ("#,Name,Start,End\nM1,shot-1 a,1.0,\nM2,shot-1 b,2.0,\n", "line 3: id = 'shot-1': line 2 has it too"),
         (
             b"onset_s\n1\0\n",
-            "not text; expected an edited timeline: timeline.json, timeline.csv, Audacity labels or REAPER's CSV",
+            f"not text; expected {READ}",
         ),
-        ("{}", "not a timeline; expected an object with schema = 'blastline.timeline/1'"),
+        ("{}", "JSON without schema = 'blastline.timeline/1'; expected an edited timeline: timeline.json, "),
     ],
 )
 def test_a_table_that_cannot_be_used_is_refused(tmp_path: Path, text: str | bytes, complaint: str) -> None:
@@ -303,8 +304,11 @@ def test_labels_that_cannot_be_used_are_refused(tmp_path: Path, text: str, compl
     [
         ("resolve", "an EDL"),
         ("cmx3600", "an EDL"),
-        ("fcp7", "XML"),
-        ("fcpxml", "XML"),
+        ("fcp7", "Final Cut Pro 7 XML"),
+        ("fcpxml", "FCPXML"),
+        ("otio", "OpenTimelineIO"),
+        ("midi", "a MIDI file"),
+        ("schema", "a JSON Schema"),
         ("webvtt", "subtitles"),
         ("avid", "Avid's markers"),
     ],
@@ -312,9 +316,44 @@ def test_labels_that_cannot_be_used_are_refused(tmp_path: Path, text: str, compl
 def test_a_file_for_a_tool_that_is_not_read_back_is_called_by_what_it_is(tmp_path: Path, name: str, what: str) -> None:
     (file,) = export_timeline(timeline(SHOT, BURST_SHOT), tmp_path, formats=[name])
     found = refusal(tmp_path, file.read_bytes(), f"edited{file.suffix}")
-    assert found == (
-        f"{what}, not an edited timeline; expected timeline.json, timeline.csv, Audacity labels or REAPER's CSV"
-    )
+    assert found == f"{what}; expected {READ}"
+    with pytest.raises(TimelineError, match=re.escape(f"{file}: {what}; expected a timeline.json")):
+        read_timeline(file)
+
+
+@pytest.mark.parametrize(
+    ("content", "what"),
+    [
+        (b"RIFF\x24\x08\x00\x00WAVEfmt ", "a WAV file"),
+        (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "an AAF file or an old Office document"),
+        (b"PK\x03\x04\x14\x00", "a workbook or another zip file"),
+        (b"\x00\x00\x00\x20ftypisom", "an MP4 or QuickTime film"),
+        (b"\x1a\x45\xdf\xa3\x01\x00", "a Matroska film"),
+        (b'{"Version": 1.0, "Pattern": []}', "a Core Haptics pattern"),
+        (b'{"schema": "blastline.truth/1", "shots": []}', "the truth about a scene's shots"),
+        (b"<!DOCTYPE html><html></html>", "a web page"),
+        (b"<REAPER_PROJECT 0.1\n>", "a REAPER project"),
+        (b"001  AX       V     C        01:00:00:00 01:00:01:00 01:00:00:00 01:00:01:00\n", "an EDL"),
+        (b"1\r\n00:00:01,000 --> 00:00:02,000\r\nbang\r\n", "subtitles"),
+    ],
+)
+def test_what_another_program_writes_is_called_by_what_it_is(tmp_path: Path, content: bytes, what: str) -> None:
+    assert refusal(tmp_path, content, "edited.txt") == f"{what}; expected {READ}"
+
+
+@pytest.mark.parametrize("text", ["100\t200\tV C x\n", "1.0\t2.0\tTITLE: x\n", "1\t2\t<a>\n"])
+def test_a_label_that_reads_like_another_tools_file_is_a_label(tmp_path: Path, text: str) -> None:
+    (tmp_path / "labels.txt").write_text(text)
+    assert len(read_edits(tmp_path / "labels.txt").edits) == 1
+
+
+@pytest.mark.parametrize("name", ["csv", "audacity", "reaper"])
+def test_an_edited_table_is_told_where_it_can_be_read(tmp_path: Path, name: str) -> None:
+    (file,) = export_timeline(timeline(SHOT, BURST_SHOT), tmp_path, formats=[name])
+    with pytest.raises(
+        TimelineError, match=r"which only `blastline render --timeline` reads; expected a timeline\.json"
+    ):
+        read_timeline(file)
 
 
 @pytest.mark.parametrize(
@@ -328,8 +367,8 @@ def test_a_file_for_a_tool_that_is_not_read_back_is_called_by_what_it_is(tmp_pat
             lambda t: t["events"][1].pop("onset_s") and t["events"][1].pop("onset_sample"),
             "events[1]: no onset; expected",
         ),
-        (lambda t: t["events"][1].update(onset_s=-1.0), "events[1].onset_s = -1.0: expected `float` >= 0.0"),
-        (lambda t: t["events"][1].update(onset_sample="2"), "events[1].onset_sample = '2': expected `int"),
+        (lambda t: t["events"][1].update(onset_s=-1.0), "events[1].onset_s = -1.0: expected a number, 0 or more"),
+        (lambda t: t["events"][1].update(onset_sample="2"), "events[1].onset_sample = '2': expected a whole number"),
         (lambda t: t["events"][1].update(id="shot-0001"), "events[1]: id = 'shot-0001': events[0] has it too"),
         (
             lambda t: t["events"][1]["window"].update(stop_sample=5),

@@ -256,12 +256,31 @@ def test_what_is_deleted_within_a_shot_leaves_it_whole(tmp_path: Path, film: Pat
     assert after.events[0].window.stop > 196_800
 
 
+def test_a_result_is_rendered_again_by_its_folder_as_by_its_timeline(tmp_path: Path, film: Path, result: Path) -> None:
+    made = []
+    for given in (result, result / "timeline.json"):
+        out = tmp_path / given.name
+        ended = blastline("render", film, "-o", out, "--timeline", given, "--no-report")
+        assert (ended.code, "edits: timeline.json: 4 kept" in ended.err) == (0, True)
+        made.append((read_timeline(out / "timeline.json"), (out / "drive.wav").read_bytes()))
+    assert made[0] == made[1]
+    labels = tmp_path / "labels.txt"
+    labels.write_bytes((result / "timeline.audacity.txt").read_bytes())
+    assert "4 kept" in rendered(film, labels, "--original", result)[0].err
+
+
+def test_a_folder_without_a_timeline_is_told_by_the_file_that_is_missing(tmp_path: Path, film: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    ended = blastline("render", film, "-o", tmp_path / "out", "--timeline", tmp_path / "empty")
+    assert ended.complaint.startswith(f"{tmp_path / 'empty' / 'timeline.json'}: no such file; expected ")
+
+
 def test_a_json_without_its_original_says_what_it_cannot_tell(tmp_path: Path, film: Path, result: Path) -> None:
     plain = json.loads((result / "timeline.json").read_text())
     plain["events"][1]["gain_db"] = -12.0
     (tmp_path / "alone.json").write_text(json.dumps(plain))
     ended, after, _ = rendered(film, tmp_path / "alone.json")
-    assert "not which gains, ends and confidences somebody has changed" in ended.err
+    assert "if gains, ends or confidences were changed, they hold as they stand and count as kept" in ended.err
     assert after.events[1].gain_db == -12.0
 
 
@@ -326,6 +345,34 @@ def test_reapers_milliseconds_leave_untouched_onsets_exact(tmp_path: Path, film:
     assert "edits: regions.csv: 4 kept" in ended.err
     assert [e.onset_sample for e in after.events] == [48_017, 120_000, 192_000, 196_800]
     assert after.events[0].peak_dbfs == -50.0
+
+
+@pytest.mark.parametrize("name", ["audacity", "reaper"])
+def test_without_its_original_no_shot_is_said_to_be_kept_or_moved(
+    tmp_path: Path, film: Path, result: Path, name: str
+) -> None:
+    """A label tells where its shot is, and not where it was: "4 kept" would be a guess, and wrong of the second."""
+    assert blastline("export", result, "--format", name, "-o", tmp_path / "cues").code == 0
+    (file,) = (tmp_path / "cues").iterdir()
+    moved = file.read_text().replace("2.500000000", "2.600000000")
+    assert moved != file.read_text()
+    alone = tmp_path / file.name
+    alone.write_text(moved)
+    ended, after, _ = rendered(film, alone)
+    assert f"edits: {file.name}: 4 as given\n" in ended.err
+    assert after.edits is not None
+    assert (after.edits.kept, after.edits.moved, after.edits.as_given) == (0, 0, 4)
+    assert f"edits: {file.name}: 3 kept, 1 moved\n" in rendered(film, alone, "--original", result)[0].err
+
+
+def test_a_row_that_tells_where_its_onset_was_is_kept_or_moved_without_an_original(
+    tmp_path: Path, film: Path, result: Path
+) -> None:
+    file = edited(result, tmp_path, lambda rows: rows[1].update(onset_s="2.6", onset_sample="", origin="found"))
+    (tmp_path / "timeline.json").unlink()
+    rows = file.read_text().replace(",added,", ",found,")
+    file.write_text(rows)
+    assert "edits: edited.csv: 3 kept, 1 moved\n" in rendered(film, file)[0].err
 
 
 def test_no_events_are_a_silent_drive_and_said(tmp_path: Path, film: Path, result: Path) -> None:

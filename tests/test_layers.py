@@ -19,6 +19,7 @@ GROUND = {
     "dsp",
     "errors",
     "interruption",
+    "misfits",
     "model",
     "ruleset",
     "staging",

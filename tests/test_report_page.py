@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from align_films import PROFILE, Film, make_film
-from blastline.model import Check, Event, Timeline
+from blastline.model import Check, Decision, DriveInfo, Event, Rejection, Timeline
 from blastline.report import ExportRow, OverviewMeter, write_report
 
 VOID = {"meta", "br", "hr", "img", "input", "link"}
@@ -135,12 +135,50 @@ def test_what_was_set_by_hand_is_told_of_each_shot_in_its_card_and_in_the_table(
         assert not re.search(r"\bgain\b|moved", told[2])
 
 
+def test_no_number_of_the_page_has_a_hyphen_for_a_minus(tmp_path: Path) -> None:
+    """Reasons come from the timeline, where a minus is a hyphen; names and ranges keep theirs."""
+    timeline = film().timeline
+    why = Decision("reflections", "segmented", "the loudest -12.3 dB (-0.5 at most) after 3-4 ms, as shot-0001", {})
+    drive = DriveInfo("filter", "direct conversion is felt -9.4 dB against it", 0.5, -3.0, 0.9, 0, 0.9, {})
+    events = tuple(
+        msgspec.structs.replace(event, decisions=(why,), drive=drive, peak_dbfs=-3.5, gain_db=-6.0)
+        for event in timeline.events
+    )
+    turned_down = (Rejection(4_000, "-8 dB against its neighbours", {"level_db": -8.0}),)
+    late = Check("felt_lag", events[0].id, False, -2.5, 0.5, "ms")
+    changed = msgspec.structs.replace(timeline, events=events, rejections=turned_down, checks=(late,))
+    text = Page(re.sub(r"(?s)<(script|style)\b.*?</\1>", "", written(tmp_path, film(), changed))).text
+    assert re.findall(r"(?<![\w.])-\d", text) == []
+    assert {"−12.3 dB", "(−0.5 at most)", "−9.4 dB", "−8 dB", "3-4 ms", "shot-0001"} <= set(
+        re.findall(r"−12\.3 dB|\(−0\.5 at most\)|−9\.4 dB|−8 dB|3-4 ms|shot-0001", text)
+    )
+    assert "1 candidate was not taken" in text
+
+
 def test_the_table_of_shots_calls_what_it_shows_as_the_cards_do(tmp_path: Path) -> None:
     text = written(tmp_path, film())
     (table,) = re.findall('<table id="shots">.*?</thead>', text, re.DOTALL)
     heads = {head.partition(",&nbsp;")[0] for head in re.findall("<th[^>]*>(.*?)</th>", table)}
     cards = set(re.findall("<dt>(.*?)</dt>", "".join(re.findall("<article.*?</article>", text, re.DOTALL))))
     assert {"Confidence", "Over background", "Reflections", "Felt against direct", "Fidelity"} <= heads & cards
+
+
+def test_what_the_checks_came_to_is_never_at_the_hidden_end_of_the_table(tmp_path: Path) -> None:
+    bad = Check("felt_lag", "shot-0002", False, 10.35, 0.5, "ms")
+    text = written(tmp_path, film(), msgspec.structs.replace(film().timeline, checks=(bad,)))
+    (table,) = re.findall('<table id="shots">.*?</table>', text, re.DOTALL)
+    assert re.findall("<th [^>]*>(.*?)</th>", table)[:3] == ["Shot", "Timecode", "Checks"]
+    third = [re.findall("<td.*?</td>", row)[2] for row in re.findall("<tr id=.*?</tr>", table)]
+    assert ["1 failed" in cell for cell in third] == [False, True, False]
+
+
+def test_a_lag_that_could_not_be_measured_is_counted_beside_those_that_were(tmp_path: Path) -> None:
+    """A median of what was found alone would read "0 ms" of a drive in which most shots were not found."""
+    lags = [Check("felt_lag", f"shot-000{n}", n == 1, 0.25 if n == 1 else None, 0.5, "ms") for n in (1, 2, 3)]
+    told = Page(written(tmp_path, film(), msgspec.structs.replace(film().timeline, checks=tuple(lags)))).text
+    assert "median; largest 0.25 ms of 1; 2 not measured" in told
+    told = Page(written(tmp_path, film(), msgspec.structs.replace(film().timeline, checks=(lags[0],)))).text
+    assert "ms of 1" not in told
 
 
 def test_hostile_names_stay_text(tmp_path: Path) -> None:

@@ -110,19 +110,27 @@ def test_every_shipped_file_is_sound() -> None:
 @pytest.mark.parametrize(
     ("file", "text", "complaint"),
     [
-        ("quality/standard.toml", "[windows]\nbogus = 1\n", "windows: object contains unknown field `bogus`"),
-        ("quality/standard.toml", "bogus = 1\n", "top level: object contains unknown field `bogus`"),
-        ("quality/standard.toml", "windows = 1\n", "windows = 1: expected `object`, got `int`"),
-        ("quality/standard.toml", "[windows]\nguard_ms = '1 ms'\n", "windows.guard_ms = '1 ms': expected `float`, got"),
-        ("quality/standard.toml", "[windows]\nguard_ms = -1\n", "windows.guard_ms = -1: expected `float` >= 0.0"),
-        ("quality/standard.toml", "[windows]\nguard_ms = true\n", "windows.guard_ms = True: expected `float`, got"),
-        ("quality/standard.toml", "[windows]\nguard_ms = inf\n", "windows.guard_ms = inf: expected `float` <= 10000.0"),
+        ("quality/standard.toml", "[windows]\nbogus = 1\n", "windows.bogus: no such key"),
+        ("quality/standard.toml", "bogus = 1\n", "bogus: no such key"),
+        ("quality/standard.toml", "windows = 1\n", "windows = 1: expected a group of keys, not a whole number"),
+        (
+            "quality/standard.toml",
+            "[windows]\nguard_ms = '1 ms'\n",
+            "windows.guard_ms = '1 ms': expected a number, not",
+        ),
+        ("quality/standard.toml", "[windows]\nguard_ms = -1\n", "windows.guard_ms = -1: expected a number, 0 or more"),
+        ("quality/standard.toml", "[windows]\nguard_ms = true\n", "windows.guard_ms = true: expected a number, not"),
+        (
+            "quality/standard.toml",
+            "[windows]\nguard_ms = inf\n",
+            "windows.guard_ms = inf: expected a number, 10000 or less",
+        ),
         ("align.toml", "rise_db = inf\n", "rise_db = inf: expected a finite number"),
-        ("align.toml", "preecho_guard_ms = 1e308\n", "preecho_guard_ms = 1e+308: expected `float` <= 1000.0"),
+        ("align.toml", "preecho_guard_ms = 1e308\n", "preecho_guard_ms = 1e+308: expected a number, 1000 or less"),
         (
             "quality/standard.toml",
             "[segment]\nlongest_blast_ms = 1e308\n",
-            "segment.longest_blast_ms = 1e+308: expected `float` <= 3000.0",
+            "segment.longest_blast_ms = 1e+308: expected a number, 3000 or less",
         ),
         (
             "quality/standard.toml",
@@ -132,9 +140,9 @@ def test_every_shipped_file_is_sound() -> None:
         (
             "quality/standard.toml",
             "[rows]\nlongest_gap_ms = 1e300\n",
-            "rows.longest_gap_ms = 1e+300: expected `float` <=",
+            "rows.longest_gap_ms = 1e+300: expected a number, ",
         ),
-        ("quality/standard.toml", "[verify]\ncompany_s = 1e300\n", "verify.company_s = 1e+300: expected `float` <="),
+        ("quality/standard.toml", "[verify]\ncompany_s = 1e300\n", "verify.company_s = 1e+300: expected a number, "),
         ("quality/standard.toml", "[bursts]\nshortest_gap_ms = 0.001\n", "bursts.shortest_gap_ms = 0.001: expected"),
         ("quality/standard.toml", "[bursts]\nlongest_gap_ms = 30\n", "bursts: shortest_gap_ms = 35.0: expected less"),
         (
@@ -142,20 +150,28 @@ def test_every_shipped_file_is_sound() -> None:
             "[channels]\nazimuth_rise_db = 1e9\n",
             "channels.azimuth_rise_db = 1000000000.0: exp",
         ),
-        ("quality/standard.toml", "[render]\ntolerance = 0\n", "render.tolerance = 0: expected `float` >="),
-        ("quality/standard.toml", "[render]\npreroll_ms = 1e300\n", "render.preroll_ms = 1e+300: expected `float` <="),
+        ("quality/standard.toml", "[render]\ntolerance = 0\n", "render.tolerance = 0: expected a number, "),
+        ("quality/standard.toml", "[render]\npreroll_ms = 1e300\n", "render.preroll_ms = 1e+300: expected a number, "),
         ("quality/standard.toml", "[windows]\nguard_ms = nan\n", "windows.guard_ms = nan: expected"),
-        ("quality/standard.toml", "[bursts]\nfewest_shots = 1\n", "bursts.fewest_shots = 1: expected `int` >= 2"),
-        ("quality/standard.toml", "[bursts]\nfewest_shots = 2.5\n", "bursts.fewest_shots = 2.5: expected `int`, got"),
+        (
+            "quality/standard.toml",
+            "[bursts]\nfewest_shots = 1\n",
+            "bursts.fewest_shots = 1: expected a whole number, 2 or more",
+        ),
+        (
+            "quality/standard.toml",
+            "[bursts]\nfewest_shots = 2.5\n",
+            "bursts.fewest_shots = 2.5: expected a whole number, not",
+        ),
         (
             "quality/standard.toml",
             "[segment]\nlongest_ms = 3001\n",
-            "segment.longest_ms = 3001: expected `float` <= 3000",
+            "segment.longest_ms = 3001: expected a number, 3000 or less",
         ),
         (
             "quality/standard.toml",
             "[segment]\nlatest_reflection_ms = 1e9\n",
-            "segment.latest_reflection_ms = 1000000000.0: expected `float` <= 3000.0",
+            "segment.latest_reflection_ms = 1000000000.0: expected a number, 3000 or less",
         ),
         (
             "quality/standard.toml",
@@ -168,8 +184,8 @@ def test_every_shipped_file_is_sound() -> None:
             "[scan\n",
             "not a TOML file: Expected ']' at the end of a table declaration (at line 1",
         ),
-        ("align.toml", "correlation = 1.5\n", "correlation = 1.5: expected `float` <= 1.0"),
-        ("scenes.toml", "[scan]\n", "top level: object contains unknown field `scan`"),
+        ("align.toml", "correlation = 1.5\n", "correlation = 1.5: expected a number, 1 or less"),
+        ("scenes.toml", "[scan]\n", "scan: no such key"),
     ],
 )
 def test_a_rule_that_does_not_fit_is_named(tmp_path: Path, file: str, text: str, complaint: str) -> None:
@@ -182,7 +198,7 @@ def test_a_rule_that_does_not_fit_is_named(tmp_path: Path, file: str, text: str,
 def test_a_missing_key_is_named(tmp_path: Path) -> None:
     profile = (BUILTIN / "actuators/crowson-t108sm.toml").read_text(encoding="utf-8")
     file = written(tmp_path, "own.toml", profile.replace("corner_hz = 5.0\n", "")) / "own.toml"
-    with pytest.raises(RuleError, match=re.escape(f"{file}: highpass: object missing required field `corner_hz`")):
+    with pytest.raises(RuleError, match=re.escape(f"{file}: highpass.corner_hz: is missing")):
         load_actuator(str(file))
 
 
@@ -200,7 +216,7 @@ def test_a_file_that_is_no_utf_8_is_named(tmp_path: Path) -> None:
 
 
 def test_a_folder_and_a_verifier_that_do_not_exist_are_named(tmp_path: Path) -> None:
-    with pytest.raises(RuleError, match=r"none: not a folder; --rules expects a folder"):
+    with pytest.raises(RuleError, match=r"none: not a folder; expected one with rule files"):
         load_rules("standard", tmp_path / "none")
     written(tmp_path, "quality/standard.toml", "[verify]\nmodel = 'own.json'\n")
     with pytest.raises(RuleError, match=r"no such file; \[verify\] model = 'own.json' expects it under verifier/"):
@@ -258,7 +274,7 @@ def test_a_profile_is_the_same_by_name_and_by_file(tmp_path: Path) -> None:
         ),
         ("[[-20.0, 0.0]]", "[[-20.0, 0.0], [-9.0, 0.0], [-8.0, 0.0]]", "expected more poles than zeros"),
         ("order = 3", "order = 2", "lowpass.order = 2: expected more than 2"),
-        ("gain = 2.44e6 ", "gain = 0 ", "response.gain = 0: expected `float` > 0.0"),
+        ("gain = 2.44e6 ", "gain = 0 ", "response.gain = 0: expected a number, more than 0"),
     ],
 )
 def test_an_actuator_that_cannot_be_compensated_is_refused(

@@ -9,7 +9,7 @@ from ..errors import RuleError
 from ..model import Background, DriveChoice, Phase, Quality
 
 FINDING, DRIVING, TIMECODE = "Finding shots", "Making the drive", "The film's timecode"
-WRITING, MESSAGES = "Results", "Messages"
+WRITING, MESSAGES, RULES = "Results", "Messages", "Rules"
 
 
 def rules_folder(text: str) -> Path:
@@ -25,6 +25,11 @@ def results_folder(text: str) -> Path:
 def result_by_name(text: str) -> Path:
     """Return the result that is named; RuleError where none is."""
     return _named(text, "a result's folder or its timeline.json")
+
+
+def edited_by_name(text: str) -> Path:
+    """Return the edited timeline that is named; RuleError where none is."""
+    return _named(text, "an edited timeline or a result's folder")
 
 
 def film_file(text: str) -> Path:
@@ -87,7 +92,7 @@ RulesOption = Annotated[
         parser=rules_folder,
         help="A folder with rule files of your own; what they do not name stays as built in.",
         show_default="built-in rules",
-        rich_help_panel=FINDING,
+        rich_help_panel=RULES,
     ),
 ]
 Mix = Annotated[
@@ -213,8 +218,10 @@ EditedTimeline = Annotated[
     Path | None,
     typer.Option(
         "--timeline",
-        metavar="FILE",
-        help="Render the events of an edited timeline (JSON, CSV, Audacity labels, REAPER CSV) and detect none.",
+        metavar="DIR|FILE",
+        parser=edited_by_name,
+        help="Render the events of an edited timeline (JSON, CSV, Audacity labels, REAPER CSV) and detect none; of a "
+        "result's folder it is the timeline.json.",
         show_default=False,
         rich_help_panel=FINDING,
     ),
@@ -223,8 +230,9 @@ OriginalTimeline = Annotated[
     Path | None,
     typer.Option(
         "--original",
-        metavar="FILE",
-        help="The timeline.json that the edited one was exported from.",
+        metavar="DIR|TIMELINE",
+        parser=result_by_name,
+        help="The result's folder or timeline.json that the edited one was exported from.",
         show_default="timeline.json beside the edited one",
         rich_help_panel=FINDING,
     ),

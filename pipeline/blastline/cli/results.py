@@ -69,7 +69,7 @@ def check(
     if not quiet:
         for note in notes:
             typer.echo(note, err=True)
-    code = say_checks(timeline, quiet=quiet, err=False)
+    code = say_checks(timeline, quiet=quiet, err=False, each_kind=True)
     beside = (target if target.is_dir() else target.parent) / run.DRIVE
     if not quiet and timeline.actuator is None and drive is None:
         this = f"{beside}; the timeline has no drive, so this one is another's"

@@ -4,10 +4,9 @@ from pathlib import Path
 
 import typer
 
-from ..model import Check, Edits, Timeline
+from ..model import Edits, Timeline
 
 FAILED_CHECK = 1
-_ALL_DIGITS = 17
 
 
 def say_summary(timeline: Timeline, results: Path) -> None:
@@ -35,37 +34,30 @@ def say_warnings(timeline: Timeline) -> None:
 
 
 def _say_edits(edits: Edits) -> None:
-    ways = ("kept", "moved", "changed", "added", "deleted")
-    counts = ", ".join(f"{number} {way}" for way in ways if (number := getattr(edits, way)))
+    ways = ("kept", "moved", "changed", "added", "deleted", "as_given")
+    counts = ", ".join(f"{number} {way.replace('_', ' ')}" for way in ways if (number := getattr(edits, way)))
     typer.echo(f"edits: {edits.file}{': ' if counts else ''}{counts}", err=True)
     for note in edits.notes:
         typer.echo(f"note: {note}", err=True)
 
 
-def say_checks(timeline: Timeline, *, quiet: bool, err: bool) -> int:
+def say_checks(timeline: Timeline, *, quiet: bool, err: bool, each_kind: bool = False) -> int:
     """List the checks that failed and, unless quiet, how many passed; on stderr or on standard output.
 
-    Return the exit code: 0, or `FAILED_CHECK`.
+    With `each_kind` what passed is listed as well. Return the exit code: 0, or `FAILED_CHECK`.
     """
+    from .. import run
+
     checks = timeline.checks
-    failed = [check for check in checks if not check.passed]
-    for check in failed:
-        typer.echo(f"failed: {_described(check)}", err=err)
+    passed = sum(check.passed for check in checks)
+    if each_kind and not quiet:
+        for line in run.told_passes(timeline):
+            typer.echo(f"passed: {line}", err=err)
+    for line in run.told_failures(timeline):
+        typer.echo(f"failed: {line}", err=err)
     if not quiet:
-        typer.echo(f"checks: {len(checks) - len(failed)} of {len(checks)} passed", err=err)
-    return FAILED_CHECK if failed else 0
-
-
-def _described(check: Check) -> str:
-    """Return a check's name, its event, what was measured and what it had to stay within: told apart, however near."""
-    value, bound, unit = check.measured, check.limit, f" {check.unit}" if check.unit else ""
-    usual = 11 if check.name == "drive_speed" else 6
-    digits = usual
-    if value is not None and bound is not None:
-        digits = next((n for n in range(usual, _ALL_DIGITS) if f"{value:.{n}g}" != f"{bound:.{n}g}"), usual)
-    measured = "not measured" if value is None else f"{value:.{digits}g}{unit}"
-    limit = "" if bound is None else f" (limit {bound:.{digits}g}{unit})"
-    return f"{check.name}, {check.event or 'the film'}: {measured}{limit}"
+        typer.echo(f"checks: {passed} of {len(checks)} passed", err=err)
+    return FAILED_CHECK if passed < len(checks) else 0
 
 
 def _count(number: int, noun: str) -> str:

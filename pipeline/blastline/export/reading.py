@@ -1,17 +1,22 @@
 """Reading `timeline.json` back, and saying in one line why a file cannot be used."""
 
 import codecs
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
-from ..errors import TimelineError, misfit
+from ..errors import TimelineError
+from ..misfits import misfit
 from ..model import SCHEMA, Timeline
 from .geometry import event_complaints, source_complaints
+from .kinds import kind_of_content, kind_of_json, kind_of_table, kind_of_text
 
+_EXPECTED = "a timeline.json"
 _LARGEST_INTEGER = 2**53  # beyond it a number that has been a float is another
+_MALFORMED = re.compile(r"JSON is malformed: (.*) \(byte (\d+)\)")
 
 
 def read_timeline(path: Path) -> Timeline:
@@ -21,7 +26,7 @@ def read_timeline(path: Path) -> Timeline:
     version writes, or where a field is missing or holds what it cannot: two events of one id, a negative time, an
     onset outside its window or the film.
     """
-    plain = read_plain(path, read_text(path, expected="a timeline.json"))
+    plain = read_plain(path, read_text(path, expected=_EXPECTED), expected=_EXPECTED)
     try:
         timeline = msgspec.convert(plain, Timeline)
     except msgspec.ValidationError as error:
@@ -31,16 +36,17 @@ def read_timeline(path: Path) -> Timeline:
     return timeline
 
 
-def read_plain(path: Path, text: str) -> Any:
+def read_plain(path: Path, text: str, *, expected: str) -> Any:
     """Return what a timeline's JSON holds as plain data, once its schema has proved to be the one that is known.
 
-    Raises TimelineError for integers that no sample count, and no array, can hold.
+    Raises TimelineError, which says what was expected, for text that is no such JSON, and for integers that no sample
+    count, and no array, can hold.
     """
     try:
         plain = msgspec.json.decode(text)
     except (msgspec.DecodeError, RecursionError) as error:
-        raise TimelineError(f"{path}: not JSON: {error}; expected a timeline.json") from error
-    _refuse_schema(plain, path)
+        raise TimelineError(f"{path}: {_not_json(text, error)}; expected {expected}") from error
+    _refuse_schema(plain, path, expected=expected)
     for key, value in _integers(plain):
         if abs(value) > _LARGEST_INTEGER:
             raise TimelineError(f"{path}: {key} = {value}: expected a whole number up to 2^53")
@@ -53,6 +59,8 @@ def read_text(path: Path, *, expected: str) -> str:
     TimelineError says why it cannot be read, or that it holds what no text does, and what was expected there.
     """
     content = _content(path, expected=expected)
+    if kind := kind_of_content(content):
+        raise TimelineError(f"{path}: {kind}; expected {expected}")
     encoding = "utf-8-sig"
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         encoding = "utf-16"
@@ -76,9 +84,29 @@ def _content(path: Path, *, expected: str) -> bytes:
         raise TimelineError(f"{path}: cannot be read: {error.strerror}; expected {expected}") from error
 
 
-def _refuse_schema(plain: Any, path: Path) -> None:
+def _not_json(text: str, error: Exception) -> str:
+    """Return what a text is that is no JSON, or where it stops being any and why."""
+    if what := kind_of_text(text):
+        return what
+    if what := kind_of_table(text):
+        return f"{what}, which only `blastline render --timeline` reads"
+    if not text.strip():
+        return "an empty file"
+    if isinstance(error, RecursionError):
+        return "not JSON: nested too deeply"
+    said = _MALFORMED.fullmatch(str(error))
+    if said is None:
+        return "not JSON: it ends too early"
+    before = text.encode()[: int(said[2])].decode(errors="ignore")
+    line, column = before.count("\n") + 1, len(before) - (before.rfind("\n") + 1) + 1
+    return f"line {line}, column {column}: not JSON: {said[1]}"
+
+
+def _refuse_schema(plain: Any, path: Path, *, expected: str) -> None:
+    if what := kind_of_json(plain):
+        raise TimelineError(f"{path}: {what}; expected {expected}")
     if not isinstance(plain, dict) or "schema" not in plain:
-        raise TimelineError(f"{path}: not a timeline; expected an object with schema = {SCHEMA!r}")
+        raise TimelineError(f"{path}: JSON without schema = {SCHEMA!r}; expected {expected}")
     found = plain["schema"]
     if found != SCHEMA:
         writer = f", written by blastline {plain['version']}" if "version" in plain else ""

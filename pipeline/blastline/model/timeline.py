@@ -159,7 +159,8 @@ class Check(msgspec.Struct, frozen=True):
 class Edits(msgspec.Struct, frozen=True):
     """What somebody changed by hand: the file that says so, how many events it changed in which way, and remarks.
 
-    `changed` ones kept their onset, but not their window, gain or confidence.
+    `changed` ones kept their onset, but not their window, gain or confidence. `as_given` ones nobody can tell: without
+    the original they may be what they were, or moved.
     """
 
     file: str
@@ -169,6 +170,7 @@ class Edits(msgspec.Struct, frozen=True):
     added: Index
     deleted: Index
     notes: tuple[str, ...] = ()
+    as_given: Index = 0
 
 
 class Budget(msgspec.Struct, frozen=True):

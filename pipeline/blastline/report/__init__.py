@@ -9,13 +9,19 @@ from .choice import MAX_FIGURES
 from .exports import ExportRow
 from .overview import Overview, OverviewMeter
 from .page import write_report
+from .words import CHECKS, allowed, claim, measured, typeset
 
 __all__ = [
+    "CHECKS",
     "MAX_FIGURES",
     "BodeCurve",
     "ExportRow",
     "Overview",
     "OverviewMeter",
+    "allowed",
+    "claim",
+    "measured",
+    "typeset",
     "write_bode",
     "write_report",
 ]

@@ -6,7 +6,7 @@ Pictures are for where something failed, what was set by hand, where detection w
 from collections.abc import Sequence
 
 from ..model import Check, Event
-from .words import by_hand, safe
+from .words import by_hand, safe, typeset
 
 MAX_FIGURES = 24
 _FAILED_SHARE, _BY_HAND_SHARE, _UNSURE_SHARE = 12, 4, 6
@@ -42,7 +42,7 @@ def reasons(event: Event) -> str:
     lines = [(each.about.capitalize(), each.choice, each.reason) for each in event.decisions]
     if event.drive is not None:
         lines.append(("Drive", event.drive.model, event.drive.reason))
-    return "".join(f'<p class="why">{name}: {safe(choice)}, {safe(reason)}.</p>' for name, choice, reason in lines)
+    return "".join(f'<p class="why">{name}: {safe(typeset(f"{said}, {why}"))}.</p>' for name, said, why in lines)
 
 
 def failures(checks: Sequence[Check]) -> dict[str, int]:

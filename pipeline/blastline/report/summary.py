@@ -90,10 +90,12 @@ def tiles(timeline: Timeline) -> str:
         gain_db = median(drive.perceived_gain_db for drive in drives)
         shots.append(("Felt stronger than direct", f"{signed(gain_db)} dB", "median of all shots"))
         shots.append(("Fidelity", f"{median(drive.fidelity for drive in drives):.3f}", "felt against heard, median"))
-    lags = [c.measured for c in timeline.checks if c.name in ("felt_lag", "drive_lag") and c.measured is not None]
+    lag_checks = [check for check in timeline.checks if check.name in ("felt_lag", "drive_lag")]
+    lags = [check.measured for check in lag_checks if check.measured is not None]
     if lags:
         worst = max(lags, key=abs)
-        shots.append(("Lag behind the bang", f"{figure(median(lags))} ms", f"median; largest {figure(worst)} ms"))
+        of = "" if len(lags) == len(lag_checks) else f" of {len(lags)}; {len(lag_checks) - len(lags)} not measured"
+        shots.append(("Lag behind the bang", f"{figure(median(lags))} ms", f"median; largest {figure(worst)} ms{of}"))
     actuator = timeline.actuator.name if timeline.actuator else "none"
     models = sorted({drive.model for drive in drives})
     note = f"quality {timeline.quality}" + (f"; {', '.join(models)}" if models else "")

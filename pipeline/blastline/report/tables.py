@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from ..model import Check, Edits, Event, Rejection, Source, Timeline
 from ..streams import streams_text
 from ..timecode import timecode_at
-from .words import allowed, by_hand, channels, claim, figure, fixed, link, measured, safe
+from .words import allowed, by_hand, channels, claim, figure, fixed, link, measured, safe, typeset
 
 _STRONGEST = 5
 
@@ -14,6 +14,7 @@ _STRONGEST = 5
 def shots_table(events: Sequence[Event], *, failed: Mapping[str, int], linked: Collection[str]) -> str:
     """Return every shot, one row each; a click on a column's head sorts.
 
+    Where the table is wider than the page its end is hidden, so what the checks came to stands near its start.
     What was set by hand, and the azimuth, have a column where a shot has one.
     """
     edited = any(by_hand(event) for event in events)
@@ -21,6 +22,7 @@ def shots_table(events: Sequence[Event], *, failed: Mapping[str, int], linked: C
     heads = [
         ("Shot", ""),
         ("Timecode", ""),
+        ("Checks", ""),
         ("Onset, s", "n"),
         ("Confidence", "n"),
         ("Peak, dBFS", "n"),
@@ -33,7 +35,6 @@ def shots_table(events: Sequence[Event], *, failed: Mapping[str, int], linked: C
         ("Drive peak", "n"),
         ("Felt against direct, dB", "n"),
         ("Fidelity", "n"),
-        ("Checks", ""),
     ]
     head = "".join(f'<th scope="col" class="{kind}">{name.replace(", ", ",&nbsp;")}</th>' for name, kind in heads)
     rows = "".join(
@@ -50,6 +51,11 @@ def _shot_row(event: Event, failed: int, *, linked: bool, edited: bool, in_space
     cells = [
         (f'<a href="{link(f"shot-{event.id}")}">{name}</a>' if linked else name, name, ""),
         (safe(event.timecode), safe(event.timecode), ""),
+        (
+            f'<span class="failed">{failed} failed</span>' if failed else '<span class="ok">passed</span>',
+            str(failed),
+            "",
+        ),
         (f"{event.onset_s:.4f}", repr(event.onset_s), "n"),
         (fixed(event.confidence, 2), repr(event.confidence), "n"),
         (fixed(event.peak_dbfs, 1), repr(event.peak_dbfs), "n"),
@@ -62,11 +68,6 @@ def _shot_row(event: Event, failed: int, *, linked: bool, edited: bool, in_space
         (fixed(drive.peak, 2) if drive else "–", repr(drive.peak) if drive else "-1", "n"),
         (fixed(drive.perceived_gain_db, 1) if drive else "–", repr(drive.perceived_gain_db) if drive else "-999", "n"),
         (fixed(drive.fidelity, 3) if drive else "–", repr(drive.fidelity) if drive else "-1", "n"),
-        (
-            f'<span class="failed">{failed} failed</span>' if failed else '<span class="ok">passed</span>',
-            str(failed),
-            "",
-        ),
     ]
     body = "".join(f'<td class="{kind}" data-v="{value}">{shown}</td>' for shown, value, kind in cells)
     return f'<tr id="row-{name}" data-failed="{failed}">{body}</tr>'
@@ -111,15 +112,17 @@ def rejections_table(rejections: Sequence[Rejection], source: Source) -> str:
     """
     if not rejections:
         return "<p>No candidate was turned down.</p>"
+    count_of = "1 candidate was" if len(rejections) == 1 else f"{len(rejections)} candidates were"
     counts = Counter(rejection.reason for rejection in rejections)
     rows = []
     for reason, count in counts.most_common():
         nearest = sorted((r for r in rejections if r.reason == reason), key=lambda r: (-_probability(r), r.at_sample))
         shown = "; ".join(_rejection(rejection, source) for rejection in nearest[:_STRONGEST])
-        rows.append(f'<tr><td>{safe(reason)}</td><td class="n">{count}</td><td class="wide">{safe(shown)}</td></tr>')
+        why = safe(typeset(reason))
+        rows.append(f'<tr><td>{why}</td><td class="n">{count}</td><td class="wide">{safe(shown)}</td></tr>')
     heads = '<th>Reason</th><th class="n">Candidates</th><th>The nearest to being shots, with the evidence</th>'
     return (
-        f"<details><summary>{len(rejections)} candidates were not taken for shots</summary>"
+        f"<details><summary>{count_of} not taken for shots</summary>"
         f'<div class="scroll"><table><thead><tr>{heads}</tr></thead><tbody>{"".join(rows)}</tbody></table></div>'
         "</details>"
     )
@@ -168,4 +171,6 @@ def _edits(edits: Edits | None) -> dict[str, str]:
     counts = (
         f"{edits.kept} kept, {edits.moved} moved, {edits.changed} changed, {edits.added} added, {edits.deleted} deleted"
     )
+    if edits.as_given:
+        counts += f", {edits.as_given} as given"
     return {"Edited by hand": "; ".join([f"{edits.file}: {counts}", *edits.notes])}

@@ -2,6 +2,7 @@
 
 import html
 import math
+import re
 from fractions import Fraction
 from urllib.parse import quote
 
@@ -100,6 +101,15 @@ def signed(value: float | None, digits: int = 1) -> str:
     return f"+{text}" if value is not None and math.isfinite(value) and value > 0.0 and text != "0" else text
 
 
+def typeset(text: str) -> str:
+    """Return a sentence with true minus signs before its numbers; hyphens of names and ranges stay.
+
+    >>> typeset("shot-0001 is felt -9.4 dB against it, after 3-4 ms")
+    'shot-0001 is felt −9.4 dB against it, after 3-4 ms'
+    """
+    return re.sub(r"(?<![\w.)-])-(?=\d)", "−", text)
+
+
 def by_hand(event: Event) -> str:
     """Return what somebody has set of a shot, in words; nothing where nobody has."""
     said: list[str] = [event.origin] if event.origin != "found" else []
@@ -140,7 +150,7 @@ def allowed(check: Check) -> str:
 
 def _digits(check: Check) -> int:
     """Return how many decimals a check has: where it failed, as many as tell what was measured from what is allowed."""
-    usual = 7 if check.name == "drive_speed" else 3
+    usual = 7 if check.name == "drive_speed" else 2 if check.unit.startswith("dB") else 3
     value, limit = check.measured, check.limit
     if check.passed or value is None or limit is None:
         return usual

@@ -16,7 +16,8 @@ from typing import Any, TypeVar
 
 import msgspec
 
-from ..errors import RuleError, misfit
+from ..errors import RuleError
+from ..misfits import misfit
 from ..model import Quality
 from .aligning import AlignRules
 from .conforming import ConformRules

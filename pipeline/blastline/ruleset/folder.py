@@ -24,7 +24,7 @@ def require_folder(overlay: Path | None) -> None:
     if overlay is None:
         return
     if not overlay.is_dir():
-        raise RuleError(f"{overlay}: not a folder; --rules expects a folder laid out like the built-in rules")
+        raise RuleError(f"{overlay}: not a folder; expected one with rule files, laid out like the built-in rules")
     if any((overlay / name).is_file() for name in RULE_FILES) or any(any(overlay.glob(each)) for each in _FURTHER):
         return
     others = sorted(path for pattern in ("*.toml", "quality/*.toml") for path in overlay.glob(pattern))

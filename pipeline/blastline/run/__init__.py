@@ -22,6 +22,7 @@ from .options import RenderOptions
 from .progress import Progress, no_progress
 from .rendering import render, require_place
 from .rulefiles import check_rules
+from .verdicts import told_failures, told_passes
 
 __all__ = [
     "DRIVE",
@@ -47,4 +48,6 @@ __all__ = [
     "render",
     "require_place",
     "synthesise",
+    "told_failures",
+    "told_passes",
 ]

@@ -110,4 +110,7 @@ def _find_film(source: Source, timeline: Path) -> Path:
     for folder in (timeline.parent, Path(above), Path()):
         if (folder / source.name).is_file():
             return folder / source.name
-    raise TimelineError(f"{timeline}: source.name = {source.name!r}: not found beside it; give the film with --audio")
+    raise TimelineError(
+        f"{timeline}: source.name = {source.name!r}: not in its folder, the one above or the current one; "
+        "expected the film there, or named with --audio"
+    )

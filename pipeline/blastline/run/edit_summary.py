@@ -31,15 +31,17 @@ def summarise_edits(edited: EditedFile, wanted: Wanted, *, has_original: bool, i
         )
     if not has_original and edited.own:
         notes.append(
-            f"no other {names.TIMELINE} beside the file and none given with --original: the file tells where its shots "
-            "were, but not which were deleted, which are still felt in the windows that they shared, and not which "
-            "gains, ends and confidences somebody has changed; they hold as they stand"
+            f"no other {names.TIMELINE} beside the file and none given with --original: the file tells which shots "
+            "were moved; if any were deleted, they are still felt in a window that they shared, and if gains, ends or "
+            "confidences were changed, they hold as they stand and count as kept"
         )
         notes += _gaps(edited)
     notes += _unheeded(edited, wanted)
     if not wanted.wishes:
         notes.append("no events: the drive is silent")
-    ways = [_way(wish, known=has_original or bool(edited.own)) for wish in wanted.wishes]
+    told = {edit.place for edit in edited.edits if edit.blast_start is not None}
+    known = has_original or bool(edited.own)
+    ways = [_way(wish, known=known, tells_onset=wish.place in told) for wish in wanted.wishes]
     return Edits(
         file=edited.path.name,
         kept=ways.count("kept"),
@@ -47,6 +49,7 @@ def summarise_edits(edited: EditedFile, wanted: Wanted, *, has_original: bool, i
         changed=ways.count("changed"),
         added=ways.count("added"),
         deleted=len(wanted.deleted),
+        as_given=ways.count("as given"),
         notes=tuple(notes),
     )
 
@@ -95,11 +98,16 @@ def _gaps(edited: EditedFile) -> list[str]:
     return [f"missing in its burst: shot {', '.join(missing[:_MOST_NAMED])}{more}; give the original with --original"]
 
 
-def _way(wish: Wish, *, known: bool) -> str:
-    """Return in which way an event was edited, as far as the file tells where there is no original."""
+def _way(wish: Wish, *, known: bool, tells_onset: bool) -> str:
+    """Return in which way an event was edited.
+
+    Where there is no original, only a row that tells where its onset was tells whether it is there still.
+    """
     if wish.was is None:
         if known or wish.origin == "added":
             return "added"
+        if not tells_onset:
+            return "as given"
         return "moved" if wish.origin == "moved" else "kept"
     if wish.changed:
         return "changed"

@@ -10,6 +10,7 @@ from ..model import ActuatorRef, Background, Budget, DriveChoice, Phase, Quality
 from ..ruleset import LARGEST_LEVEL_DB, ActuatorProfile, HapticRules, Rules, load_actuator, load_haptics, load_rules
 from ..streams import Streams
 from ..timebase import AS_FILMED, Timebase
+from . import names
 from .progress import Progress
 
 
@@ -45,6 +46,16 @@ class Setup:
     profile: ActuatorProfile
     actuator: ActuatorRef
     progress: Progress = field(repr=False)
+
+
+def with_files(options: RenderOptions) -> RenderOptions:
+    """Return the options with each timeline that is given as its result's folder as the file that it stands for."""
+    edited, original = options.timeline, options.original
+    return replace(
+        options,
+        timeline=None if edited is None else names.timeline_of(edited),
+        original=None if original is None else names.timeline_of(original),
+    )
 
 
 def set_up(options: RenderOptions, progress: Progress) -> Setup:

@@ -14,7 +14,7 @@ from ..errors import RuleError
 from ..export import FORMATS, HAPTIC_FORMATS, export_timeline, known_formats, needs_drive, require_frame_rate, rounding
 from ..model import DriveInfo, Edits, Timeline
 from ..render import require_renderable
-from ..report import OverviewMeter, write_report
+from ..report import OverviewMeter, typeset, write_report
 from ..soundtrack import Soundtrack, open_soundtrack
 from ..staging import require_free, require_utf_8, staged
 from ..timecode import late_stamp
@@ -25,7 +25,7 @@ from .editing import Editing, hear_edited, read_editing, timebase_of
 from .exports import export_rows
 from .haptics import rounding_notes, tell_silent, track_of
 from .listening import HeardFilm, assemble, listen
-from .options import RenderOptions, Setup, set_up
+from .options import RenderOptions, Setup, set_up, with_files
 from .progress import Note, Progress, no_note, no_progress
 
 
@@ -34,10 +34,11 @@ def render(
 ) -> Timeline:
     """Find the shots of a film and write drive, timeline and report to `folder`; return the timeline with its checks.
 
-    With `options.timeline`, an edited timeline, its events are rendered instead of what would be found. `note` is told
-    what the timeline's formats had to round.
+    With `options.timeline`, an edited timeline or its result's folder, its events are rendered instead of what would be
+    found. `note` is told what the timeline's formats had to round.
     Raises BlastlineError for input, rules or an output folder that cannot be used; nothing is written then.
     """
+    options = with_files(options)
     setup = set_up(options, progress)
     place = _place(film, folder, options)
     timebase, editing = options.timebase, None
@@ -164,6 +165,6 @@ def write_report_of(
             "drive": options.drive,
             "phase": options.phase,
             "background": options.background,
-            "level": f"{timeline.level_db:+g} dB",
+            "level": typeset(f"{timeline.level_db:+g} dB"),
         },
     )

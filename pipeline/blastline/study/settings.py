@@ -8,7 +8,8 @@ from typing import Any, get_args
 
 import msgspec
 
-from ..errors import RuleError, misfit
+from ..errors import RuleError
+from ..misfits import misfit
 from ..model import Quality
 from ..ruleset import QualityRules, load_rules
 

@@ -22,7 +22,8 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
-from ..errors import RuleError, misfit
+from ..errors import RuleError
+from ..misfits import misfit
 from ..ruleset.files import read_toml
 from .beds import BedKind
 from .negatives import NegativeKind

@@ -10,7 +10,8 @@ from typing import Annotated, Any
 import msgspec
 from msgspec import Meta
 
-from ...errors import TimelineError, misfit
+from ...errors import TimelineError
+from ...misfits import misfit
 from ...model import Event, Origin, Ratio, Rejection, Source, Span, Window
 from ..geometry import reflection_complaints, source_complaints
 from ..reading import read_plain
@@ -43,12 +44,13 @@ class _Timeline(msgspec.Struct, frozen=True):
     rejections: tuple[Rejection, ...] = ()
 
 
-def read_document(text: str, path: Path) -> EditedFile:
+def read_document(text: str, path: Path, *, expected: str) -> EditedFile:
     """Return the events of a timeline that somebody edited; its schema has to be the one this version reads.
 
-    Keys of events and windows that no timeline has are left aside, with a note.
+    `expected` says which files were, where this is none. Keys of events and windows that no timeline has are left
+    aside, with a note.
     """
-    plain = read_plain(path, text)
+    plain = read_plain(path, text, expected=expected)
     try:
         timeline = msgspec.convert(plain, _Timeline)
     except msgspec.ValidationError as error:

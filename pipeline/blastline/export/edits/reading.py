@@ -1,10 +1,10 @@
 """Which tool an edited file comes from, by what is in it, and reading it."""
 
-import re
 from dataclasses import replace
 from pathlib import Path
 
 from ...errors import TimelineError
+from ..kinds import kind_of_text
 from ..reading import read_text
 from .document import read_document
 from .labels import read_labels
@@ -13,15 +13,7 @@ from .row import EditedFile, with_common_steps
 from .table import ONSETS, read_table
 from .text import separated
 
-_READ = "timeline.json, timeline.csv, Audacity labels or REAPER's CSV"
-
-_OTHERS = (
-    (re.compile(r"TITLE:"), "an EDL"),
-    (re.compile(r"<"), "XML"),
-    (re.compile(r"WEBVTT\b"), "subtitles"),
-    (re.compile(r"[^\t\n]*\t\d\d:\d\d:\d\d[:;]\d\d\t"), "Avid's markers"),
-)
-"""How files of other tools begin. Their times are whole frames or milliseconds, too coarse to be read for onsets."""
+_EXPECTED = "an edited timeline: timeline.json, timeline.csv, Audacity labels or REAPER's CSV"
 
 _HEADERS = "onset_sample or onset_s, as timeline.csv has, or #,Name,Start,End,Length, as REAPER writes"
 
@@ -37,9 +29,9 @@ def read_edits(path: Path) -> EditedFile:
 
 
 def _read(path: Path) -> EditedFile:
-    text = read_text(path, expected=f"an edited timeline: {_READ}")
+    text = read_text(path, expected=_EXPECTED)
     if path.suffix.lower() == ".json" or text.lstrip().startswith("{"):
-        return read_document(text, path)
+        return read_document(text, path, expected=_EXPECTED)
     is_table = path.suffix.lower() in (".csv", ".tsv")
     if not text.strip():
         if is_table:
@@ -56,11 +48,6 @@ def _read(path: Path) -> EditedFile:
         if not set(header) & set(ONSETS) and header[0] != "id":
             raise TimelineError(f"{path}: line {grid.rows[0].line}: not a header of a timeline; expected {_HEADERS}")
         return read_table(grid, path)
-    _refuse_others(text.lstrip(), path)
+    if kind := kind_of_text(text):
+        raise TimelineError(f"{path}: {kind}; expected {_EXPECTED}")
     return read_labels(text, path)
-
-
-def _refuse_others(text: str, path: Path) -> None:
-    for beginning, what in _OTHERS:
-        if beginning.match(text):
-            raise TimelineError(f"{path}: {what}, not an edited timeline; expected {_READ}")

@@ -1,0 +1,158 @@
+"""Why plain data does not become a table: the key, its value and what was expected, in words of the file.
+
+The library that converts it speaks of types of Python; whoever wrote the file knows numbers, texts, lists and keys.
+"""
+
+import re
+from difflib import get_close_matches
+from typing import Any
+
+_WORDS = {
+    "float": "a number",
+    "int": "a whole number",
+    "str": "a text",
+    "bool": "true or false",
+    "array": "a list",
+    "object": "a group of keys",
+    "null": "null",
+}
+"""What the names of types in a complaint are called."""
+
+_COMPARISONS = {">=": "{} or more", "<=": "{} or less", ">": "more than {}", "<": "less than {}"}
+_EXPECTED = re.compile(r"Expected (?P<kinds>`[^`]+`)(?P<long> of length)?(?: (?P<sign>[<>]=?) (?P<bound>[-+.\de]+))?")
+_MISSING = re.compile(r"Object missing required field `(.+)`")
+_UNKNOWN = re.compile(r"Object contains unknown field `(.+)`")
+_FOUND = re.compile(r", got `([^`]+)`")
+_LONGEST_SHOWN = 60
+
+
+def misfit(plain: Any, error: Exception, table: type | None = None) -> str:
+    """Return which key of plain data does not fit, its value and what was expected, from msgspec's complaint.
+
+    Which words a key takes msgspec does not tell; `table`, what the data was to become, does.
+
+    >>> misfit({"scan": {"window_ms": 0}}, ValueError("Expected `float` > 0.0 - at `$.scan.window_ms`"))
+    'scan.window_ms = 0: expected a number, more than 0'
+    """
+    complaint, _, place = str(error).partition(" - at `$")
+    key = place.strip(".`")
+    if absent := _MISSING.fullmatch(complaint):
+        inner = _joined(key, absent[1])
+        return f"{inner}: is missing{_wanted(table, inner)}"
+    if unknown := _UNKNOWN.fullmatch(complaint):
+        return f"{_joined(key, unknown[1])}: no such key{_meant(table, key, unknown[1])}"
+    value = _value_at(plain, key)
+    shown = "" if isinstance(value, dict | list) else f" = {_shown(value)}"
+    words = _words_at(table, key) if table and complaint.startswith("Invalid enum value") else ()
+    if words:
+        complaint = f"expected {'one of: ' * (len(words) > 1)}{', '.join(words)}"
+    return f"{key or 'top level'}{shown}: {_said(complaint)}"
+
+
+def _said(complaint: str) -> str:
+    """Return a complaint without the names of Python's types."""
+    told = _EXPECTED.match(complaint)
+    if told is None:
+        return f"{complaint[:1].lower()}{complaint[1:]}"
+    what, sign, bound = _kinds(told["kinds"]), told["sign"], told["bound"]
+    if told["long"] and bound:
+        parts = "characters" if "str" in told["kinds"] else "entries"
+        least = "at least" if sign == ">=" else "at most"
+        what = f"{what} of {least} {bound} {parts}"
+    elif sign:
+        what = f"{what}, {_COMPARISONS[sign].format(bound.removesuffix('.0'))}"
+    whole = {"`int`", "`int | null`"} & {told["kinds"]}
+    other = _WORDS | ({"float": "one with decimals"} if whole else {})
+    rest = _FOUND.sub(lambda found: f", not {other.get(found[1], found[1])}", complaint[told.end() :])
+    return f"expected {what}{rest}"
+
+
+def _kinds(names: str) -> str:
+    """Return types, as in `float | null`, in words."""
+    return " or ".join(_WORDS.get(name, name) for name in names.strip("`").split(" | "))
+
+
+def _shown(value: Any) -> str:
+    """Return a value as a file has it; the end of a long one is left out."""
+    if value is None or isinstance(value, bool):
+        return "null" if value is None else str(value).lower()
+    text = repr(value)
+    return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
+
+
+def _joined(key: str, name: str) -> str:
+    return f"{key}.{name}" if key else name
+
+
+def _meant(table: type | None, key: str, name: str) -> str:
+    """Return which key may have been meant by one that is unknown, or else those that there are."""
+    if table is None:
+        return ""
+    known = [field.encode_name for kind in _kinds_at(table, key) for field in getattr(kind, "fields", ())]
+    names = get_close_matches(name, known, n=1) or known
+    return f"; expected {'one of: ' * (len(names) > 1)}{', '.join(names)}" if names else ""
+
+
+def _wanted(table: type | None, key: str) -> str:
+    """Return what a key that is missing takes, where the table tells; nothing where it takes one of many things."""
+    names = {
+        "IntType": "int",
+        "FloatType": "float",
+        "StrType": "str",
+        "BoolType": "bool",
+        "StructType": "object",
+        "DictType": "object",
+        "VarTupleType": "array",
+        "TupleType": "array",
+        "ListType": "array",
+    }
+    if table is None:
+        return ""
+    words = _words_at(table, key)
+    kinds = [names.get(type(kind).__name__) for kind in _kinds_at(table, key)]
+    if words:
+        return f"; expected {'one of: ' * (len(words) > 1)}{', '.join(words)}"
+    return f"; expected {_WORDS[kinds[0]]}" if len(kinds) == 1 and kinds[0] else ""
+
+
+def _steps(key: str) -> list[str]:
+    """Return the steps of a msgspec path such as `response.zeros[0]`; `...` stands for any key of a mapping."""
+    return re.findall(r"\.\.\.|[^.\[\]]+", key)
+
+
+def _value_at(plain: Any, key: str) -> Any:
+    for step in _steps(key):
+        if step != "...":
+            plain = plain[int(step)] if isinstance(plain, list) else plain[step]
+    return plain
+
+
+def _words_at(table: type, key: str) -> tuple[str, ...]:
+    """Return the words, or numbers, that a key of a table takes; none where it takes whatever has its type."""
+    from msgspec import inspect
+
+    literals = [kind for kind in _kinds_at(table, key) if isinstance(kind, inspect.LiteralType)]
+    return tuple(str(value) for literal in literals for value in literal.values)
+
+
+def _kinds_at(table: type, key: str) -> list[Any]:
+    """Return the types that a key of a table takes, as msgspec describes them."""
+    from msgspec import inspect
+
+    kinds: list[Any] = [inspect.type_info(table)]
+    for step in _steps(key):
+        kinds = [inner for kind in kinds for each in _alternatives(kind) for inner in _inside(each, step)]
+    return [each for kind in kinds for each in _alternatives(kind)]
+
+
+def _alternatives(kind: Any) -> tuple[Any, ...]:
+    return getattr(kind, "types", (kind,))
+
+
+def _inside(kind: Any, step: str) -> list[Any]:
+    """Return the type of what a step of a path leads to from a type; none where it leads nowhere."""
+    if hasattr(kind, "fields"):
+        return [field.type for field in kind.fields if field.encode_name == step]
+    if hasattr(kind, "item_types"):
+        return [kind.item_types[int(step)]]
+    return [inner for inner in (getattr(kind, name, None) for name in ("item_type", "value_type")) if inner is not None]

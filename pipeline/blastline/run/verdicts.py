@@ -1,0 +1,42 @@
+"""What the checks came to, line by line, in the words of the report."""
+
+from collections.abc import Iterator, Sequence
+
+from ..model import Check, Timeline
+from ..report import allowed, claim, measured
+
+
+def told_failures(timeline: Timeline) -> Iterator[str]:
+    """Yield a line for each check that failed: what it claims, the shot and its timecode, the figure, what is allowed.
+
+    Signs are hyphens, which every terminal's alphabet has.
+    """
+    timecodes = {event.id: event.timecode for event in timeline.events}
+    for check in timeline.checks:
+        if check.passed:
+            continue
+        where = ""
+        if check.event is not None:
+            at = f" at {timecodes[check.event]}" if check.event in timecodes else ""
+            where = f"not in {check.event}{at}, "
+        limit = f" ({allowed(check)})" if check.limit is not None else ""
+        yield f"{claim(check)}: {where}{measured(check)}{limit}".replace("\N{MINUS SIGN}", "-")
+
+
+def told_passes(timeline: Timeline) -> Iterator[str]:
+    """Yield a line for each kind of check that none failed, with how many shots it could be held against."""
+    kinds: dict[str, list[Check]] = {}
+    for check in timeline.checks:
+        kinds.setdefault(check.name, []).append(check)
+    for checks in kinds.values():
+        if all(check.passed for check in checks):
+            yield f"{claim(checks[0])}{_extent(checks)}"
+
+
+def _extent(checks: Sequence[Check]) -> str:
+    """Return how many shots checks of one kind were held against; one without a figure or a limit says nothing."""
+    held = sum(check.measured is not None and check.limit is not None for check in checks)
+    if checks[0].event is None:
+        return "" if held else " (nothing to measure)"
+    spared = f"; {len(checks) - held} could not be held to it" if held < len(checks) else ""
+    return f" ({held} shot{'s' * (held != 1)}{spared})"

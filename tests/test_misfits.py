@@ -1,0 +1,91 @@
+"""What does not fit a table is told in words of the file: its key, its value, and what would fit."""
+
+import json
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import msgspec
+import pytest
+
+from blastline.misfits import misfit
+from blastline.model import Timeline, encode
+from blastline.ruleset.aligning import AlignRules
+from timelines import timeline
+
+PLAIN: dict[str, Any] = json.loads(encode(timeline()))
+PYTHON = re.compile(r"`|\b(str|int|float|bool|got|array|field|None|True|False)\b")
+STRANGERS: tuple[Any, ...] = ("junk", 1, 2.5, True, None, [], {}, [[]], {"a": 1})
+
+
+def keys(plain: Any, key: str = "") -> Iterator[str]:
+    """Yield the path of every key below plain data, in lists of the first entry alone."""
+    if isinstance(plain, dict):
+        for name, each in plain.items():
+            inner = f"{key}.{name}" if key else name
+            yield inner
+            yield from keys(each, inner)
+    elif isinstance(plain, list) and plain:
+        yield f"{key}[0]"
+        yield from keys(plain[0], f"{key}[0]")
+
+
+def refusal(plain: Any, table: type) -> str | None:
+    """Return why plain data is no table; None where it is one."""
+    try:
+        msgspec.convert(plain, table)
+    except msgspec.ValidationError as error:
+        return misfit(plain, error, table)
+    return None
+
+
+def with_value(key: str, value: Any) -> Any:
+    """Return the timeline with another value at a key."""
+    plain = json.loads(json.dumps(PLAIN))
+    *steps, last = (int(step) if step.isdigit() else step for step in re.findall(r"[^.\[\]]+", key))
+    inner = plain
+    for step in steps:
+        inner = inner[step]
+    inner[last] = value
+    return plain
+
+
+@pytest.mark.parametrize("key", sorted(set(keys(PLAIN))))
+def test_whatever_stands_at_a_key_of_a_timeline_is_refused_in_words_of_the_file(key: str) -> None:
+    """A key of a mapping that takes any is not told: `evidence[...]`."""
+    for value in STRANGERS:
+        told = refusal(with_value(key, value), Timeline)
+        if told is not None:
+            place, _, complaint = told.partition(": ")
+            assert re.match(rf"{re.escape(key)}\b|{re.escape(key.rpartition('.')[0])}", place), told
+            assert not PYTHON.search(complaint), told
+            assert "expected" in complaint or "must" in complaint, told
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "told"),
+    [
+        ("events[0].onset_s", "12", "events[0].onset_s = '12': expected a number, not a text"),
+        ("events[0].onset_sample", 1.5, "events[0].onset_sample = 1.5: expected a whole number, not one with decimals"),
+        ("events[0].burst", "1", "events[0].burst = '1': expected a whole number or null, not a text"),
+        ("events[0].gain_db", None, "events[0].gain_db = null: expected a number, not null"),
+        ("source.stream", [1], "source.stream: expected a list of at least 2 entries"),
+        ("events", {}, "events: expected a list, not a group of keys"),
+        ("events[0].window", {}, "events[0].window.start_sample: is missing; expected a whole number"),
+        ("events[0].drive", {}, "events[0].drive.model: is missing; expected one of: constrained, direct, filter"),
+        ("events[0].id", ["x" * 900], "events[0].id: expected a text, not a list"),
+        ("events[0].window", "x" * 900, f"events[0].window = '{'x' * 59}...: expected a group of keys, not a text"),
+    ],
+)
+def test_a_misfit_says_its_value_and_what_would_fit(key: str, value: Any, told: str) -> None:
+    assert refusal(with_value(key, value), Timeline) == told
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [("korrelation", "correlation"), ("peak_db", "peak"), ("zzz", "one of: source, schema, longest_ms, ")],
+)
+def test_a_key_that_is_not_known_is_told_with_the_one_that_may_be_meant(name: str, meant: str) -> None:
+    told = refusal({name: 1}, AlignRules)
+    assert told is not None
+    assert told.startswith(f"{name}: no such key; expected {meant}")
