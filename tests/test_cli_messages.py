@@ -60,6 +60,17 @@ def test_a_check_that_just_fails_is_not_said_to_be_at_its_limit(
     assert said[1] != said[2]
 
 
+def test_what_fails_for_every_shot_is_told_for_some_and_counted_for_the_rest(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A drive made for another film fails some checks for each of its hundreds of shots."""
+    peaks = [Check("peak", f"shot-{n:04}", False, 1.5, 0.9, "of the limit") for n in range(1, 301)]
+    checked_by(monkeypatch, Check("drive_samples", None, False, 7, 0.0, "samples"), *peaks)
+    first, *told, count = blastline("check", "result").out.splitlines()
+    assert first.startswith(f"failed: {CHECKS['drive_samples']}")
+    assert [f"shot-{n:04}" in line for n, line in enumerate(told[:-1], start=1)] == [True] * 10
+    assert told[-1] == f"failed: {CHECKS['peak']}: nor in 290 more"
+    assert count == "checks: 0 of 301 passed"
+
+
 def test_what_passed_is_listed_once_with_the_shots_that_were_held_to_it(monkeypatch: pytest.MonkeyPatch) -> None:
     lag = Check("felt_lag", "shot-0001", True, 0.1, 0.5, "ms")
     noted = msgspec.structs.replace(lag, event="shot-0002", limit=None)

@@ -1,6 +1,7 @@
 """The film's timecode on the command line: said by the user, asked for where it is needed, told where it rounds."""
 
 import json
+import re
 from fractions import Fraction
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import wavinfo
 
 from blastline.export import FORMATS, HAPTIC_FORMATS, known_formats, read_timeline
 from blastline.export.frames import FRAME_FORMATS
+from blastline.export.rounding import resolution
 from blastline.model import encode
 from commands import BELIEVE, RATE_HZ, blastline, write_film
 from films import COUNTINGS, film
@@ -152,12 +154,20 @@ def test_export_takes_another_timecode(saved: Path, tmp_path: Path) -> None:
 
 
 def test_formats_lists_each_with_its_tool() -> None:
-    lines = blastline("formats").out.splitlines()
-    assert [line.split()[0] for line in lines[::2]] == [*FORMATS, *HAPTIC_FORMATS]
-    every = known_formats((*FORMATS, *HAPTIC_FORMATS))
-    for known, (first, second) in zip(every, zip(lines[::2], lines[1::2], strict=True), strict=True):
+    told = re.split(r"\n(?=\S)", blastline("formats").out.rstrip())
+    assert [each.split()[0] for each in told] == [*FORMATS, *HAPTIC_FORMATS]
+    for known, (first, *more) in zip(
+        known_formats((*FORMATS, *HAPTIC_FORMATS)), map(str.splitlines, told), strict=True
+    ):
         assert known.files[0] in first
-        assert second.strip() == known.tool
+        assert more[-1].strip() == known.tool
+
+
+def test_formats_has_its_exactness_in_one_column() -> None:
+    lines = blastline("formats").out.splitlines()
+    exact = [resolution(name) for name in (*FORMATS, *HAPTIC_FORMATS)]
+    ends = [line for line in lines if line.endswith(tuple(exact))]
+    assert {len(line) - max(len(each) for each in exact if line.endswith(each)) for line in ends} == {35}
 
 
 def test_the_drive_of_a_broadcast_wave_keeps_its_time_of_day(rules: Path, mix: Path, tmp_path: Path) -> None:

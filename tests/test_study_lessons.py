@@ -10,7 +10,9 @@ from blastline.ruleset import load_rules
 from blastline.study.augment import BENEATH_DB, augmented
 from blastline.study.candidates import Candidates, best_f1, candidates, concatenated
 from blastline.study.codecs import BITS_PER_S, Codec, coded
-from blastline.study.lessons import outdoor_mix, plain_mix, synthetic_film, synthetic_mix, without_drowned
+from blastline.study.film_lessons import synthetic_film
+from blastline.study.finishing import without_drowned
+from blastline.study.lessons import outdoor_mix, plain_mix, synthetic_mix
 from blastline.study.mixes import RATE_HZ, Mix, Sound
 from blastline.study.sieves import GATE_SETTINGS, fit_sieve
 from blastline.study.variants import at_speed, repeated, varied

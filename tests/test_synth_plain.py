@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from blastline.synth import plain_bed, plain_negative, plain_shot
 from blastline.synth.plain import hit, sloped_noise, swell, thud, tick
+from blastline.synth.plain_beds import babble, chords, hum
 
 RATE_HZ = 48_000
 
@@ -69,7 +70,7 @@ def test_negatives_and_beds_are_sound_of_the_asked_length_and_the_same_each_time
         bed = plain_bed(np.random.default_rng(seed), RATE_HZ, 2.5)
         assert bed.shape == (120_000,)
         assert np.isfinite(bed).all()
-        assert np.sqrt(np.mean(bed**2)) > 0
+        assert np.array_equal(bed, plain_bed(np.random.default_rng(seed), RATE_HZ, 2.5))
 
 
 def test_a_bed_of_steeper_noise_has_less_treble() -> None:
@@ -79,3 +80,20 @@ def test_a_bed_of_steeper_noise_has_less_treble() -> None:
 
     assert treble(0.0) == pytest.approx(2 / 3, abs=0.02)
     assert treble(0.0) > treble(-1.0) > treble(-2.0)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_bed_is_as_loud_as_a_bed_may_be(seed: int) -> None:
+    bed = plain_bed(np.random.default_rng(seed), RATE_HZ, 5.0)
+    assert -60.0 <= 10.0 * np.log10(np.mean(bed**2)) <= -25.0
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_chords_and_hum_are_tones_and_babble_comes_and_goes(seed: int) -> None:
+    """Of tones half the power lies in some hundredth of the spectrum; syllables are tens of decibels over pauses."""
+    for tones in (chords, hum):
+        power = np.sort(np.abs(np.fft.rfft(tones(np.random.default_rng(seed), RATE_HZ, 4 * RATE_HZ))) ** 2)
+        assert power[-len(power) // 100 :].sum() > 0.5 * power.sum()
+    voice = babble(np.random.default_rng(seed), RATE_HZ, 4 * RATE_HZ)
+    levels_db = 10.0 * np.log10(np.mean(voice.reshape(-1, RATE_HZ // 50) ** 2, axis=1))
+    assert np.ptp(np.percentile(levels_db, [5, 95])) > 8.0

@@ -66,7 +66,7 @@ def render(
     overwrite: Overwrite = False,
     quiet: Quiet = False,
 ) -> int:
-    """Find a film's gunshots and write a vibration drive for them, with a timeline and a report.
+    """Find a film's gunshots and write a vibration drive for them, with a timeline (always as json) and a report.
 
     Example: `blastline render film.mkv -o result`
     """

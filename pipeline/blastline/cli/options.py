@@ -120,8 +120,7 @@ Formats = Annotated[
         "--format",
         metavar="F[,F...]",
         help="Timeline files to write: json, schema, csv, audacity, reaper, resolve, cmx3600, fcp7, otio, fcpxml, "
-        "avid, webvtt, midi; from the drive: ahap, haptic, hjif. `blastline formats` tells what opens each; "
-        "`render` writes json in any case.",
+        "avid, webvtt, midi; from the drive: ahap, haptic, hjif. `blastline formats` tells what opens each.",
         rich_help_panel=WRITING,
     ),
 ]

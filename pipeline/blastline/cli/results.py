@@ -23,6 +23,8 @@ from .options import (
 from .progress import shown_progress
 from .summary import say_checks
 
+_NAME_WIDTH, _FILES_WIDTH = 9, 24  # columns of `blastline formats`; longer lists of files have a line of their own
+
 
 def check(
     target: Result,
@@ -133,4 +135,8 @@ def formats() -> None:
     from .. import run
 
     for row in run.export_rows():
-        typer.echo(f"{row.name:<9} {', '.join(row.files):<24} {row.exactness}\n{'':<9} {row.tool}: {row.how}")
+        files = ", ".join(row.files)
+        if len(files) > _FILES_WIDTH:
+            files = f"{files}\n{'':{_NAME_WIDTH + _FILES_WIDTH + 1}}"
+        typer.echo(f"{row.name:{_NAME_WIDTH}} {files:{_FILES_WIDTH}} {row.exactness}")
+        typer.echo(f"{'':{_NAME_WIDTH}} {row.tool}: {row.how}")

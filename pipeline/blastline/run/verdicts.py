@@ -1,26 +1,39 @@
 """What the checks came to, line by line, in the words of the report."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from ..model import Check, Timeline
 from ..report import allowed, claim, measured
+
+MOST_TOLD = 10
+"""So many failures of one kind are told one by one: the wrong drive fails for every shot of a film."""
 
 
 def told_failures(timeline: Timeline) -> Iterator[str]:
     """Yield a line for each check that failed: what it claims, the shot and its timecode, the figure, what is allowed.
 
-    Signs are hyphens, which every terminal's alphabet has.
+    Of a kind that fails for more than `MOST_TOLD` shots the rest are a number, in one more line. Signs are hyphens,
+    which every terminal's alphabet has.
     """
     timecodes = {event.id: event.timecode for event in timeline.events}
+    kinds: dict[str, list[Check]] = {}
     for check in timeline.checks:
-        if check.passed:
-            continue
-        where = ""
-        if check.event is not None:
-            at = f" at {timecodes[check.event]}" if check.event in timecodes else ""
-            where = f"not in {check.event}{at}, "
-        limit = f" ({allowed(check)})" if check.limit is not None else ""
-        yield f"{claim(check)}: {where}{measured(check)}{limit}".replace("\N{MINUS SIGN}", "-")
+        if not check.passed:
+            kinds.setdefault(check.name, []).append(check)
+    for checks in kinds.values():
+        for check in checks[:MOST_TOLD]:
+            yield _told(check, timecodes).replace("\N{MINUS SIGN}", "-")
+        if len(checks) > MOST_TOLD:
+            yield f"{claim(checks[0])}: nor in {len(checks) - MOST_TOLD} more"
+
+
+def _told(check: Check, timecodes: Mapping[str, str]) -> str:
+    where = ""
+    if check.event is not None:
+        at = f" at {timecodes[check.event]}" if check.event in timecodes else ""
+        where = f"not in {check.event}{at}, "
+    limit = f" ({allowed(check)})" if check.limit is not None else ""
+    return f"{claim(check)}: {where}{measured(check)}{limit}"
 
 
 def told_passes(timeline: Timeline) -> Iterator[str]:

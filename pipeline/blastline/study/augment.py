@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..synth.tone import peak, rms, saturate, tilt
 from ..units import gain_from_db
-from .lessons import without_drowned
+from .finishing import without_drowned
 from .mixes import RATE_HZ, Mix, Samples, Sound, as_16_bit
 from .variants import SPEEDS, at_speed
 

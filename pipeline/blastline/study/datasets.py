@@ -7,17 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from .corpus import Recording, read_corpus
-from .lessons import (
-    SPARSE,
-    LessonMaker,
-    designed_mix,
-    gun_free_film,
-    outdoor_mix,
-    plain_mix,
-    recorded_mix,
-    synthetic_film,
-    synthetic_mix,
-)
+from .film_lessons import SPARSE, gun_free_film, synthetic_film
+from .lessons import designed_mix, outdoor_mix, plain_mix, recorded_mix, synthetic_mix
+from .mixes import LessonMaker
 
 FOLDS = 4
 FOLD_SEED = 7  # the parts are the same for every training seed

@@ -13,8 +13,7 @@ import numpy as np
 
 from .augment import augmented
 from .datasets import Dataset
-from .lessons import LessonMaker
-from .mixes import Mix
+from .mixes import LessonMaker, Mix
 
 FILM_DATASET = "film"
 """The dataset whose lessons are not mixed beneath others: two crowded films at once are no film."""

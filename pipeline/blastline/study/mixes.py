@@ -7,6 +7,7 @@ Level, bandwidth, colour and mastering are drawn alike for shots and for everyth
 the archive instead of the gun.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -60,6 +61,10 @@ class Mix:
     onsets: NDArray[np.intp]
     level_db: NDArray[np.float64]
     unsure: NDArray[np.intp]
+
+
+LessonMaker = Callable[[int], Mix]
+"""Makes the lesson with a number, always the same."""
 
 
 def mix(bed: Samples, sounds: list[Sound], *, rng: np.random.Generator, rate_hz: int, levels: Levels) -> Mix:

@@ -11,7 +11,8 @@ from .handling import handling
 from .mix import SceneAudio
 from .negatives import NEGATIVE_KINDS, NegativeKind, random_negative
 from .outdoors import outdoor_shot
-from .plain import plain_bed, plain_negative
+from .plain import plain_negative
+from .plain_beds import plain_bed
 from .plain_shots import plain_shot
 from .rooms import ENVIRONMENTS, draw_acoustics
 from .scene import Scene, load_scene

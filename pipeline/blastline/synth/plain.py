@@ -1,4 +1,4 @@
-"""What is no shot, as textbooks and sound toolkits draw it: swells, clicks, ticks, knocks and tones; and plain beds.
+"""What is no shot, as textbooks and sound toolkits draw it: swells, clicks, ticks, thuds, hits, knocks and tones.
 
 `negatives` imitates recordings. These do not: beside `plain_shots` they say what makes a blast a blast. A shot rises
 at once and fills the band, a swell never does the one, a tone never the other.
@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..units import gain_from_db, gains_from_db
+from ..units import gains_from_db
 from .chance import between, chance, fork, log_between, pick
 from .echoes import overlaid
 from .impacts import modes, series
@@ -29,21 +29,6 @@ def plain_negative(rng: np.random.Generator, rate_hz: int) -> Samples:
     count = int(rng.integers(1, max(2, min(20, round(4.0 / gap_s)))))
     gaps = gap_s * (1.0 + between(rng, (0.0, 0.1)) * rng.uniform(-1.0, 1.0, count))
     return series(rng, sounds, gaps_s=gaps, levels_db=1.5, rate_hz=rate_hz)
-
-
-def plain_bed(rng: np.random.Generator, rate_hz: int, seconds: float) -> Samples:
-    """Return noise with a slope over frequency and a level that wanders, and up to three gliding tones a second."""
-    frames = round(seconds * rate_hz)
-    steps = max(2, round(seconds / between(rng, (1.0, 6.0))))
-    wander_db = np.interp(np.linspace(0.0, 1.0, frames), np.linspace(0.0, 1.0, steps), rng.uniform(-8.0, 8.0, steps))
-    noise = sloped_noise(fork(rng), frames, between(rng, (-2.2, 0.0)))
-    bed = np.asarray(noise * gains_from_db(between(rng, (-60.0, -25.0)) + wander_db))
-    level = rms(bed)
-    for _ in range(round(seconds * between(rng, (0.0, 3.0)))):
-        tone = _gliding(rng, rate_hz, log_between(rng, (80.0, 5_000.0)), between(rng, (0.1, 1.5)))
-        at = int(rng.integers(max(1, frames - len(tone))))
-        bed[at : at + len(tone)] += tone[: frames - at] * level * gain_from_db(between(rng, (-12.0, 14.0)))
-    return bed
 
 
 def swell(rng: np.random.Generator, rate_hz: int) -> Samples:
@@ -137,7 +122,7 @@ def _knock(rng: np.random.Generator, rate_hz: int) -> Samples:
 
 def _tone(rng: np.random.Generator, rate_hz: int) -> Samples:
     """Return a tone that glides, with a rise of 1 ms and more."""
-    return _gliding(rng, rate_hz, log_between(rng, (60.0, 6_000.0)), log_between(rng, (0.03, 1.5)))
+    return gliding(rng, rate_hz, log_between(rng, (60.0, 6_000.0)), log_between(rng, (0.03, 1.5)))
 
 
 _NEGATIVES: tuple[Callable[[np.random.Generator, int], Samples], ...] = (
@@ -153,7 +138,7 @@ _NEGATIVES: tuple[Callable[[np.random.Generator, int], Samples], ...] = (
 )
 
 
-def _gliding(rng: np.random.Generator, rate_hz: int, hz: float, seconds: float) -> Samples:
+def gliding(rng: np.random.Generator, rate_hz: int, hz: float, seconds: float) -> Samples:
     """Return a tone with up to four overtones that glides by a sixth at most, under a bow of a sine's power."""
     frames = max(2, round(seconds * rate_hz))
     phase = 2.0 * math.pi * np.cumsum(np.linspace(hz, hz * between(rng, (0.8, 1.25)), frames)) / rate_hz
