@@ -1,0 +1,49 @@
+"""The scripts of docs/many-films.md, run as they are printed there."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pandas
+
+from commands import write_film
+
+PAGE = Path(__file__).parents[1] / "docs" / "many-films.md"
+MANY, TABLE = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+
+
+def ran(script: str, *arguments: Path, cwd: Path) -> str:
+    """Run a script of the page where `blastline` is found, and return what it printed."""
+    paths = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    words = [sys.executable, "-c", script, *map(str, arguments)]
+    done = subprocess.run(words, cwd=cwd, env=os.environ | {"PATH": paths}, check=True, capture_output=True, text=True)
+    return done.stdout
+
+
+def test_all_films_are_rendered_once_and_the_broken_one_is_told(tmp_path: Path) -> None:
+    films, results = tmp_path / "films", tmp_path / "results"
+    (films / "reel").mkdir(parents=True)
+    for name in ("one.wav", "reel/one.WAV"):
+        write_film(films / name, length_s=2.5, shots_s=(1.0,))
+    (films / "broken.wav").write_bytes(b"RIFF")
+    told = ran(MANY, films, results, cwd=tmp_path)
+    assert told.startswith(f"{films / 'broken.wav'}: exit code 2\nblastline: ")
+    assert told.count("\n") == 2
+    done = sorted(results.rglob("timeline.json"))
+    assert [file.parent for file in done] == [results / "one.wav", results / "reel" / "one.WAV"]
+    before = [file.stat().st_mtime_ns for file in done]
+    assert ran(MANY, films, results, cwd=tmp_path) == told
+    assert [file.stat().st_mtime_ns for file in done] == before
+
+
+def test_the_table_holds_the_shots_of_all_films(tmp_path: Path) -> None:
+    for film, shots in (("a", 2), ("b", 0), ("c", 1)):
+        folder = tmp_path / "results" / film
+        folder.mkdir(parents=True)
+        rows = "".join(f"shot-{number:04},0.{9 - number}\n" for number in range(1, shots + 1))
+        (folder / "timeline.csv").write_text(f"id,confidence\n{rows}")
+    told = ran(TABLE, tmp_path / "results", cwd=tmp_path)
+    assert [line.split() for line in told.splitlines()[-2:]] == [["a", "2", "0.7"], ["c", "1", "0.8"]]
+    assert pandas.read_csv(tmp_path / "shots.csv")["film"].tolist() == ["a", "a", "c"]
