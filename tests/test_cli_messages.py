@@ -67,7 +67,7 @@ def test_what_fails_for_every_shot_is_told_for_some_and_counted_for_the_rest(mon
     first, *told, count = blastline("check", "result").out.splitlines()
     assert first.startswith(f"failed: {CHECKS['drive_samples']}")
     assert [f"shot-{n:04}" in line for n, line in enumerate(told[:-1], start=1)] == [True] * 10
-    assert told[-1] == f"failed: {CHECKS['peak']}: nor in 290 more"
+    assert told[-1] == f"failed: {CHECKS['peak']}: not in 290 more shots either"
     assert count == "checks: 0 of 301 passed"
 
 
