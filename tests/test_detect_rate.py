@@ -6,6 +6,7 @@ import pytest
 from numpy.typing import NDArray
 
 from blastline.detect import Detection, audio_around, find_shots, load_verifier, shot_at
+from blastline.detect.onset import refine_onsets
 from blastline.detect.rate import LISTENING_HZ, in_film, resampled
 from blastline.model import Channels, Clip, Reflection, Rejection, Shot, Span
 from blastline.ruleset import load_rules, rules_path
@@ -179,6 +180,26 @@ def test_a_resampled_film_holds_the_same_shots(film: tuple[Samples, Truth], rate
         assert other.confidence == pytest.approx(one.confidence, abs=0.1)
         assert other.peak_dbfs == pytest.approx(one.peak_dbfs, abs=0.5)
         assert (other.burst, other.shot_in_burst) == (one.burst, one.shot_in_burst)
+
+
+@pytest.mark.parametrize("rate_hz", [44_100, 96_000])
+def test_what_a_film_of_44_khz_cannot_hold_moves_no_onset(rate_hz: int) -> None:
+    """In two stages of nearly one likelihood, clipped: what of it lies beyond 20 kHz would choose between them."""
+    from scipy.signal import resample
+
+    rng = np.random.default_rng(4)
+    at, time = 4800 + 9600 * np.arange(300), np.arange(4800)
+    film = 3e-4 * rng.standard_normal(at[-1] + 9600)
+    for onset in at.tolist():
+        film[onset : onset + 4800] += rng.standard_normal(4800) * np.exp(-time / 700)
+        first = onset - rng.integers(60, 400)
+        film[first:onset] += 10.0 ** rng.uniform(-1.6, -0.8) * rng.standard_normal(onset - first)
+    samples = np.clip(film, -0.7, 0.7).astype(np.float32)
+    steep = resample(samples, samples.size * rate_hz // LISTENING_HZ).astype(np.float32)
+    again = heard(steep, rate_hz)
+    here, there = (refine_onsets(each, at, rate_hz=LISTENING_HZ, rules=RULES.tier.onset) for each in (samples, again))
+    assert np.abs(here - at).min() <= 2 < 60 <= np.abs(here - at).max()
+    assert np.abs(there - here).max() <= 0.1 * LISTENING_HZ / 1000.0
 
 
 @pytest.mark.parametrize(("rate_hz", "delay"), [(44_100, 147), (44_100, 29_400), (96_000, 2), (96_000, 96_002)])
