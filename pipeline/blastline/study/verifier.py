@@ -122,7 +122,7 @@ def train(
             list(pool.map(listen, [item for item in numbered if not item[1].held_out], chunksize=4))
         )
         _say(f"{training.shots.size} candidates to learn from, {int(training.shots.sum())} of them shots")
-        gate, screen = fit_sieves(training.taken(_of_sieves(training, lessons, seed)), seed)
+        gate, screen = fit_sieves(training.taken(_as_they_are(training, lessons)), seed)
         left = sieved(training, gate, screen)
         _say(f"{left.shots.size} of them pass gate and screen, {int(left.shots.sum())} of them shots")
         examples = look(left, lessons, pool)
@@ -141,10 +141,10 @@ def train(
     return msgspec.structs.replace(model, training=record | {"held_out": scores})
 
 
-def _of_sieves(training: Candidates, lessons: Sequence[LessonFile], seed: int) -> NDArray[np.bool_]:
-    """Return which candidates gate and screen learn from: those of one seed's lessons, as they are."""
-    suited = np.array([each.seed == seed and each.augmentation is None for each in lessons], bool)
-    return np.asarray(suited[training.lesson], bool)
+def _as_they_are(training: Candidates, lessons: Sequence[LessonFile]) -> NDArray[np.bool_]:
+    """Return which candidates gate and screen learn from: those of lessons that are no augmented copies."""
+    originals = np.array([each.augmentation is None for each in lessons], bool)
+    return np.asarray(originals[training.lesson], bool)
 
 
 def _record(
