@@ -54,6 +54,9 @@ def write_media(
     rate_hz: int = RATE_HZ,
     container_format: str | None = None,
     picture_rate: Fraction | None = None,
+    picture_codec: str = "mpeg4",
+    picture_size: tuple[int, int] = (64, 64),
+    picture_delay_s: float = 0.0,
     timecode: str | None = None,
     audio_delay_s: float = 0.0,
     default_track: int | None = None,
@@ -74,7 +77,9 @@ def write_media(
         container.metadata.update(tags or {})
         video: Any = None
         if picture_rate is not None:
-            video = container.add_stream("mpeg4", rate=picture_rate, width=64, height=64, pix_fmt="yuv420p")
+            width, height = picture_size
+            video = container.add_stream(picture_codec, rate=picture_rate, width=width, height=height)
+            video.pix_fmt = "yuv420p"
         if timecode is not None:
             (container if video is None else video).metadata["timecode"] = timecode
         streams: list[Any] = []
@@ -87,8 +92,10 @@ def write_media(
             streams.append(stream)
         duration_s = tracks[0].shape[0] / rate_hz + audio_delay_s if tracks else silent_s
         if video is not None and picture_rate is not None:
-            for _ in range(int(duration_s * picture_rate)):
-                picture = av.VideoFrame.from_ndarray(np.zeros((64, 64, 3), np.uint8), format="rgb24")
+            black, late = np.zeros((*picture_size[::-1], 3), np.uint8), round(picture_delay_s * picture_rate)
+            for place in range(late, int(duration_s * picture_rate)):
+                picture = av.VideoFrame.from_ndarray(black, format="rgb24")
+                picture.pts, picture.time_base = place, 1 / picture_rate
                 container.mux(video.encode(picture))
             container.mux(video.encode(None))
         for stream, samples in zip(streams, tracks, strict=True):

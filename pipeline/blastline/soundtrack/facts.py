@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..timecode import clock, standard_rate
 from .decode import Tally
+from .probe import is_unseen, start_of, told_duration, told_start
 from .track import TrackFacts, time_stamp
 
 if TYPE_CHECKING:
@@ -29,8 +30,8 @@ def origin_of(first: "AudioFrame", stream: "AudioStream", tally: Tally) -> Fract
     codec = stream.codec_context.codec
     if time is None or tally.first_time is None or not (tally.failed or (codec.lossless and not codec.lossy)):
         return time
-    declared = Fraction((stream.start_time or 0) * (stream.time_base or 0))
-    return min(time, max(tally.first_time, declared))
+    declared = told_start(stream)
+    return min(time, tally.first_time if declared is None else max(tally.first_time, declared))
 
 
 def sound_streams(container: "InputContainer") -> list[str]:
@@ -57,6 +58,7 @@ def film_facts(
         declared = _declared_frames(container, stream, first.sample_rate, origin or Fraction(0))
     names = tuple(channel.name for channel in first.layout.channels)
     picture = next((v for v in container.streams.video if not _is_cover(v)), None)
+    picture_start = None if picture is None else start_of(picture)
     stamp = time_stamp(_time_reference(container), first.sample_rate)
     timecode = _start_timecode(container)
     if timecode is None and stamp.believed is not None:
@@ -72,7 +74,8 @@ def film_facts(
         start_timecode=timecode,
         has_picture=picture is not None,
         frame_rate=None if picture is None else _frame_rate(picture),
-        start_offset_s=float(_offset(picture, origin)),
+        start_offset_s=float(_offset(picture_start, origin)),
+        is_picture_missing=picture is not None and is_unseen(picture) and picture_start is None,
         ignored_reference=stamp.ignored,
         guessed_s=container.duration / 1_000_000 if container.duration else None,
         beside=(*streams[:index], *streams[index + 1 :]),
@@ -89,11 +92,9 @@ def header_frames(container: "InputContainer", stream: "AudioStream", rate_hz: i
     return int(stream.frames * stream.time_base * rate_hz)
 
 
-def _offset(picture: "VideoStream | None", origin: Fraction | None) -> Fraction:
+def _offset(picture_start: Fraction | None, origin: Fraction | None) -> Fraction:
     """Return how much later than the picture sample 0 plays, in seconds; 0 where either does not say."""
-    if picture is None or picture.start_time is None or not picture.time_base or origin is None:
-        return Fraction(0)
-    return origin - picture.start_time * picture.time_base
+    return Fraction(0) if picture_start is None or origin is None else origin - picture_start
 
 
 def _description(stream: "AudioStream") -> str:
@@ -142,8 +143,9 @@ def _declared_frames(container: "InputContainer", stream: "AudioStream", rate_hz
     """Return how many frames the container says the stream has, None where it does not say."""
     if container.format.name in _ESTIMATED:
         return None
-    if stream.duration and stream.time_base:
-        return int(stream.duration * stream.time_base * rate_hz)
+    duration = told_duration(stream)
+    if duration is not None:
+        return int(duration * rate_hz)
     tag = stream.metadata.get("DURATION", "")
     if re.fullmatch(r"\d+:\d\d:\d\d(\.\d+)?", tag):
         hours, minutes, seconds = tag.split(":")

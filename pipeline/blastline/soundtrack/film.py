@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from itertools import chain, islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..errors import SoundtrackError
 from .chunks import ChunkTable, overflow_warning
@@ -12,6 +12,7 @@ from .decode import Tally, check_sums, decoded, packed
 from .ending import stops_early
 from .facts import UNSTAMPED, film_facts, header_frames, origin_of, sound_streams
 from .placement import Placement, origin_by_others
+from .probe import opened, picture_warnings, told_start
 from .singles import joining_hint
 from .track import Samples, TrackFacts, stamp_warnings
 
@@ -87,8 +88,9 @@ class FilmTrack:
         from av.error import FFmpegError
 
         stream, base = self._stream, Fraction(self._stream.time_base or Fraction(1, 1_000_000))
-        begin = self._origin / base if self._origin and self._first_stamp_off_s else stream.start_time or 0
-        start = round(begin + Fraction(start_s) / base)
+        told = None if self._first_stamp_off_s else told_start(stream)
+        begin = (self._origin or Fraction(0)) if told is None else told
+        start = round((begin + Fraction(start_s)) / base)
         try:
             self._container.seek(start, stream=stream)
         except FFmpegError as error:
@@ -138,7 +140,7 @@ class FilmTrack:
             lines.append("the file stops or breaks before its own end: the end of the sound is missing")
         if tally.stopped:
             lines.append(f"reading stopped early: {tally.stopped}")
-        return lines + stamp_warnings(self.facts)
+        return lines + picture_warnings(self.facts) + stamp_warnings(self.facts)
 
     def _overrule_first_stamp(self, *, is_cut: bool) -> None:
         """Begin the track where most stamps say but the first one, unless the first frame may be followed by a gap."""
@@ -174,16 +176,11 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None
 
     Raises SoundtrackError where the file is not media, has no such stream, or nothing can be decoded.
     """
-    import av
     from av.error import FFmpegError
 
     try:
-        # an absolute path, because FFmpeg takes what comes before a colon for a protocol
         is_open = table is not None and table.is_wave and (table.goes_on or table.data_bytes == 0)
-        options = {"ignore_length": "1"} if is_open else {}
-        # PyAV 18 refuses a film of which a tag is no UTF-8; 19 never does, and takes no word about it any more
-        tags: Any = {"metadata_errors": "replace"} if int(av.__version__.partition(".")[0]) < 19 else {}
-        container = av.open(str(path.resolve()), options=options, **tags)
+        container = opened(path, {"ignore_length": "1"} if is_open else {})
     except FFmpegError as error:
         raise SoundtrackError(f"is not a sound file or film that can be read: {error.strerror}") from error
     try:

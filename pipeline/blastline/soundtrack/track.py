@@ -29,7 +29,8 @@ class TrackFacts:
     `layout` is None where the file does not name its channels; `declared_frames` is None where it does not say how
     long the track is, and then `guessed_s` is what its size suggests, if anything; `length` tells how it says so.
     `is_integer` tells that no sample can be NaN. `beside` names the file's other sound streams.
-    `ignored_reference` is a time stamp that can be none. The rest is as in `model.Source`.
+    `ignored_reference` is a time stamp that can be none; `is_picture_missing` tells that a track of pictures
+    is empty, or begins later than any was sought. The rest is as in `model.Source`.
     """
 
     rate_hz: int
@@ -44,6 +45,7 @@ class TrackFacts:
     frame_rate: str | None = None
     start_offset_s: float = 0.0
     ignored_reference: int | None = None
+    is_picture_missing: bool = False
     guessed_s: float | None = None
     beside: tuple[str, ...] = ()
 
