@@ -90,7 +90,7 @@ def _sought_start(stream: "Stream") -> Fraction | None:
                 begin = time if begin is None else begin
                 if time - begin > _SOUGHT_S:
                     return None
-    except (FFmpegError, IndexError):  # damage, told where the sound is decoded; or streams that begin on the way (decode.py)
+    except (FFmpegError, IndexError):  # damage, told where it is decoded; the second: see decode.py
         return None
     return None
 
