@@ -18,6 +18,7 @@ from blastline.report import CHECKS
 from blastline.run import rendering
 from commands import BELIEVE, RATE_HZ, blastline, blastline_alone, interrupted, write_film
 from media import write_media
+from moments import moments
 
 RESULTS = ["drive.wav", "report.html", "timeline.csv", "timeline.json"]
 SHOTS_S = (1.0, 2.5)
@@ -255,6 +256,26 @@ def test_of_an_earlier_film_nothing_stays_beside_a_later_one(tmp_path: Path, res
     assert {"timeline.otio", "report.html", "timeline.reel-01.haptic"} <= files(tmp_path).keys()
     assert blastline("render", film, "-o", tmp_path, *options, "-q", "--overwrite").code == 0
     assert sorted(files(tmp_path)) == ["drive.wav", "notes.txt", edited.name, "timeline.csv", "timeline.json"]
+
+
+def test_a_timeline_stands_beside_all_files_of_its_own_run_at_every_moment(
+    tmp_path: Path, result: Path, believing: Path
+) -> None:
+    other = write_film(tmp_path / "other.wav", length_s=2.5, shots_s=(1.0,))
+    out = shutil.copytree(result, tmp_path / "out")
+    formats = ("--format", "csv,otio,haptic,webvtt", "--frame-rate", "24")
+    with moments(out) as seen:
+        options = (*formats, "--quality", "draft", "--rules", believing, "--no-report", "--overwrite", "-q")
+        assert blastline("render", other, "-o", out, *options).code == 0
+    assert "timeline.vtt" in seen[-1]
+    assert [each for each in seen if "timeline.json" in each and each not in (seen[0], seen[-1])] == []
+
+
+def test_an_exported_timeline_comes_last(tmp_path: Path, result: Path) -> None:
+    with moments(tmp_path / "cues") as seen:
+        assert blastline("export", result, "--format", "webvtt,json,csv", "-o", tmp_path / "cues").code == 0
+    assert sorted(seen[-1]) == ["timeline.csv", "timeline.json", "timeline.vtt"]
+    assert ["timeline.json" in each for each in seen] == [False, False, False, True]
 
 
 def test_a_place_that_cannot_be_written_is_refused(tmp_path: Path, film: Path) -> None:

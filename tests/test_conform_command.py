@@ -34,6 +34,7 @@ from blastline.timebase import parse_timebase, retimed
 from blastline.timecode import timecode_at
 from commands import blastline, write_wave
 from conform_films import RATE_HZ, Samples, film, seconds
+from moments import moments
 
 ONSETS_S = (2.0, 7.25, 12.0, 16.0, 18.5, 23.0)
 OLD = 0.2 * film(26.0, ONSETS_S, seed=40)
@@ -303,7 +304,9 @@ def test_results_are_replaced_only_when_asked_and_never_the_old_timeline(
     assert (quiet.code, quiet.out, quiet.err) == (0, "", ""), "what was not placed is in the files"
     again = blastline(*arguments)
     assert "exists already; give --overwrite" in again.complaint
-    assert blastline(*arguments, "--overwrite").code == 0
+    with moments(tmp_path / "out") as seen:
+        assert blastline(*arguments, "--overwrite").code == 0
+    assert {len(files) for files in seen if "timeline.json" in files} == {3}, "it stood beside a part of its tables"
     beside = blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path, "--overwrite")
     assert "is the old timeline" in beside.complaint
 

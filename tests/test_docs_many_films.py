@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pandas
+import pytest
 
 from commands import write_film
 
@@ -14,7 +15,7 @@ PAGE = Path(__file__).parents[1] / "docs" / "many-films.md"
 MANY, TABLE = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 
 
-def ran(script: str, *arguments: Path, cwd: Path) -> str:
+def ran(script: str, *arguments: Path | str, cwd: Path) -> str:
     """Run a script of the page where `blastline` is found, and return what it printed."""
     paths = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     words = [sys.executable, "-c", script, *map(str, arguments)]
@@ -38,12 +39,49 @@ def test_all_films_are_rendered_once_and_the_broken_one_is_told(tmp_path: Path) 
     assert [file.stat().st_mtime_ns for file in done] == before
 
 
+@pytest.mark.parametrize("is_absolute", [True, False])
+def test_what_was_rendered_among_the_films_is_no_film_however_the_folders_are_named(
+    tmp_path: Path, is_absolute: bool
+) -> None:
+    (tmp_path / "a").mkdir()
+    write_film(tmp_path / "a" / "x.wav", length_s=2.5, shots_s=(1.0,))
+    (tmp_path / "reel.wav").mkdir()
+    words = (tmp_path, "results") if is_absolute else (".", tmp_path / "results")
+    for _ in range(2):
+        assert ran(MANY, *words, cwd=tmp_path) == ""
+        assert [*tmp_path.rglob("timeline.json")] == [tmp_path / "results" / "a" / "x.wav" / "timeline.json"]
+
+
+def test_films_below_the_results_are_films(tmp_path: Path) -> None:
+    (tmp_path / "films").mkdir()
+    write_film(tmp_path / "films" / "x.wav", length_s=2.5, shots_s=(1.0,))
+    assert ran(MANY, "films", ".", cwd=tmp_path) == ""
+    assert (tmp_path / "x.wav" / "timeline.json").exists()
+
+
+def test_what_a_run_left_that_was_killed_while_it_moved_its_files_is_rendered_again(tmp_path: Path) -> None:
+    (tmp_path / "films").mkdir()
+    write_film(tmp_path / "films" / "x.wav", length_s=2.5, shots_s=(1.0,))
+    out = tmp_path / "results" / "x.wav"
+    out.mkdir(parents=True)
+    (out / "drive.wav").write_text("of a killed run")
+    assert ran(MANY, "films", "results", cwd=tmp_path) == ""
+    assert (out / "timeline.json").exists()
+    assert (out / "drive.wav").read_bytes().startswith(b"RIFF")
+
+
 def test_the_table_holds_the_shots_of_all_films(tmp_path: Path) -> None:
     for film, shots in (("a/one", 2), ("b/one", 0), ("c/one", 1)):
         folder = tmp_path / "results" / film
         folder.mkdir(parents=True)  # of one name in folders of their own, as reels are
         rows = "".join(f"shot-{number:04},0.{9 - number}\n" for number in range(1, shots + 1))
         (folder / "timeline.csv").write_text(f"id,confidence\n{rows}")
+        (folder / "timeline.json").write_text("{}")
+    for unfinished in ("b/half", "a/one/.blastline-living", "a/one/.blastline-killed/earlier-1"):
+        (tmp_path / "results" / unfinished).mkdir(parents=True)
+        (tmp_path / "results" / unfinished / "timeline.csv").write_text("id,confidence\nshot-0001,0.1\n")
+        if unfinished != "b/half":
+            (tmp_path / "results" / unfinished / "timeline.json").write_text("{}")
     told = ran(TABLE, tmp_path / "results", cwd=tmp_path)
     told = told.replace("\\", "/")
     assert [line.split() for line in told.splitlines()[-2:]] == [["a/one", "2", "0.7"], ["c/one", "1", "0.8"]]

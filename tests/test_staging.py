@@ -3,8 +3,6 @@
 import errno
 import os
 import re
-import subprocess
-import sys
 import threading
 import time
 from pathlib import Path
@@ -13,7 +11,6 @@ from typing import Any
 import pytest
 
 from blastline.errors import OutputError
-from blastline.moving import alone_in
 from blastline.staging import staged
 
 NAMES = ["a.wav", "b.json", "c.csv"]
@@ -348,75 +345,3 @@ def test_what_an_earlier_run_left_goes_when_it_is_overwritten_and_nothing_else(t
         (tmp_path / f"{overwrite}.json").unlink()
         assert state(tmp_path) == there
     assert (tmp_path / "folder.otio").is_dir()
-
-
-KILLED = """
-import os, signal, sys
-from pathlib import Path
-from blastline.staging import staged
-with staged(Path(sys.argv[1]), names=["a.wav"], overwrite=True) as hidden:
-    (hidden / "a.wav").write_text("half")
-    os.kill(os.getpid(), signal.SIGKILL)
-"""
-
-
-@pytest.mark.skipif(os.name != "posix", reason="no locks that end with their process")
-def test_what_a_killed_run_left_goes_with_the_next_and_what_a_living_one_writes_stays(tmp_path: Path) -> None:
-    def grow_old() -> list[Path]:
-        folders = sorted(tmp_path.glob(".blastline-*"))
-        for folder in folders:
-            os.utime(folder, (time.time() - 3600.0,) * 2)
-        return folders
-
-    subprocess.run([sys.executable, "-c", KILLED, str(tmp_path)], check=False)
-    [left] = grow_old()
-    with staged(tmp_path, names=NAMES, overwrite=True) as living:
-        assert not left.exists()
-        write_all(living, "first")
-        [left] = grow_old()
-        assert left == living
-        run_into(tmp_path, "second")
-        assert living.exists()
-        (living / "c.csv").unlink()
-        (living / "b.json").unlink()
-        (living / "a.wav").unlink()
-    assert state(tmp_path) == {name: f"second {name}" for name in NAMES}
-
-
-MOVING = """
-import os, sys
-from pathlib import Path
-from blastline.moving import alone_in
-with alone_in(Path(sys.argv[1])):
-    os.utime(Path(sys.argv[1]) / ".blastline-moving", (1e9, 1e9))
-    print("moving", flush=True)
-    sys.stdin.read()
-"""
-
-
-@pytest.mark.skipif(os.name != "posix", reason="no locks that end with their process")
-@pytest.mark.parametrize("is_new", [True, False])
-def test_a_run_that_was_killed_while_it_moved_its_files_hinders_none(tmp_path: Path, is_new: bool) -> None:
-    pipes: Any = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-    with subprocess.Popen([sys.executable, "-c", MOVING, str(tmp_path)], **pipes) as moving:
-        assert moving.stdout is not None
-        assert moving.stdout.readline() == b"moving\n"
-        with pytest.raises(OutputError, match="another run is writing here"):
-            run_into(tmp_path)
-        moving.kill()
-    if is_new:
-        run_into(tmp_path)
-    else:  # it was killed only after this run had begun
-        with alone_in(tmp_path):
-            pass
-    assert not (tmp_path / ".blastline-moving").exists()
-
-
-@pytest.mark.skipif(os.name != "posix", reason="no locks that end with their process")
-def test_earlier_results_in_what_a_killed_run_left_stay(tmp_path: Path) -> None:
-    left = tmp_path / ".blastline-left"
-    (left / "earlier-1").mkdir(parents=True)
-    (left / "earlier-1" / "a.wav").write_text("mine")
-    os.utime(left, (time.time() - 3600.0,) * 2)
-    run_into(tmp_path)
-    assert (left / "earlier-1" / "a.wav").read_text() == "mine"

@@ -2,7 +2,7 @@
 
 import os
 import shutil
-import time
+import tempfile
 from pathlib import Path
 
 HIDDEN, EARLIER = ".blastline-", "earlier-"
@@ -11,13 +11,11 @@ HIDDEN, EARLIER = ".blastline-", "earlier-"
 LOCK = f"{HIDDEN}moving"
 """The folder that says that a run is moving its files."""
 
-_YOUNG_S = 20.0  # a folder is made a moment before it is locked
 
-
-def hold(hidden: Path) -> int | None:
+def hold(hidden: Path, *, wait: bool = False) -> int | None:
     """Return an open descriptor of a hidden folder that locks it until it is closed or its process ends.
 
-    None where another run holds it, or where the system has no such locks.
+    None where another run holds it, unless that is waited for, or where the system has no such locks.
     """
     try:
         import fcntl
@@ -28,23 +26,40 @@ def hold(hidden: Path) -> int | None:
     except OSError:
         return None
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(descriptor, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
     except OSError:
         os.close(descriptor)
         return None
     return descriptor
 
 
+def held_folder(folder: Path) -> tuple[Path, int | None]:
+    """Make a hidden folder and hold it; return it with what `hold` returned.
+
+    A folder that is not held yet looks abandoned: another run may clear it at that very moment, and it is made anew.
+    """
+    while True:
+        hidden = Path(tempfile.mkdtemp(prefix=HIDDEN, dir=folder))
+        held = hold(hidden, wait=True)
+        if hidden.exists():
+            return hidden, held
+        if held is not None:
+            os.close(held)
+
+
 def clear_abandoned(folder: Path) -> None:
     """Remove what runs that were killed left half-written; but not where that holds files of an earlier result."""
     for left in folder.glob(f"{HIDDEN}*"):
+        held = hold(left) if left.name != LOCK else None
+        if held is None:
+            continue
         try:
-            young = time.time() - left.stat().st_mtime < _YOUNG_S
-        except OSError:  # its own run has just removed it
-            continue
-        if young or left.name == LOCK or any(left.glob(f"{EARLIER}*")):
-            continue
-        held = hold(left)
-        if held is not None:
-            shutil.rmtree(left, ignore_errors=True)
+            if not keeps_earlier(left):
+                shutil.rmtree(left, ignore_errors=True)
+        finally:
             os.close(held)
+
+
+def keeps_earlier(hidden: Path) -> bool:
+    """Return whether a hidden folder holds files of an earlier result that were to be replaced and are nowhere else."""
+    return any(path.is_file() for kept in hidden.glob(f"{EARLIER}*") for path in kept.rglob("*"))

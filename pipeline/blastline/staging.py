@@ -2,7 +2,8 @@
 
 A run writes into a hidden folder beside its results and moves each file into place when every one is finished. An
 error or an interruption removes the hidden folder and leaves earlier results as they were. Of several runs into one
-folder only one at a time moves its files.
+folder only one at a time moves its files. A run that is killed while it does leaves some of them, but never the file
+that is the seal of a whole result.
 """
 
 import errno
@@ -15,7 +16,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from .abandoned import EARLIER, HIDDEN, clear_abandoned, hold
+from .abandoned import EARLIER, clear_abandoned, held_folder, keeps_earlier
 from .errors import BlastlineError, OutputError
 from .interruption import heed_interruption
 from .moving import alone_in, refuse_locked
@@ -33,6 +34,7 @@ class _Results:
     stale: Collection[str]
     films: Collection[Path]
     spared: Collection[Path]
+    seal: str | None
     overwrite: bool
 
 
@@ -46,22 +48,25 @@ def staged(
     stale: Collection[str] = (),
     films: Collection[Path] = (),
     spared: Collection[Path] = (),
+    seal: str | None = None,
 ) -> Iterator[Path]:
     """Yield a hidden folder to write into; on success move all its files into `folder`.
 
     `names` are the files that the run is going to write; `sets` are patterns such as `reel-*.haptic`, for files whose
     number is not known yet: those that an earlier run left and this one does not write again are removed. So is, with
     `overwrite`, what `stale` names: whatever else an earlier run may have written. `films` are never replaced, and
-    neither they nor what is `spared` is removed. Raises OutputError where one of the files exists and `overwrite` is
-    not set, now or when it is to be moved into place, where it is no regular file, or where `folder` cannot be written.
+    neither they nor what is `spared` is removed. `seal` is the file by which others know that a result is whole: it
+    comes last, and an earlier one goes before any other file of its result. Raises OutputError where one of the files
+    exists and `overwrite` is not set, now or when it is to be moved into place, where it is no regular file, or where
+    `folder` cannot be written.
     """
-    wanted = _Results(folder, names, sets, stale, films, spared, overwrite)
+    wanted = _Results(folder, names, sets, stale, films, spared, seal, overwrite)
     _refuse_existing(wanted, names)
     refuse_locked(folder)
     made = _missing_parents(folder)
     try:
-        hidden = _hidden_folder(folder)
-        held = hold(hidden)
+        hidden, held = _hidden_folder(folder)
+        whole = False
         try:
             clear_abandoned(folder)
             _require_nameable(hidden, names)
@@ -69,14 +74,15 @@ def staged(
             heed_interruption()
             with alone_in(folder):
                 _move_all(hidden, wanted)
-            made = []
+            made, whole = [], True
         except OSError as error:
             told = _output_error(error, hidden, wanted)
             if told is None:
                 raise
             raise told from error
         finally:
-            shutil.rmtree(hidden, ignore_errors=True)
+            if whole or not keeps_earlier(hidden):  # what could not be put back is nowhere else
+                shutil.rmtree(hidden, ignore_errors=True)
             if held is not None:
                 os.close(held)
     finally:
@@ -87,7 +93,7 @@ def staged(
 
 def require_free(folder: Path, *, names: Collection[str], overwrite: bool, films: Collection[Path] = ()) -> None:
     """Raise what `staged` would raise of these files before anything is written, for who has long to go until then."""
-    _refuse_existing(_Results(folder, names, (), (), films, (), overwrite), names)
+    _refuse_existing(_Results(folder, names, (), (), films, (), None, overwrite), names)
 
 
 def require_utf_8(path: Path, *, advice: str = "choose another folder for the results") -> None:
@@ -98,10 +104,10 @@ def require_utf_8(path: Path, *, advice: str = "choose another folder for the re
         raise OutputError(f"{path}: the name is not valid UTF-8; {advice}") from None
 
 
-def _hidden_folder(folder: Path) -> Path:
+def _hidden_folder(folder: Path) -> tuple[Path, int | None]:
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        return Path(tempfile.mkdtemp(prefix=HIDDEN, dir=folder))
+        return held_folder(folder)
     except OSError as error:
         raise OutputError(f"{folder}: cannot write here: {error.strerror}") from error
 
@@ -173,30 +179,37 @@ def _missing_parents(folder: Path) -> list[Path]:
 
 
 def _move_all(hidden: Path, wanted: _Results) -> None:
-    """Move every file into place, then away what earlier runs left; where that fails half-way, put all of it back."""
-    folder = wanted.folder
+    """Move every file into place and away what earlier runs left; where that fails half-way, put all of it back."""
     files = sorted(path.relative_to(hidden) for path in hidden.rglob("*") if path.is_file())
     _refuse_existing(wanted, [*wanted.names, *map(str, files)])
     earlier = Path(tempfile.mkdtemp(prefix=EARLIER, dir=hidden))
-    left = sorted(_left_by_earlier_runs(wanted) - set(files))
-    done: list[Path] = []
+    begun: list[tuple[Path, Path]] = []
     try:
-        for file in files:
-            target = folder / file
+        for source, target in _moves(hidden, files, earlier, wanted):
             target.parent.mkdir(parents=True, exist_ok=True)
-            done.append(file)
-            if target.exists():
-                (earlier / file).parent.mkdir(parents=True, exist_ok=True)
-                target.replace(earlier / file)
-            (hidden / file).replace(target)
-        for file in left:
-            (folder / file).replace(earlier / file)
+            begun.append((source, target))
+            source.replace(target)
     except BaseException:
-        for file in left:
-            _put_back(earlier / file, folder / file, moved=False)
-        for file in done:
-            _put_back(earlier / file, folder / file, moved=not (hidden / file).exists())
+        for source, target in reversed(begun):  # the seal of the new goes first, that of the earlier comes last
+            if target.exists() and not source.exists():
+                target.replace(source)
         raise
+    with suppress(OSError):  # for nobody's use from here on: were this run killed now, the next may clear it away
+        earlier.rename(hidden / "replaced")
+
+
+def _moves(hidden: Path, files: Collection[Path], earlier: Path, wanted: _Results) -> list[tuple[Path, Path]]:
+    """Return what is moved where, in an order in which a seal stands beside the files of its own run alone.
+
+    earlier seal away ─► each other file: earlier one away, new one in ─► what else is left away ─► new seal in
+    """
+    folder, seal = wanted.folder, None if wanted.seal is None else Path(wanted.seal)
+    every = [*files, *sorted(_left_by_earlier_runs(wanted) - set(files))]
+    away = {file: (folder / file, earlier / file) for file in every if (folder / file).exists()}
+    into = {file: (hidden / file, folder / file) for file in files}
+    others = [moves.get(file) for file in every if file != seal for moves in (away, into)]
+    first, last = (None, None) if seal is None else (away.get(seal), into.get(seal))
+    return [move for move in (first, *others, last) if move is not None]
 
 
 def _left_by_earlier_runs(wanted: _Results) -> set[Path]:
@@ -208,10 +221,3 @@ def _left_by_earlier_runs(wanted: _Results) -> set[Path]:
         kept = (*wanted.films, *wanted.spared)
         found |= {path for path in stale if path.is_file() and not path.is_symlink() and not _is_one_of(path, kept)}
     return {path.relative_to(folder) for path in found}
-
-
-def _put_back(before: Path, target: Path, *, moved: bool) -> None:
-    if before.exists():
-        before.replace(target)
-    elif moved:
-        target.unlink(missing_ok=True)

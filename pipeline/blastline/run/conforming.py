@@ -90,7 +90,7 @@ def conform(
     if (folder / names.TIMELINE).exists() and (folder / names.TIMELINE).samefile(timeline):
         raise OutputError(f"{folder / names.TIMELINE}: is the old timeline; choose another folder for the new one")
     with (
-        staged(folder, names=files, films=[old, new], overwrite=overwrite) as hidden,
+        staged(folder, names=files, films=[old, new], seal=names.TIMELINE, overwrite=overwrite) as hidden,
         open_soundtrack(old, stream=read.source.stream, mix=read.source.mix, spool_folder=hidden) as old_track,
         open_soundtrack(
             new, stream=stream, mix=mix or read.source.mix, spool_folder=hidden, timebase=timebase

@@ -50,7 +50,7 @@ def export(
     require_frame_rate(chosen, read.source)
     files = [file for known in known_formats(chosen) for file in known.files]
     sets = [pattern for known in known_formats(chosen) for pattern in known.sets]
-    with staged(folder, names=files, sets=sets, overwrite=overwrite) as hidden:
+    with staged(folder, names=files, sets=sets, seal=names.TIMELINE, overwrite=overwrite) as hidden:
         track = None
         if needs_drive(chosen):
             track = _haptic_track(read, timeline, drive=drive, actuator=actuator, rules=rules, note=note)

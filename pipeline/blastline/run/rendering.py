@@ -88,6 +88,7 @@ def _place(film: Path, folder: Path, options: RenderOptions) -> AbstractContextM
         stale=[names.DRIVE, names.REPORT, *(name for each in every for name in (*each.files, *each.sets))],
         films=[film],
         spared=[path for path in (options.timeline, options.original) if path is not None],
+        seal=names.TIMELINE,
         overwrite=options.overwrite,
     )
 
