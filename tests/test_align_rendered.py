@@ -71,6 +71,50 @@ def test_a_direct_drive_that_is_raised_into_the_limit_passes(tmp_path: Path, pha
     assert failures(rendered(path, onsets, options)) == []
 
 
+BEFORE_A_LOUDER = [14_400, 17_600, 24_000]
+"""A direct drive is compared without delay, in a band that spreads what comes over what was before it."""
+
+WITHIN_AND_LIMITED = pytest.mark.parametrize(
+    "peaks", [[0.03, 0.03, 0.03], [0.01, 0.15, 0.01]], ids=["within the limit", "limited"]
+)
+
+
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+@WITHIN_AND_LIMITED
+@pytest.mark.parametrize("gains_db", [[0.0, 24.0, 0.0], [-24.0, 0.0, -24.0]])
+def test_a_direct_shot_before_one_that_is_asked_to_be_louder_passes(
+    tmp_path: Path, phase: Phase, peaks: list[float], gains_db: list[float]
+) -> None:
+    path = film(tmp_path / "film.wav", BEFORE_A_LOUDER, peaks, decay_s=0.03)
+    options = RenderOptions(report=False, drive="direct", phase=phase)
+    assert failures(rendered(path, BEFORE_A_LOUDER, options, gains_db)) == []
+
+
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+@WITHIN_AND_LIMITED
+def test_a_direct_shot_before_a_louder_one_is_held_to_its_place_and_its_gain(
+    tmp_path: Path, phase: Phase, peaks: list[float]
+) -> None:
+    path = film(tmp_path / "film.wav", BEFORE_A_LOUDER, peaks, decay_s=0.03)
+    options = RenderOptions(report=False, drive="direct", phase=phase)
+    made = rendered(path, BEFORE_A_LOUDER, options, [0.0, 24.0, 0.0])
+    drive, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    own = slice(made.events[0].window.start, BEFORE_A_LOUDER[1] - RATE_HZ // 1000)
+
+    def wrong_with(samples: Samples) -> set[tuple[str, str | None]]:
+        soundfile.write(tmp_path / "other.wav", samples, RATE_HZ, subtype="PCM_24")
+        checked = run.check(tmp_path / "out" / "timeline.json", audio=path, drive=tmp_path / "other.wav")
+        return {(name, event) for name, event, _ in failures(checked)}
+
+    moved, softer = drive.copy(), drive.copy()
+    moved[own] = np.roll(drive[own], -3)
+    softer[own] *= 0.8
+    assert ("drive_shift", None) in wrong_with(np.roll(drive, 1))
+    wrong = wrong_with(moved)
+    assert ("lag_as_rendered", "shot-0001") in wrong or ("drive_as_rendered", "shot-0001") in wrong
+    assert ("level_as_rendered", "shot-0001") in wrong_with(softer)
+
+
 @pytest.mark.parametrize("drive", ["direct", "filter", "constrained"])
 @pytest.mark.parametrize("share", [0.9, 0.5])
 def test_a_clipped_drive_fails_by_as_much_as_its_peak_lacks(tmp_path: Path, drive: DriveChoice, share: float) -> None:

@@ -23,7 +23,8 @@ class Part:
     """What belongs to a shot alone: `span` of its sound, and `driven`, where the drive is its own.
 
     `opens` says that the shot is the first of its window, `followed` that it is not the last. `since` is from where on
-    the drive before it is known, by the window or by the shot before, which was asked to be `before_db` stronger.
+    the drive before it is known, by the window or by the shot before, which was asked to be `before_db` stronger; the
+    next shot of the window was asked to be `after_db` stronger.
     """
 
     span: Span
@@ -32,6 +33,7 @@ class Part:
     since: int
     driven: Span
     before_db: float = 0.0
+    after_db: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,37 +93,60 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
     wide = Span(span.start - settle, span.stop + settle)
     audio = read_padded(shared.audio, wide, event.made_of)
     kept = slice(settle, settle + len(span))
-    undelayed = _without_delay(shared, audio)[kept]
-    intended = undelayed
-    if shared.phase == "causal" and not is_direct(event):
-        intended = dsp.run_filter(shared.band, audio[: kept.stop])[kept]
+    wet, undelayed, intended = _wanted(shared, event, part, audio, wide)
     dry = np.clip(audio, -1.0, 1.0)
     beside = dry[kept] if event.made_of == "mains" else np.clip(read_padded(shared.audio, span), -1.0, 1.0)
-    wet = audio if is_direct(event) else shared.compensated(audio)
-    if part.before_db:
-        relative = _relative_gain(shared, part, wide)
-        wet, undelayed, intended = relative * wet, relative[kept] * undelayed, relative[kept] * intended
-        if not is_solved(event) and not is_direct(event):
-            intended = dsp.run_filter(shared.felt, wet)[kept]  # H rings on with the shot before, however soft this one
     return Heard(
         span,
         slice(margin, margin + len(part.span)),
-        intended,
-        undelayed,
+        intended[kept],
+        undelayed[kept],
         direct=dsp.run_filter(shared.felt, _of_window(dry, event, wide.start)[: kept.stop])[kept],
         background=beside if shared.background == "direct" else np.zeros(len(span)),
         wet=wet[kept],
         weights=_weights(event, span),
         solved=is_solved(event),
-        gain=gain_from_db(event.gain_db + shared.level_db),
+        gain=_asked_gain(shared, event),
     )
 
 
+def _wanted(
+    shared: Comparison, event: Event, part: Part, audio: Samples, span: Span
+) -> tuple[Samples, Samples, Samples]:
+    """Return `wet`, `undelayed` and `intended` of `Heard` over the span of `audio`, against the gain of the shot."""
+    relative = _relative_gain(shared, part, span)
+    if is_direct(event):
+        wet = relative * audio
+        following = _without_delay(shared, _limited_beside(wet, part, span, 1.0 / _asked_gain(shared, event)))
+        return wet, following, following
+    wet, undelayed = relative * shared.compensated(audio), relative * _without_delay(shared, audio)
+    if part.before_db and not is_solved(event):
+        # H rings on with the shot before, however soft this one
+        return wet, undelayed, dsp.run_filter(shared.felt, wet)
+    intended = relative * dsp.run_filter(shared.band, audio) if shared.phase == "causal" else undelayed
+    return wet, undelayed, intended
+
+
 def _relative_gain(shared: Comparison, part: Part, span: Span) -> Samples:
-    """Return the gain against the shot's own over a span: that of the shot before until the lead before the onset."""
-    lead, onset = shared.samples(shared.lead_ms), part.span.start
-    before = gain_from_db(part.before_db)
-    return np.interp(np.arange(span.start, span.stop), [onset - lead, onset], [before, 1.0])
+    """Return the gain against the shot's own over a span: each shot's is reached over the lead before its onset."""
+    lead, onset, stop = shared.samples(shared.lead_ms), part.span.start, part.driven.stop
+    gains = [gain_from_db(part.before_db), 1.0, 1.0, gain_from_db(part.after_db)]
+    return np.interp(np.arange(span.start, span.stop), [onset - lead, onset, stop, stop + lead], gains)
+
+
+def _limited_beside(wet: Samples, part: Part, span: Span, limit: float) -> Samples:
+    """Return a drive within a limit before and after a shot, and beyond it within, where it is to follow the sound.
+
+    The band without delay spreads what is beside the shot over it, and that is as it was driven.
+    """
+    beside = np.clip(wet, -limit, limit)
+    own = slice(part.span.start - span.start, part.span.stop - span.start)
+    beside[own] = wet[own]
+    return beside
+
+
+def _asked_gain(shared: Comparison, event: Event) -> float:
+    return gain_from_db(event.gain_db + shared.level_db)
 
 
 def _weights(event: Event, span: Span) -> Samples:

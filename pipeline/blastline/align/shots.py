@@ -81,9 +81,10 @@ def parts_of(events: Sequence[Event], *, lead: int) -> tuple[Part, ...]:
         opens = before is None or before.window != event.window
         since = event.window.start if before is None or opens else before.onset_sample - lead
         before_db = 0.0 if before is None or opens else before.gain_db - event.gain_db
+        after_db = after.gain_db - event.gain_db if after is not None and stop < whole else 0.0
         begins = event.window.start if opens else max(event.window.start, event.onset_sample - lead)
         driven = Span(begins, max(begins + 1, stop if stop < whole else event.window.stop))
-        parts.append(Part(Span(event.onset_sample, stop), opens, stop < whole, since, driven, before_db))
+        parts.append(Part(Span(event.onset_sample, stop), opens, stop < whole, since, driven, before_db, after_db))
     return tuple(parts)
 
 
