@@ -115,6 +115,56 @@ def test_a_direct_shot_before_a_louder_one_is_held_to_its_place_and_its_gain(
     assert ("level_as_rendered", "shot-0001") in wrong_with(softer)
 
 
+def film_in_noise(path: Path, onsets: Sequence[int]) -> Path:
+    """Write blasts over noise that is heard and felt as well."""
+    samples, _ = soundfile.read(film(path, onsets, [0.5] * len(onsets)))
+    noise = 0.03 * np.random.default_rng(2).standard_normal(samples.size)
+    soundfile.write(path, np.clip(samples + noise, -1.0, 1.0 - 2.0**-23), RATE_HZ, subtype="PCM_24")
+    return path
+
+
+IN_NOISE = [14_400, 36_000, 57_600]
+
+
+@pytest.mark.parametrize("drive", ["direct", "filter", "constrained"])
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+@pytest.mark.parametrize("gain_db", [-29.0, -60.0])
+@pytest.mark.parametrize("before", [None, 0, 48])
+def test_a_soft_shot_beside_the_films_own_sound_passes_wherever_its_window_opens(
+    tmp_path: Path, drive: DriveChoice, phase: Phase, gain_db: float, before: int | None
+) -> None:
+    path = film_in_noise(tmp_path / "film.wav", IN_NOISE)
+    rows = [f"{onset},{gain_db},{'' if before is None else onset - before}" for onset in IN_NOISE]
+    path.with_suffix(".csv").write_text("\n".join(["onset_sample,gain_db,window_start_sample", *rows]))
+    options = RenderOptions(report=False, drive=drive, phase=phase, background="direct")
+    made = run.render(path, tmp_path / "out", replace(options, timeline=path.with_suffix(".csv")))
+    assert failures(made) == []
+
+
+@pytest.mark.parametrize("drive", ["direct", "filter", "constrained"])
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+def test_a_soft_shot_beside_the_films_own_sound_is_held_to_its_place_and_its_gain(
+    tmp_path: Path, drive: DriveChoice, phase: Phase
+) -> None:
+    path = film_in_noise(tmp_path / "film.wav", IN_NOISE)
+    options = RenderOptions(report=False, drive=drive, phase=phase, background="direct")
+    made = rendered(path, IN_NOISE, options, [-20.0] * 3)
+    samples, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    window = made.events[1].window
+    own = slice(window.start + window.fade_in_samples, window.stop - window.fade_out_samples)
+
+    def wrong_with(within: Samples) -> set[str]:
+        other = samples.copy()
+        other[own] = within
+        soundfile.write(tmp_path / "other.wav", other, RATE_HZ, subtype="PCM_24")
+        checked = run.check(tmp_path / "out" / "timeline.json", audio=path, drive=tmp_path / "other.wav")
+        return {name for name, event, _ in failures(checked) if event == "shot-0002"}
+
+    moved, softer = wrong_with(np.roll(samples[own], 12)), wrong_with(0.7 * samples[own])
+    assert moved & {"lag_as_rendered", "drive_as_rendered"}
+    assert "level_as_rendered" in softer
+
+
 @pytest.mark.parametrize("drive", ["direct", "filter", "constrained"])
 @pytest.mark.parametrize("share", [0.9, 0.5])
 def test_a_clipped_drive_fails_by_as_much_as_its_peak_lacks(tmp_path: Path, drive: DriveChoice, share: float) -> None:

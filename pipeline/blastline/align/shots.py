@@ -137,14 +137,14 @@ def locate(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap, s
     short = replace(part, span=Span(start, min(part.span.stop, start + longest)))
     heard = hear(shared, event, short, margin=0)
     felt = feel(shared, event, Span(start - search, short.span.stop + search), time_map=time_map)
-    return match_template(heard.intended, felt.following)
+    return match_template(heard.expected, felt.following)
 
 
 def _match(shared: Comparison, event: Event, heard: Heard, felt: Felt, pattern: slice) -> Match:
     """Return where the drive is most like the sound; its own place, if it is due or as like there as was predicted."""
 
     def within(aside: int) -> Match:
-        return match_template(heard.intended[pattern], felt.following[pattern.start - aside : pattern.stop + aside])
+        return match_template(heard.expected[pattern], felt.following[pattern.start - aside : pattern.stop + aside])
 
     if event.drive is not None and not is_direct(event):
         own = within(reach(shared))
