@@ -13,7 +13,8 @@ from scipy.signal import chirp
 
 from actuator_signals import Seat, noise, run_through
 from blastline.dsp import felt_response
-from blastline.ruleset import load_actuator
+from blastline.report import BodeCurve
+from blastline.ruleset import ActuatorProfile, load_actuator, load_perception
 from blastline.run import draw_bode
 from commands import BELIEVE, Ended, blastline, write_film
 
@@ -187,6 +188,38 @@ def test_pictures_are_drawn(run: Path, tmp_path: Path, suffix: str) -> None:
             assert words in text
     assert "exists already" in blastline(*asked).complaint
     assert blastline(*asked, "--overwrite").code == 0
+
+
+def readme_commands(folder: Path) -> list[list[str]]:
+    """Return the commands of README that measure, fit and draw a seat, with the files in a folder."""
+    text = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    lines = re.findall(r"^blastline (actuator .*)$", text, flags=re.MULTILINE)
+    return [[str(folder / word) if "." in word else word for word in line.split()] for line in lines]
+
+
+def test_the_picture_of_readme_shows_the_model_beside_what_was_measured(
+    run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    curve = load_perception("mpeg-psychohaptic")
+    rows = zip(curve.frequencies_hz, curve.threshold_db, strict=True)
+    table = "\n".join(["frequency_hz,threshold_db", *(f"{hz},{level_db}" for hz, level_db in rows)])
+    (tmp_path / "my-thresholds.csv").write_text(table)
+    (tmp_path / "noise.wav").write_bytes((run / "sent.wav").read_bytes())
+    (tmp_path / "seat.wav").write_bytes((run / "came.wav").read_bytes())
+    drawn: list[tuple[ActuatorProfile, BodeCurve]] = []
+
+    def write(path: Path, profile: ActuatorProfile, *, product: BodeCurve, **_: object) -> None:
+        path.touch()
+        drawn.append((profile, product))
+
+    monkeypatch.setattr("blastline.run.bode_plots.write_bode", write)
+    for command in readme_commands(tmp_path):
+        assert blastline(*command).code == 0, command
+    [(profile, measured)] = drawn
+    frequencies_hz, low_hz, high_hz = measured.frequencies_hz, profile.highpass.corner_hz, profile.lowpass.corner_hz
+    driven = (frequencies_hz >= low_hz) & (frequencies_hz <= high_hz)
+    model_db = 20.0 * np.log10(np.abs(felt_response(profile).at(frequencies_hz[driven])))
+    assert np.max(np.abs(model_db - measured.level_db[driven])) < 3.0  # 1.1; without the thresholds 38
 
 
 def test_a_picture_is_the_same_twice_and_needs_no_measurement(tmp_path: Path) -> None:

@@ -12,18 +12,18 @@ _LEAST_MS = {"causal": 5.0, "zero": 20.0}
 _PIECE_MS = 1000.0
 
 _SOFTER_DB = 30.0
-"""A shot asked to be so much softer than the one before it lies beneath what is left of that."""
+"""A shot asked to be so much softer than what plays before it lies beneath what is left of that."""
 
 
 def is_comparable(shared: Comparison, event: Event, part: Part) -> bool:
     """Return whether a shot's drive can be compared with its sound.
 
-    A shot cannot be that is all but over before the next begins, or that was muted beside a louder one; nor one that
-    only other channels play; nor one set by hand where nothing begins: in a tone or in silence one place sounds like
-    the next, and so nothing tells whether the drive is in its own; nor one whose drive was never to follow its sound,
-    on a seat that cannot.
+    A shot cannot be that is all but over before the next begins, or that was muted beside a louder one or beside the
+    film's own sound; nor one that only other channels play; nor one set by hand where nothing begins: in a tone or in
+    silence one place sounds like the next, and so nothing tells whether the drive is in its own; nor one whose drive
+    was never to follow its sound, on a seat that cannot.
     """
-    if len(part.span) < shared.samples(_LEAST_MS[shared.phase]) or part.before_db > _SOFTER_DB:
+    if len(part.span) < shared.samples(_LEAST_MS[shared.phase]) or _softer_db(shared, event, part) > _SOFTER_DB:
         return False
     rules = shared.rules
     if event.drive is not None and not is_direct(event) and event.drive.fidelity < rules.least_correlation:
@@ -31,6 +31,13 @@ def is_comparable(shared: Comparison, event: Event, part: Part) -> bool:
     if event.origin != "found" and audio_rise_db(event, shared.audio) < rules.hand_rise_db:
         return False
     return not _is_still(shared, event)
+
+
+def _softer_db(shared: Comparison, event: Event, part: Part) -> float:
+    """Return by how much a shot was asked to be softer than what plays before it: the background, or another shot."""
+    if part.opens and shared.background == "direct":
+        return -(event.gain_db + shared.level_db)
+    return part.before_db
 
 
 def _is_still(shared: Comparison, event: Event) -> bool:

@@ -61,7 +61,7 @@ class DueDrive:
 def adjoints_of(shared: Comparison, heard: Heard, felt: Felt) -> Adjoints:
     """Return the adjoints of a shot without what the opening of its window leaves ringing: no drive undoes that."""
     wet = _unsolved(heard, 1.0 if heard.solved else _gain_of_wet(heard, felt))
-    left = _opening(heard, wet) - wet
+    left = np.where(heard.weights > 0.0, _opening(heard, wet), 0.0) - wet  # `own` is at rest until the window opens
     vibration = felt.own - dsp.run_filter(shared.felt, left) if left.any() else felt.own
     return Adjoints(shared.adjoint(heard.intended), shared.adjoint(vibration))
 

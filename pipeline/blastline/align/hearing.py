@@ -23,7 +23,8 @@ class Part:
     """What belongs to a shot alone: `span` of its sound, and `driven`, where the drive is its own.
 
     `opens` says that the shot is the first of its window, `followed` that it is not the last. `since` is from where on
-    the drive before it is known, by the window or by the shot before, which was asked to be `before_db` stronger.
+    the drive before it is known, by the window or by the shot before, which was asked to be `before_db` stronger; the
+    next shot of the window was asked to be `after_db` stronger.
     """
 
     span: Span
@@ -32,6 +33,7 @@ class Part:
     since: int
     driven: Span
     before_db: float = 0.0
+    after_db: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,16 +41,18 @@ class Heard:
     """The sound of a shot in the band of vibration, over `span`, of which `core` holds the shot itself.
 
     All arrays have the span's length. `intended` has the delay that the drive is meant to have, `undelayed` none;
+    `expected` is what is felt where that succeeds, with what the background before the window leaves ringing;
     `direct` is what direct conversion would make felt of the window alone, from rest. `wet` is the drive of an open
     window if nothing limited it. `weights` blends it with the drive of the `background`; that of a `solved` window is
     not `wet`, but it is solved as if it were after the next onset. `gain` is how much stronger than usual the shot was
-    asked to be.
+    made.
     """
 
     span: Span
     core: slice
     intended: Samples
     undelayed: Samples
+    expected: Samples
     direct: Samples
     background: Samples
     wet: Samples
@@ -91,44 +95,105 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
     wide = Span(span.start - settle, span.stop + settle)
     audio = read_padded(shared.audio, wide, event.made_of)
     kept = slice(settle, settle + len(span))
-    undelayed = _without_delay(shared, audio)[kept]
-    intended = undelayed
-    if shared.phase == "causal" and not is_direct(event):
-        intended = dsp.run_filter(shared.band, audio[: kept.stop])[kept]
     dry = np.clip(audio, -1.0, 1.0)
-    beside = dry[kept] if event.made_of == "mains" else np.clip(read_padded(shared.audio, span), -1.0, 1.0)
-    wet = audio if is_direct(event) else shared.compensated(audio)
-    if part.before_db:
-        relative = _relative_gain(shared, part, wide)
-        wet, undelayed, intended = relative * wet, relative[kept] * undelayed, relative[kept] * intended
-        if not is_solved(event) and not is_direct(event):
-            intended = dsp.run_filter(shared.felt, wet)[kept]  # H rings on with the shot before, however soft this one
+    background = _background(shared, event, dry, wide)
+    wet, undelayed, intended = _wanted(shared, event, part, audio, background, wide)
     return Heard(
         span,
         slice(margin, margin + len(part.span)),
-        intended,
-        undelayed,
+        intended[kept],
+        undelayed[kept],
+        _expected(shared, event, wet, intended, background, wide)[kept],
         direct=dsp.run_filter(shared.felt, _of_window(dry, event, wide.start)[: kept.stop])[kept],
-        background=beside if shared.background == "direct" else np.zeros(len(span)),
+        background=background[kept],
         wet=wet[kept],
-        weights=_weights(event, span),
+        weights=_risen(event, span),
         solved=is_solved(event),
-        gain=gain_from_db(event.gain_db + shared.level_db),
+        gain=_gain(shared, event),
     )
 
 
+def _background(shared: Comparison, event: Event, dry: Samples, span: Span) -> Samples:
+    """Return the drive beside the windows over a span, of which `dry` is the sound that the shot's drive is made of."""
+    if shared.background == "mute":
+        return np.zeros(len(span))
+    return dry if event.made_of == "mains" else np.clip(read_padded(shared.audio, span), -1.0, 1.0)
+
+
+def _wanted(
+    shared: Comparison, event: Event, part: Part, audio: Samples, background: Samples, span: Span
+) -> tuple[Samples, Samples, Samples]:
+    """Return `wet`, `undelayed` and `intended` of `Heard` over the span of `audio`, against the gain of the shot."""
+    relative = _relative_gain(shared, part, span)
+    if is_direct(event):
+        wet = relative * audio
+        following = _without_delay(shared, _as_driven(shared, event, part, wet, background, span))
+        return wet, following, following
+    wet, undelayed = relative * shared.compensated(audio), relative * _without_delay(shared, audio)
+    if part.before_db and not is_solved(event):
+        # H rings on with the shot before, however soft this one
+        return wet, undelayed, dsp.run_filter(shared.felt, wet)
+    intended = relative * dsp.run_filter(shared.band, audio) if shared.phase == "causal" else undelayed
+    return wet, undelayed, intended
+
+
+def _expected(
+    shared: Comparison, event: Event, wet: Samples, intended: Samples, background: Samples, span: Span
+) -> Samples:
+    """Return `expected` of `Heard` over a span, against the gain of the shot.
+
+    However soft a shot is, the background that fades out before it has its full level, and H rings on with that.
+    """
+    if shared.background == "mute" or is_direct(event):
+        return intended
+    own = np.zeros(len(span)) if is_solved(event) else wet
+    opening = dsp.cross_fade(background / _gain(shared, event), own, _risen(event, span))
+    return intended + dsp.run_filter(shared.felt, opening - own)
+
+
 def _relative_gain(shared: Comparison, part: Part, span: Span) -> Samples:
-    """Return the gain against the shot's own over a span: that of the shot before until the lead before the onset."""
-    lead, onset = shared.samples(shared.lead_ms), part.span.start
-    before = gain_from_db(part.before_db)
-    return np.interp(np.arange(span.start, span.stop), [onset - lead, onset], [before, 1.0])
+    """Return the gain against the shot's own over a span: each shot's is reached over the lead before its onset."""
+    lead, onset, stop = shared.samples(shared.lead_ms), part.span.start, part.driven.stop
+    gains = [gain_from_db(part.before_db), 1.0, 1.0, gain_from_db(part.after_db)]
+    return np.interp(np.arange(span.start, span.stop), [onset - lead, onset, stop, stop + lead], gains)
 
 
-def _weights(event: Event, span: Span) -> Samples:
+def _as_driven(shared: Comparison, event: Event, part: Part, wet: Samples, background: Samples, span: Span) -> Samples:
+    """Return a direct drive as it is beside a shot, and as the shot's own is to follow the sound, beyond any limit.
+
+    The band without delay spreads what is beside a shot over it. All is against the gain of the shot, as `wet` is.
+    """
+    gain = _gain(shared, event)
+    weights = _risen(event, span) * _fallen(event, span)
+    drive = dsp.cross_fade(background, np.clip(gain * wet, -1.0, 1.0), weights) / gain
+    own = slice(part.span.start - span.start, part.span.stop - span.start)
+    drive[own] = wet[own]
+    return drive
+
+
+def _gain(shared: Comparison, event: Event) -> float:
+    """Return the gain of a shot in its window, which is scaled down where the compensator's drive exceeds the limit."""
+    gain = gain_from_db(event.gain_db + shared.level_db)
+    if event.drive is not None and event.drive.model == "filter":
+        gain /= max(1.0, event.drive.evidence.get("filter_peak", 1.0))
+    return gain
+
+
+def _risen(event: Event, span: Span) -> Samples:
     """Return the weight of the window's drive over a span, up to the fade-out, which no check compares."""
     window = event.window
-    at = np.arange(span.start, span.stop) - window.start
-    fade = np.concatenate([[0.0], dsp.fade(window.fade_in_samples), [1.0]])
+    return _faded_in(np.arange(span.start, span.stop) - window.start, window.fade_in_samples)
+
+
+def _fallen(event: Event, span: Span) -> Samples:
+    """Return the weight of the window's drive over a span, from the fade-in on."""
+    window = event.window
+    return _faded_in(window.stop - 1 - np.arange(span.start, span.stop), window.fade_out_samples)
+
+
+def _faded_in(at: NDArray[np.int64], length: int) -> Samples:
+    """Return the weights of a fade at samples counted from its start, of which it has `length`."""
+    fade = np.concatenate([[0.0], dsp.fade(length), [1.0]])
     return np.asarray(fade[np.clip(at + 1, 0, len(fade) - 1)], dtype=np.float64)
 
 

@@ -81,9 +81,10 @@ def parts_of(events: Sequence[Event], *, lead: int) -> tuple[Part, ...]:
         opens = before is None or before.window != event.window
         since = event.window.start if before is None or opens else before.onset_sample - lead
         before_db = 0.0 if before is None or opens else before.gain_db - event.gain_db
+        after_db = after.gain_db - event.gain_db if after is not None and stop < whole else 0.0
         begins = event.window.start if opens else max(event.window.start, event.onset_sample - lead)
         driven = Span(begins, max(begins + 1, stop if stop < whole else event.window.stop))
-        parts.append(Part(Span(event.onset_sample, stop), opens, stop < whole, since, driven, before_db))
+        parts.append(Part(Span(event.onset_sample, stop), opens, stop < whole, since, driven, before_db, after_db))
     return tuple(parts)
 
 
@@ -136,14 +137,14 @@ def locate(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap, s
     short = replace(part, span=Span(start, min(part.span.stop, start + longest)))
     heard = hear(shared, event, short, margin=0)
     felt = feel(shared, event, Span(start - search, short.span.stop + search), time_map=time_map)
-    return match_template(heard.intended, felt.following)
+    return match_template(heard.expected, felt.following)
 
 
 def _match(shared: Comparison, event: Event, heard: Heard, felt: Felt, pattern: slice) -> Match:
     """Return where the drive is most like the sound; its own place, if it is due or as like there as was predicted."""
 
     def within(aside: int) -> Match:
-        return match_template(heard.intended[pattern], felt.following[pattern.start - aside : pattern.stop + aside])
+        return match_template(heard.expected[pattern], felt.following[pattern.start - aside : pattern.stop + aside])
 
     if event.drive is not None and not is_direct(event):
         own = within(reach(shared))

@@ -47,7 +47,8 @@ def say_fitted(made: "MadeProfile") -> None:
     if made.identified is None and made.excess is not None and made.excess.inverted:
         _say("polarity", _polarity(made.excess.residual_rms_deg, inverted=True))
     if fitted.best.error_db > _POOR_DB:
-        _say("note", "the model is far from the measurement; `actuator show --picture --measured` shows where")
+        shown = "`actuator show --picture --measured`, with the same --perception,"
+        _say("note", f"the model is far from the measurement; {shown} shows where")
     if abs(made.peak_db) > _FAR_FROM_0_DB and not made.asked:
         _say("note", "this level is the recorder's unless it was calibrated; --peak-db sets it (-7 dB is usual)")
     typer.echo(f"\n{'octave Hz':>9} {'felt dB':>8} {'mean dB':>8} {'rms dB':>8} {'worst dB':>9}")

@@ -97,7 +97,14 @@ def show(
             rich_help_panel=WRITING,
         ),
     ] = None,
-    perception: PerceptionOption = "none",
+    perception: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME|FILE|none",
+            help="The skin's threshold that the profile was fitted with, for the picture: as of `actuator fit`.",
+            rich_help_panel=WRITING,
+        ),
+    ] = "none",
     rules: RulesOption = None,
     overwrite: Overwrite = False,
 ) -> None:
