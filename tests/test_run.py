@@ -204,7 +204,9 @@ def test_a_delay_of_the_film_delays_events_and_drive(
 def test_six_decibels_move_no_onset(
     result: tuple[Timeline, NDArray[np.int32]], samples: NDArray[np.float64], tmp_path: Path
 ) -> None:
-    film = write(tmp_path / "film.wav", 0.5 * samples)
+    film = tmp_path / "film.wav"
+    in_16_bits = soundfile.read(write(film, samples))[0]
+    soundfile.write(film, 0.5 * in_16_bits, RATE_HZ, subtype="PCM_24")  # which holds the halves exactly
     timeline, _ = rendered(film, tmp_path / "out")
     assert [event.onset_sample for event in timeline.events] == [event.onset_sample for event in result[0].events]
 
