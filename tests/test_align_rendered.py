@@ -115,6 +115,25 @@ def test_a_direct_shot_before_a_louder_one_is_held_to_its_place_and_its_gain(
     assert ("level_as_rendered", "shot-0001") in wrong_with(softer)
 
 
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+@pytest.mark.parametrize("gap_ms", [60, 120])
+def test_a_filtered_shot_after_one_that_is_asked_to_be_louder_passes_where_it_is_and_not_beside(
+    tmp_path: Path, phase: Phase, gap_ms: int
+) -> None:
+    """What the louder one leaves ringing has no say in how late the softer one is meant to be."""
+    onsets = [14_400 + number * gap_ms * RATE_HZ // 1000 for number in range(7)]
+    path = film(tmp_path / "film.wav", onsets, [0.1] * 7, decay_s=0.03)
+    options = RenderOptions(report=False, drive="filter", phase=phase)
+    made = rendered(path, onsets, options, [0.0, 24.0] * 3 + [0.0])
+    assert failures(made) == []
+    drive, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    own = slice(onsets[2] - RATE_HZ // 1000, onsets[3] - RATE_HZ // 1000)
+    drive[own] = np.roll(drive[own], 5)
+    soundfile.write(tmp_path / "moved.wav", drive, RATE_HZ, subtype="PCM_24")
+    checked = run.check(tmp_path / "out" / "timeline.json", audio=path, drive=tmp_path / "moved.wav")
+    assert ("lag_as_rendered", "shot-0003") in {(name, event) for name, event, _ in failures(checked)}
+
+
 def film_in_noise(path: Path, onsets: Sequence[int]) -> Path:
     """Write blasts over noise that is heard and felt as well."""
     samples, _ = soundfile.read(film(path, onsets, [0.5] * len(onsets)))

@@ -40,7 +40,8 @@ class Part:
 class Heard:
     """The sound of a shot in the band of vibration, over `span`, of which `core` holds the shot itself.
 
-    All arrays have the span's length. `intended` has the delay that the drive is meant to have, `undelayed` none;
+    All arrays have the span's length. `delayed` has the delay that the drive is meant to have, `undelayed` none.
+    `intended` is `delayed`, but for what a louder shot before leaves ringing where nothing solves against that;
     `expected` is what is felt where that succeeds, with what the background before the window leaves ringing;
     `direct` is what direct conversion would make felt of the window alone, from rest. `wet` is the drive of an open
     window if nothing limited it. `weights` blends it with the drive of the `background`; that of a `solved` window is
@@ -51,6 +52,7 @@ class Heard:
     span: Span
     core: slice
     intended: Samples
+    delayed: Samples
     undelayed: Samples
     expected: Samples
     direct: Samples
@@ -97,11 +99,15 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
     kept = slice(settle, settle + len(span))
     dry = np.clip(audio, -1.0, 1.0)
     background = _background(shared, event, dry, wide)
-    wet, undelayed, intended = _wanted(shared, event, part, audio, background, wide)
+    wet, undelayed, delayed = _wanted(shared, event, part, audio, background, wide)
+    is_linear = not is_solved(event) and not is_direct(event)
+    # H rings on with the shot before, however soft this one
+    intended = dsp.run_filter(shared.felt, wet) if is_linear and part.before_db else delayed
     return Heard(
         span,
         slice(margin, margin + len(part.span)),
         intended[kept],
+        delayed[kept],
         undelayed[kept],
         _expected(shared, event, wet, intended, background, wide)[kept],
         direct=dsp.run_filter(shared.felt, _of_window(dry, event, wide.start)[: kept.stop])[kept],
@@ -123,18 +129,14 @@ def _background(shared: Comparison, event: Event, dry: Samples, span: Span) -> S
 def _wanted(
     shared: Comparison, event: Event, part: Part, audio: Samples, background: Samples, span: Span
 ) -> tuple[Samples, Samples, Samples]:
-    """Return `wet`, `undelayed` and `intended` of `Heard` over the span of `audio`, against the gain of the shot."""
+    """Return `wet`, `undelayed` and `delayed` of `Heard` over the span of `audio`, against the gain of the shot."""
     relative = _relative_gain(shared, part, span)
     if is_direct(event):
         wet = relative * audio
         following = _without_delay(shared, _as_driven(shared, event, part, wet, background, span))
         return wet, following, following
     wet, undelayed = relative * shared.compensated(audio), relative * _without_delay(shared, audio)
-    if part.before_db and not is_solved(event):
-        # H rings on with the shot before, however soft this one
-        return wet, undelayed, dsp.run_filter(shared.felt, wet)
-    intended = relative * dsp.run_filter(shared.band, audio) if shared.phase == "causal" else undelayed
-    return wet, undelayed, intended
+    return wet, undelayed, relative * dsp.run_filter(shared.band, audio) if shared.phase == "causal" else undelayed
 
 
 def _expected(

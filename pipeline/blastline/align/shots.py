@@ -120,7 +120,7 @@ def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap) 
     return ShotFigures(
         found.match,
         exact=found.exact,
-        delay=_delay(heard, pattern, search),
+        delay=0.0 if shared.phase == "zero" or is_direct(event) else _delay(heard, pattern, search),
         peak=felt.peak,
         own_peak=peak_in(shared, part.driven, time_map=time_map),
         late_start=late_start(shared, heard, felt, due),
@@ -221,10 +221,8 @@ def _bend(shared: Comparison, drive: _DriveRead, pattern: slice) -> float | None
 
 
 def _delay(heard: Heard, pattern: slice, search: int) -> float:
-    """Return how many samples later the intended sound is than the undelayed one."""
-    if heard.intended is heard.undelayed:
-        return 0.0
-    return match_template(heard.undelayed[pattern], heard.intended[pattern.start - search : pattern.stop + search]).lag
+    """Return by how many samples the sound is later with the delay that the drive is meant to have than without."""
+    return match_template(heard.undelayed[pattern], heard.delayed[pattern.start - search : pattern.stop + search]).lag
 
 
 def _rms(samples: Samples) -> float:
