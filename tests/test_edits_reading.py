@@ -5,6 +5,7 @@ import json
 import re
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from types import FrameType
@@ -83,6 +84,24 @@ def test_a_letter_of_the_western_alphabet_is_no_obstacle(tmp_path: Path) -> None
 @pytest.mark.parametrize(("name", "text"), [("c.csv", TABLE), ("c.txt", TABLE), ("r.txt", REAPER), ("r.csv", REAPER)])
 def test_a_table_is_known_by_its_header(tmp_path: Path, name: str, text: str) -> None:
     assert len(read(tmp_path, text, name).edits) == 2
+
+
+@pytest.mark.parametrize("suffix", ["csv", "tsv", "txt", "json", "xml", ""])
+@pytest.mark.parametrize("text", [TABLE, LABELS, REAPER, encode(timeline()).decode()])
+def test_a_file_is_told_by_its_contents_whatever_it_is_called(tmp_path: Path, text: str, suffix: str) -> None:
+    here, there = read(tmp_path, text, "edited.txt"), read(tmp_path, text, f"edited.{suffix}")
+    assert len(there.edits) == 2
+    assert replace(there, path=here.path) == here
+
+
+@pytest.mark.parametrize("suffix", ["csv", "json"])
+@pytest.mark.parametrize("name", ["resolve", "fcp7", "fcpxml", "otio", "webvtt", "avid"])
+def test_a_file_that_is_not_read_is_called_by_what_it_is_whatever_its_name(
+    tmp_path: Path, name: str, suffix: str
+) -> None:
+    (file,) = export_timeline(timeline(SHOT, BURST_SHOT), tmp_path, formats=[name])
+    content = file.read_bytes()
+    assert refusal(tmp_path, content, f"edited.{suffix}") == refusal(tmp_path, content, "edited.txt")
 
 
 def test_columns_that_nobody_knows_are_left_aside_and_said(tmp_path: Path) -> None:

@@ -30,10 +30,11 @@ _TEXTS = (
 )
 """How texts of other tools begin. Their times are whole frames or milliseconds, too coarse to be read for onsets."""
 
+_LABELS = re.compile(r"-?\d+[.,]\d+\t-?\d+[.,]\d+")
 _TABLES = (
     (re.compile(r'"?#"?[,;\t]'), "REAPER's markers and regions"),
     (re.compile(r"[^\n]*\bonset_s(ample)?\b"), "a table of shots"),
-    (re.compile(r"-?\d+[.,]\d+\t-?\d+[.,]\d+"), "an Audacity label track"),
+    (_LABELS, "an Audacity label track"),
 )
 """What only `render` reads, of an edited timeline."""
 
@@ -62,6 +63,11 @@ def kind_of_table(text: str) -> str | None:
     """Return what a text is that `render --timeline` reads and nothing else does."""
     head = text.lstrip()[:_LONGEST_HEAD]
     return next((what for beginning, what in _TABLES if beginning.match(head)), None)
+
+
+def begins_as_labels(text: str) -> bool:
+    """Return whether a text begins as an Audacity label track does: with two times, parted by a tab."""
+    return _LABELS.match(text.lstrip()) is not None
 
 
 def kind_of_json(plain: Any) -> str | None:

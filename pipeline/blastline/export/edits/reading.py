@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ...errors import TimelineError
-from ..kinds import kind_of_text
+from ..kinds import begins_as_labels, kind_of_text
 from ..reading import read_text
 from .document import read_document
 from .labels import read_labels
@@ -29,25 +29,37 @@ def read_edits(path: Path) -> EditedFile:
 
 
 def _read(path: Path) -> EditedFile:
+    """Return the events of a file as what it holds; its name counts only where that tells nothing."""
     text = read_text(path, expected=_EXPECTED)
-    if path.suffix.lower() == ".json" or text.lstrip().startswith("{"):
+    suffix = path.suffix.lower()
+    if text.lstrip().startswith(("{", "[{")):
         return read_document(text, path, expected=_EXPECTED)
-    is_table = path.suffix.lower() in (".csv", ".tsv")
-    if not text.strip():
-        if is_table:
-            raise TimelineError(f"{path}: line 1: no header; expected {_HEADERS}")
-        return EditedFile(path, (), shows_ends=True)
-    first = text.lstrip().split("\n", 1)[0].lower()
-    if is_table or any(name in first for name in ONSETS) or first.startswith(("#", '"#"', "sep=")):
-        grid = separated(text, path)
-        if not grid.rows:  # blank cells alone, or nothing after `sep=;`
-            raise TimelineError(f"{path}: line 1: no header; expected {_HEADERS}")
-        header = grid.rows[0].cells
-        if is_reaper(header):
-            return read_reaper(grid, path)
-        if not set(header) & set(ONSETS) and header[0] != "id":
-            raise TimelineError(f"{path}: line {grid.rows[0].line}: not a header of a timeline; expected {_HEADERS}")
-        return read_table(grid, path)
+    if _begins_as_table(text):
+        return _read_grid(text, path)
     if kind := kind_of_text(text):
         raise TimelineError(f"{path}: {kind}; expected {_EXPECTED}")
+    if begins_as_labels(text):
+        return read_labels(text, path)
+    if suffix == ".json":
+        return read_document(text, path, expected=_EXPECTED)
+    if suffix in (".csv", ".tsv"):
+        return _read_grid(text, path)
     return read_labels(text, path)
+
+
+def _begins_as_table(text: str) -> bool:
+    first = text.lstrip().split("\n", 1)[0].lower()
+    return any(name in first for name in ONSETS) or first.startswith(("#", '"#"', "sep="))
+
+
+def _read_grid(text: str, path: Path) -> EditedFile:
+    """Return the events of a table, by its header: REAPER's, or one like `timeline.csv`."""
+    grid = separated(text, path)
+    if not grid.rows:  # nothing, blank cells alone, or nothing after `sep=;`
+        raise TimelineError(f"{path}: line 1: no header; expected {_HEADERS}")
+    header = grid.rows[0].cells
+    if is_reaper(header):
+        return read_reaper(grid, path)
+    if not set(header) & set(ONSETS) and header[0] != "id":
+        raise TimelineError(f"{path}: line {grid.rows[0].line}: not a header of a timeline; expected {_HEADERS}")
+    return read_table(grid, path)
