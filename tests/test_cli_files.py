@@ -278,6 +278,22 @@ def test_an_exported_timeline_comes_last(tmp_path: Path, result: Path) -> None:
     assert ["timeline.json" in each for each in seen] == [False, False, False, True]
 
 
+@pytest.mark.parametrize("same", [True, False], ids=["the same film", "another film"])
+def test_an_exported_timeline_stands_beside_the_drive_of_its_film_or_none(
+    tmp_path: Path, result: Path, same: bool
+) -> None:
+    out = shutil.copytree(result, tmp_path / "out")
+    plain = json.loads((result / "timeline.json").read_text(encoding="utf-8"))
+    plain["source"]["sha256"] = plain["source"]["sha256"] if same else "ab" * 32
+    (tmp_path / "other.json").write_text(json.dumps(plain), encoding="utf-8")
+    options = (tmp_path / "other.json", "-o", out, "--overwrite")
+    assert blastline("export", *options, "--format", "webvtt").code == 0
+    assert (out / "drive.wav").exists(), "without json the timeline there stays that of its drive"
+    assert blastline("export", *options, "--format", "json").code == 0
+    left = files(out).keys() & {"drive.wav", "report.html", "timeline.vtt"}
+    assert left == ({"drive.wav", "report.html", "timeline.vtt"} if same else set())
+
+
 def test_a_place_that_cannot_be_written_is_refused(tmp_path: Path, film: Path) -> None:
     (tmp_path / "file").write_text("mine")
     assert "file: is a file; expected a folder" in blastline("render", film, "-o", tmp_path / "file").complaint

@@ -311,6 +311,20 @@ def test_results_are_replaced_only_when_asked_and_never_the_old_timeline(
     assert "is the old timeline" in beside.complaint
 
 
+def test_no_drive_of_another_stays_beside_a_conformed_timeline(films: tuple[Path, Path, Path], tmp_path: Path) -> None:
+    timeline, old, new = films
+    out = tmp_path / "out"
+    out.mkdir()
+    for name in ("timeline.json", "drive.wav", "report.html", "timeline.reaper.csv", "notes.txt"):
+        (out / name).write_text("another's")
+    arguments = ("conform", timeline, "--from", old, "--to", new, "-o", out, "-q")
+    assert blastline(*arguments).code == 2
+    assert (out / "drive.wav").exists()
+    assert blastline(*arguments, "--overwrite").code == 0
+    left = sorted(each.name for each in out.iterdir())
+    assert left == ["conform.csv", "notes.txt", "stretches.csv", "timeline.json"]
+
+
 @pytest.mark.parametrize(
     ("samples", "complaint"),
     [

@@ -5,6 +5,7 @@ new film ─► fingerprint ┴► segments ─► each event's place ─► win
 """
 
 from collections.abc import Collection, Iterator, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -41,6 +42,7 @@ from ..timebase import AS_FILMED, Timebase
 from ..timecode import timecode_at
 from ..units import samples_from_ms, samples_from_s
 from . import names
+from .exports import files_of_results
 from .listening import BLOCK
 from .progress import Progress, no_progress, report_progress
 
@@ -86,11 +88,10 @@ def conform(
     timeline = names.timeline_of(timeline)
     read = read_timeline(timeline)
     known, hearing = load_rules(read.quality, rules), load_conform(rules)
-    files = [names.TIMELINE, names.EVENTS, names.STRETCHES]
     if (folder / names.TIMELINE).exists() and (folder / names.TIMELINE).samefile(timeline):
         raise OutputError(f"{folder / names.TIMELINE}: is the old timeline; choose another folder for the new one")
     with (
-        staged(folder, names=files, films=[old, new], seal=names.TIMELINE, overwrite=overwrite) as hidden,
+        _place(folder, timeline, films=[old, new], overwrite=overwrite) as hidden,
         open_soundtrack(old, stream=read.source.stream, mix=read.source.mix, spool_folder=hidden) as old_track,
         open_soundtrack(
             new, stream=stream, mix=mix or read.source.mix, spool_folder=hidden, timebase=timebase
@@ -106,6 +107,14 @@ def conform(
         write_events(hidden / names.EVENTS, done.events, done.places, source=done.timeline.source)
         write_segments(hidden / names.STRETCHES, done.courses)
     return done
+
+
+def _place(folder: Path, timeline: Path, *, films: Collection[Path], overwrite: bool) -> AbstractContextManager[Path]:
+    """Return the place for the results, beside which no drive stays: the new timeline has none, so it is another's."""
+    files, stale = [names.TIMELINE, names.EVENTS, names.STRETCHES], files_of_results()
+    return staged(
+        folder, names=files, stale=stale, films=films, spared=[timeline], seal=names.TIMELINE, overwrite=overwrite
+    )
 
 
 def _heard(track: Soundtrack, path: Path, stage: str, progress: Progress) -> Film:

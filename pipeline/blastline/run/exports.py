@@ -5,6 +5,13 @@ from fnmatch import fnmatchcase
 
 from ..export import FORMATS, HAPTIC_FORMATS, known_formats, resolution
 from ..report import ExportRow
+from . import names
+
+
+def files_of_results() -> list[str]:
+    """Return the names, and patterns of names, of all files that a result may have."""
+    every = known_formats((*FORMATS, *HAPTIC_FORMATS))
+    return [names.DRIVE, names.REPORT, *(name for each in every for name in (*each.files, *each.sets))]
 
 
 def export_rows(*, written: Collection[str] = ()) -> tuple[ExportRow, ...]:

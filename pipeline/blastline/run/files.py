@@ -1,6 +1,7 @@
 """Making files from files: a timeline in other formats, a scene's sound."""
 
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 
 from .. import synth
@@ -21,6 +22,7 @@ from ..timebase import AS_FILMED, Timebase, retimed
 from . import names
 from .belonging import profile_of, require_length
 from .driving import open_drive
+from .exports import files_of_results
 from .haptics import rounding_notes, tell_silent, track_of
 from .listening import BLOCK
 from .progress import Note, Progress, no_note, no_progress
@@ -50,7 +52,15 @@ def export(
     require_frame_rate(chosen, read.source)
     files = [file for known in known_formats(chosen) for file in known.files]
     sets = [pattern for known in known_formats(chosen) for pattern in known.sets]
-    with staged(folder, names=files, sets=sets, seal=names.TIMELINE, overwrite=overwrite) as hidden:
+    with staged(
+        folder,
+        names=files,
+        sets=sets,
+        stale=files_of_results() if _replaces_another_films(read, folder, files) else (),
+        spared=[path for path in (timeline, drive) if path is not None],
+        seal=names.TIMELINE,
+        overwrite=overwrite,
+    ) as hidden:
         track = None
         if needs_drive(chosen):
             track = _haptic_track(read, timeline, drive=drive, actuator=actuator, rules=rules, note=note)
@@ -58,6 +68,19 @@ def export(
     for line in rounding(read, chosen):
         note(line)
     return [folder / file.name for file in written]
+
+
+def _replaces_another_films(timeline: Timeline, folder: Path, files: Iterable[str]) -> bool:
+    """Return whether one of the files to be written takes the place of the timeline of another film.
+
+    The drive beside it would then be taken for that of the new one. A timeline that cannot be read tells of no film.
+    """
+    there = folder / names.TIMELINE
+    if names.TIMELINE not in files or not there.is_file():
+        return False
+    with suppress(TimelineError):
+        return read_timeline(there).source.sha256 != timeline.source.sha256
+    return False
 
 
 def _haptic_track(

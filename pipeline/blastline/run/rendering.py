@@ -11,7 +11,7 @@ from pathlib import Path
 import msgspec
 
 from ..errors import RuleError
-from ..export import FORMATS, HAPTIC_FORMATS, export_timeline, known_formats, needs_drive, require_frame_rate, rounding
+from ..export import export_timeline, known_formats, needs_drive, require_frame_rate, rounding
 from ..model import DriveInfo, Edits, Timeline
 from ..render import require_renderable
 from ..report import OverviewMeter, typeset, write_report
@@ -22,7 +22,7 @@ from . import names
 from .checking import checked
 from .driving import open_drive, write_drive_of
 from .editing import Editing, hear_edited, read_editing, timebase_of
-from .exports import export_rows
+from .exports import export_rows, files_of_results
 from .haptics import rounding_notes, tell_silent, track_of
 from .listening import HeardFilm, assemble, listen
 from .options import RenderOptions, Setup, set_up, with_files
@@ -80,12 +80,12 @@ def _place(film: Path, folder: Path, options: RenderOptions) -> AbstractContextM
     require_utf_8(folder)
     if options.timeline is not None:  # it will be named in the result
         require_utf_8(options.timeline, advice="rename the file")
-    formats, every = known_formats(options.formats), known_formats((*FORMATS, *HAPTIC_FORMATS))
+    formats = known_formats(options.formats)
     return staged(
         folder,
         names=_names(options),
         sets=[pattern for each in formats for pattern in each.sets],
-        stale=[names.DRIVE, names.REPORT, *(name for each in every for name in (*each.files, *each.sets))],
+        stale=files_of_results(),
         films=[film],
         spared=[path for path in (options.timeline, options.original) if path is not None],
         seal=names.TIMELINE,
