@@ -12,7 +12,7 @@ import soundfile
 from numpy.typing import NDArray
 from scipy.signal import resample_poly
 
-from blastline import run
+from blastline import dsp, run
 from blastline.errors import RuleError
 from blastline.model import DriveChoice, Phase, Quality, Timeline
 from blastline.ruleset import load_actuator, rules_path
@@ -327,6 +327,45 @@ source = "where the fit begins"
 corner_hz = 21.0
 order = 2
 """
+
+
+def with_booms(path: Path, onsets: Sequence[int], boom_hz: float, *, peak: float) -> Path:
+    """Put a tone that dies away under each shot of a film, clipped where it is too much."""
+    samples, _ = soundfile.read(path)
+    for onset in onsets:
+        t = np.arange(samples.size - onset) / RATE_HZ
+        samples[onset:] += peak * np.sin(2.0 * np.pi * boom_hz * t) * np.exp(-t / 0.1)
+    soundfile.write(path, np.clip(samples, -1.0, 1.0 - 2.0**-23), RATE_HZ, subtype="PCM_24")
+    return path
+
+
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+@pytest.mark.parametrize(("boom_hz", "gap"), [(25.0, 9_000), (30.0, 5_000), (40.0, 7_000)])
+def test_shots_with_a_boom_under_them_are_calm_before_the_next_in_draft(
+    tmp_path: Path, phase: Phase, boom_hz: float, gap: int
+) -> None:
+    onsets = [24_000, 24_000 + gap, 24_000 + 2 * gap]
+    path = with_booms(film(tmp_path / "film.wav", onsets, [0.6, 0.6, 0.6]), onsets, boom_hz, peak=0.6)
+    options = RenderOptions(report=False, quality="draft", phase=phase)
+    assert failures(rendered(path, onsets, options)) == []
+
+
+@pytest.mark.parametrize("boom_hz", [15.0, 20.0, 25.0, 40.0, 60.0])
+def test_a_drive_leads_with_a_boom_by_what_its_band_brings_it_forward_and_no_more(
+    tmp_path: Path, boom_hz: float
+) -> None:
+    """A high-pass turns the phase of a tone forward, a low-pass back; a boom that dies away is a tone to both."""
+    with_booms(film(tmp_path / "film.wav", [24_000], [0.3]), [24_000], boom_hz, peak=0.4)
+    made = rendered(tmp_path / "film.wav", [24_000], RenderOptions(level_db=-6.0))
+    assert failures(made) == []
+    (lag_ms,) = (check.measured for check in made.checks if check.name == "felt_lag")
+    band = dsp.band(load_actuator("crowson-t108sm")[0]).at(np.array([boom_hz]))
+    due_ms = -1000.0 * float(np.angle(band)[0]) / (2.0 * np.pi * boom_hz)
+    assert lag_ms == pytest.approx(due_ms, abs=0.25)
+    drive, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    soundfile.write(tmp_path / "aside.wav", np.roll(drive, -96), RATE_HZ, subtype="PCM_24")
+    checked = run.check(tmp_path / "out", audio=tmp_path / "film.wav", drive=tmp_path / "aside.wav")
+    assert {"lag_as_rendered", "felt_lag"} <= {name for name, *_ in failures(checked)}
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from align_films import Samples
-from blastline.correlate import match_template, parabolic_offsets
+from blastline.correlate import lag_of_product, match_template, parabolic_offsets
 
 
 def rumble(seed: int, samples: int) -> Samples:
@@ -86,3 +86,19 @@ def test_a_peak_without_a_neighbour_or_a_bend_is_its_own_vertex() -> None:
     assert parabolic_offsets(np.array([3.0, 2.0, 0.0]), np.array([0, 2])).tolist() == [0.0, 0.0]
     assert parabolic_offsets(np.array([1.0, 1.0, 1.0]), np.array([1])).tolist() == [0.0]
     assert parabolic_offsets(np.array([0.0, 1.0, 2.0]), np.array([], np.intp)).tolist() == []
+
+
+@pytest.mark.parametrize("by", [-7, 0, 3])
+def test_a_tone_that_dies_away_is_found_in_its_own_place_and_not_a_period_later(by: int) -> None:
+    """There it is as like itself, only softer; half a period later as like its opposite."""
+    time = np.arange(2_400)
+    tone = np.sin(2.0 * np.pi * time / 240.0) * np.exp(-time / 1_000.0)
+    moving = np.zeros(2_400 + 2 * 300)
+    moving[300 + by : 300 + by + 2_400] = np.sin(2.0 * np.pi * time / 240.0) * np.exp(-time / 1_000.0)
+    moving[300 + by : 300 + by + 120] *= 0.5
+    assert abs(match_template(tone, moving).lag - by) > 100.0
+    assert lag_of_product(tone, moving) == pytest.approx(by, abs=3.0)
+
+
+def test_what_never_agrees_has_no_lag() -> None:
+    assert lag_of_product(np.ones(10), -np.ones(30)) == 0.0

@@ -40,8 +40,8 @@ class Part:
 class Heard:
     """The sound of a shot in the band of vibration, over `span`, of which `core` holds the shot itself.
 
-    All arrays have the span's length. `delayed` has the delay that the drive is meant to have, `undelayed` none.
-    `intended` is `delayed`, but for what a louder shot before leaves ringing where nothing solves against that;
+    All arrays have the span's length. `intended` has the delay that the drive is meant to have, `undelayed` none, but
+    for what a louder shot before leaves ringing where nothing solves against that;
     `expected` is what is felt where that succeeds, with what the background before the window leaves ringing;
     `direct` is what direct conversion would make felt of the window alone, from rest. `wet` is the drive of an open
     window if nothing limited it. `weights` blends it with the drive of the `background`; that of a `solved` window is
@@ -52,7 +52,6 @@ class Heard:
     span: Span
     core: slice
     intended: Samples
-    delayed: Samples
     undelayed: Samples
     expected: Samples
     direct: Samples
@@ -107,7 +106,6 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
         span,
         slice(margin, margin + len(part.span)),
         intended[kept],
-        delayed[kept],
         undelayed[kept],
         _expected(shared, event, wet, intended, background, wide)[kept],
         direct=dsp.run_filter(shared.felt, _of_window(dry, event, wide.start)[: kept.stop])[kept],
@@ -129,7 +127,10 @@ def _background(shared: Comparison, event: Event, dry: Samples, span: Span) -> S
 def _wanted(
     shared: Comparison, event: Event, part: Part, audio: Samples, background: Samples, span: Span
 ) -> tuple[Samples, Samples, Samples]:
-    """Return `wet`, `undelayed` and `delayed` of `Heard` over the span of `audio`, against the gain of the shot."""
+    """Return `wet` and `undelayed` of `Heard`, and this with the delay of the drive, over the span of `audio`.
+
+    All is against the gain of the shot.
+    """
     relative = _relative_gain(shared, part, span)
     if is_direct(event):
         wet = relative * audio

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..correlate import Match, match_template
+from .. import dsp
+from ..correlate import Match, lag_of_product, match_template
 from ..model import Event, Span
 from ..units import db_from_gain
 from .above import added_above_band
@@ -120,7 +121,7 @@ def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap) 
     return ShotFigures(
         found.match,
         exact=found.exact,
-        delay=0.0 if shared.phase == "zero" or is_direct(event) else _delay(heard, pattern, search),
+        delay=0.0 if shared.phase == "zero" or is_direct(event) else _delay(shared, heard.undelayed[pattern], search),
         peak=felt.peak,
         own_peak=peak_in(shared, part.driven, time_map=time_map),
         late_start=late_start(shared, heard, felt, due),
@@ -220,9 +221,14 @@ def _bend(shared: Comparison, drive: _DriveRead, pattern: slice) -> float | None
     return where_free.lag if where_free.correlation >= _EXACT and abs(where_free.lag) < within else None
 
 
-def _delay(heard: Heard, pattern: slice, search: int) -> float:
-    """Return by how many samples the sound is later with the delay that the drive is meant to have than without."""
-    return match_template(heard.undelayed[pattern], heard.delayed[pattern.start - search : pattern.stop + search]).lag
+def _delay(shared: Comparison, undelayed: Samples, search: int) -> float:
+    """Return by how many samples a sound is later, or earlier, with the delay that the drive is meant to have.
+
+    A boom that dies away is like itself a period later, and so is as like it there as in its own place: not the best
+    likeness tells the delay, but the greatest product.
+    """
+    delayed = dsp.run_filter(shared.band, np.concatenate([undelayed, np.zeros(search)]))
+    return lag_of_product(undelayed, np.concatenate([np.zeros(search), delayed]))
 
 
 def _rms(samples: Samples) -> float:
