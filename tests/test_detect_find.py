@@ -15,6 +15,7 @@ from blastline.detect import Detection, find_shots, load_verifier
 from blastline.detect.candidates import CandidateFeatures, describe_candidates, let_all_pass, well_apart
 from blastline.detect.chunks import CORE_PIECES, Chunk, chunks
 from blastline.detect.features import feature_names
+from blastline.detect.find import search_chunks
 from blastline.detect.forest import ForestFile, forest_from, probabilities
 from blastline.detect.spectrogram import Spectrograms, spectrograms
 from blastline.detect.tracks import Grid, pieces
@@ -185,6 +186,36 @@ def test_what_the_sieves_hold_back_changes_nothing_else(film: tuple[NDArray[np.f
         assert others.sum() <= 3
 
 
+def judged(samples: NDArray[np.float32], **changes: float | None) -> NDArray[np.intp]:
+    """Return the onsets of a film that the networks judge, with other rules for what they look at."""
+    tier = msgspec.structs.replace(RULES.tier, verify=msgspec.structs.replace(RULES.tier.verify, **changes))
+    found = search_chunks([Clip(samples[:, None], RATE_HZ)], rate_hz=RATE_HZ, tier=tier, verifier=VERIFIER)
+    return np.concatenate([each.scored["mains"].onsets for each in found])
+
+
+def test_a_tier_that_asks_less_than_the_model_has_more_looked_at_and_one_that_asks_nothing_all(
+    film: tuple[NDArray[np.float32], Truth],
+) -> None:
+    samples, _ = film
+    usual, more, most, every = (
+        judged(samples, **changes)
+        for changes in (
+            {"look_from": VERIFIER.screen.threshold},
+            {"look_from": VERIFIER.screen.threshold / 4.0},
+            {"look_from": VERIFIER.screen.threshold / 4.0, "gate_from": VERIFIER.gate.threshold / 2.0},
+            {"look_from": 0.0, "gate_from": 0.0},
+        )
+    )
+    assert usual.size < more.size < most.size < every.size
+    for fewer, others in ((usual, more), (more, most), (most, every)):
+        assert np.abs(others[:, None] - fewer).min(axis=0).max() < 0.003 * RATE_HZ
+    free = [
+        each.start + describe_candidates(each, Grid(RATE_HZ), RULES.tier, gate=let_all_pass, screen=let_all_pass).onsets
+        for each in chunks(pieces([Clip(samples[:, None], RATE_HZ)], RATE_HZ))
+    ]
+    assert every.tolist() == np.concatenate(free).tolist()
+
+
 def test_the_runtime_walks_the_trees_as_scikit_learn_does() -> None:
     from sklearn.ensemble import HistGradientBoostingClassifier
 
@@ -283,9 +314,6 @@ def test_of_onsets_in_one_place_one_is_kept_and_every_other_is_near_one_that_is(
 
 class AllAlike(Sieve):
     """A sieve that gives everything the same probability."""
-
-    def lets_pass(self, rows: NDArray[np.float64]) -> NDArray[np.bool_]:
-        return np.ones(rows.shape[0], bool)
 
     def probabilities(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.full(rows.shape[0], 0.5)

@@ -124,12 +124,13 @@ def _worth_looking_at(
     """Return the candidates that gate and screen do not find hopeless, and that no mix `over` theirs covers."""
 
     def gate(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
-        passed = verifier.gate.lets_pass(rows)
+        asked = tier.verify.gate_from
+        passed = verifier.gate.probabilities(rows) >= (verifier.gate.threshold if asked is None else asked)
         return passed if over is None else passed & are_audible(chunk, over, places, grid)
 
     def screen(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
         likely, peaks_dbfs = verifier.screen.probabilities(rows), track_peaks_dbfs(chunk, places, grid)
-        least = verifier.screen.threshold
+        least = min(verifier.screen.threshold, tier.verify.look_from)
         return worth_a_look(places, peaks_dbfs, likely, least=least, rate_hz=grid.rate_hz, tier=tier)
 
     return describe_candidates(chunk, grid, tier, gate=gate, screen=screen)

@@ -171,7 +171,7 @@ def worth_a_look(
 
     That is `look_from`, and where it finds some of a row of fire so likely, `least` for the others.
     """
-    passed = likely >= max(least, tier.verify.look_from)
+    passed = likely >= tier.verify.look_from
     perhaps = np.flatnonzero(likely >= least)
     for row in rows_at(onsets[perhaps], peaks_dbfs[perhaps], automatic(tier.bursts), rate_hz=rate_hz):
         passed[perhaps[row]] |= passed[perhaps[row]].any()
