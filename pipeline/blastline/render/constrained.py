@@ -29,7 +29,7 @@ _UNAIDED = 300
 where H remembers so much that its corners are wider apart than asked: by themselves they would lose 2 to 4 % of energy.
 """
 
-_UNSETTLED, _SETTLING = 0.01, 7
+_UNSETTLED, _SETTLING = 0.01, 4
 """A drive that a safe step down the slope still moves by more than this share of its rms gets so many steps at least.
 
 Corners 4 kHz apart tell too coarsely when a drive that is at its limit most of the time turns over: of sounds raised by
