@@ -34,7 +34,7 @@ _UNSETTLED, _SETTLING = 0.01, 4
 
 Corners 4 kHz apart tell too coarsely when a drive that is at its limit most of the time turns over: of sounds raised by
 18 dB and more, what was felt before the next shot of a burst was off by up to 0.15 of its peak. Nor do they tell enough
-of a loud boom under a shot: at 0 dB that was off by up to 0.08 of the peak, with 0.01 instead of 0.04 by 0.025."""
+of a loud boom under a shot: at 0 dB that was off by up to 0.08 of the peak where this share was 0.04."""
 
 _ALREADY = 0.1
 """The compensator's drive is solution enough where it leaves no more than this share of the tolerance."""
