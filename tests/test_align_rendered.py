@@ -368,23 +368,6 @@ def test_a_drive_leads_with_a_boom_by_what_its_band_brings_it_forward_and_no_mor
     assert {"lag_as_rendered", "felt_lag"} <= {name for name, *_ in failures(checked)}
 
 
-@pytest.mark.parametrize(
-    ("boom_hz", "level_db", "quality"), [(15.0, 0.0, "standard"), (25.0, 6.0, "standard"), (40.0, 6.0, "draft")]
-)
-def test_a_boom_at_the_limit_displaces_no_right_drive_and_hides_no_displaced_one(
-    tmp_path: Path, boom_hz: float, level_db: float, quality: Quality
-) -> None:
-    """Likeness rises on beyond what the limit bends a lag by, so that its largest within that is at the end of it."""
-    path = with_booms(film(tmp_path / "film.wav", [24_000], [0.6]), [24_000], boom_hz, peak=0.9)
-    options = RenderOptions(report=False, quality=quality, level_db=level_db)
-    assert failures(rendered(path, [24_000], options)) == []
-    drive, _ = soundfile.read(tmp_path / "out" / "drive.wav")
-    for by, told in ((-48, "drive_shift"), (48, "drive_shift"), (-3, "lag_as_rendered"), (3, "lag_as_rendered")):
-        soundfile.write(tmp_path / "aside.wav", np.roll(drive, by), RATE_HZ, subtype="PCM_24")
-        checked = run.check(tmp_path / "out", audio=path, drive=tmp_path / "aside.wav")
-        assert {"drive_shift", told} <= {name for name, *_ in failures(checked)}
-
-
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_on_a_seat_that_rings_through_a_burst_a_right_drive_passes_and_a_wrong_one_fails(
     tmp_path: Path, seed: int

@@ -182,8 +182,7 @@ def _refined(
     """Return the match made exact where that can be, and the drive read anew from there, `here` where that is the same.
 
     Where the match is too poor to be believed, or where the limit alone may have bent it aside, the drive is read from
-    the shot's own place. Within the narrow search a match may be no peak, for over a boom likeness rises on to its
-    end: what the limit cannot bend is looked for from there, and else from the shot's own place.
+    the shot's own place.
     """
 
     def read(late: int) -> _DriveRead:
@@ -197,11 +196,8 @@ def _refined(
     exact = is_direct(event) and bool(drive.felt.free[pattern].all())
     if not is_direct(event):
         asked = part.followed or event.window.fade_out_samples < shared.memory
-        told = slice(pattern.start, min(pattern.stop, heard.core.stop - (shared.memory if asked else 0)))
-        bend = _bend(shared, drive, told)
-        if bend is None and 0 < abs(late) <= reach(shared):
-            late, drive = 0, read(0)
-            bend = _bend(shared, drive, told)
+        stop = min(pattern.stop, heard.core.stop - (shared.memory if asked else 0))
+        bend = _bend(shared, drive, slice(pattern.start, stop))
         if bend is not None:
             match, exact = Match(late + bend, match.correlation), True
     settled = round(match.lag) if believed and (exact or abs(match.lag) > shared.samples(shared.bend_ms)) else 0
