@@ -40,9 +40,9 @@ class Part:
 class Heard:
     """The sound of a shot in the band of vibration, over `span`, of which `core` holds the shot itself.
 
-    All arrays have the span's length. `intended` has the delay that the drive is meant to have, `undelayed` none, but
-    for what a louder shot before leaves ringing where nothing solves against that;
-    `expected` is what is felt where that succeeds, with what the background before the window leaves ringing;
+    All arrays have the span's length. `undelayed` has no delay, `intended` the one that the drive is meant to have, and
+    what a louder shot before leaves ringing where nothing solves against that; `expected` is what is felt where the
+    drive succeeds, with what the background before the window leaves ringing;
     `direct` is what direct conversion would make felt of the window alone, from rest. `wet` is the drive of an open
     window if nothing limited it. `weights` blends it with the drive of the `background`; that of a `solved` window is
     not `wet`, but it is solved as if it were after the next onset. `gain` is how much stronger than usual the shot was
