@@ -368,6 +368,23 @@ def test_a_drive_leads_with_a_boom_by_what_its_band_brings_it_forward_and_no_mor
     assert {"lag_as_rendered", "felt_lag"} <= {name for name, *_ in failures(checked)}
 
 
+@pytest.mark.parametrize(
+    ("boom_hz", "level_db", "quality"), [(15.0, 0.0, "standard"), (25.0, 6.0, "standard"), (40.0, 6.0, "draft")]
+)
+def test_a_boom_at_the_limit_displaces_no_right_drive_and_hides_no_displaced_one(
+    tmp_path: Path, boom_hz: float, level_db: float, quality: Quality
+) -> None:
+    """Likeness rises on beyond what the limit bends a lag by, so that its largest within that is at the end of it."""
+    path = with_booms(film(tmp_path / "film.wav", [24_000], [0.6]), [24_000], boom_hz, peak=0.9)
+    options = RenderOptions(report=False, quality=quality, level_db=level_db)
+    assert failures(rendered(path, [24_000], options)) == []
+    drive, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    for by, told in ((-48, "drive_shift"), (48, "drive_shift"), (-3, "lag_as_rendered"), (3, "lag_as_rendered")):
+        soundfile.write(tmp_path / "aside.wav", np.roll(drive, by), RATE_HZ, subtype="PCM_24")
+        checked = run.check(tmp_path / "out", audio=path, drive=tmp_path / "aside.wav")
+        assert told in {name for name, *_ in failures(checked)}
+
+
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_on_a_seat_that_rings_through_a_burst_a_right_drive_passes_and_a_wrong_one_fails(
     tmp_path: Path, seed: int
@@ -489,3 +506,56 @@ def test_a_draft_solved_at_few_corners_has_no_drift(tmp_path: Path, kept: tuple[
     onsets = [truth["shots"][index]["onset_sample"] for index in kept]
     made = rendered(tmp_path / "street.wav", onsets, RenderOptions(report=False, quality="draft"))
     assert failures(made) == []
+
+
+def resonant(path: Path, resonance_hz: float, q: float, up_to_hz: float) -> str:
+    """Write the profile of a seat with one resonance, up to a frequency; a full drive is felt by half at most."""
+    pole = 2.0 * np.pi * resonance_hz * complex(-0.5 / q, (1.0 - 0.25 / q**2) ** 0.5)
+    at = 2.0j * np.pi * np.geomspace(1.0, up_to_hz, 2000)
+    gain = 0.5 / float(np.abs(1.0 / ((at - pole) * (at - pole.conjugate()))).max())
+    path.write_text(
+        f"""schema = 1
+name = "seat"
+source = "a test"
+lowpass = {{ source = "a test", corner_hz = {up_to_hz}, order = 4 }}
+highpass = {{ source = "a test", corner_hz = 5.0, order = 1 }}
+[response]
+source = "a resonance"
+gain = {gain}
+zeros_rad_s = []
+poles_rad_s = [[{pole.real}, {pole.imag}], [{pole.real}, {-pole.imag}]]
+""",
+        encoding="utf-8",
+    )
+    return str(path)
+
+
+@pytest.mark.parametrize(
+    ("resonance_hz", "q", "up_to_hz", "quality", "phase", "boom_hz"),
+    [
+        (25.0, 1.0, 500.0, "draft", "zero", 0.0),
+        (25.0, 1.0, 500.0, "reference", "causal", 0.0),
+        (25.0, 3.0, 500.0, "draft", "causal", 25.0),
+        (25.0, 8.0, 1000.0, "reference", "causal", 25.0),
+        (40.0, 1.0, 80.0, "draft", "zero", 0.0),
+        (40.0, 3.0, 150.0, "reference", "zero", 0.0),
+        (40.0, 3.0, 500.0, "draft", "causal", 25.0),
+        (58.0, 1.0, 500.0, "reference", "causal", 0.0),
+    ],
+)
+def test_how_well_a_lag_is_known_decides_what_it_is_held_to(
+    tmp_path: Path, resonance_hz: float, q: float, up_to_hz: float, quality: Quality, phase: Phase, boom_hz: float
+) -> None:
+    """What is slow, or at the limit, tells its lag badly; so do the shots of a burst on a seat that rings for long."""
+    onsets = [14_400, 21_000, 40_000, 52_000]
+    path = film(tmp_path / "film.wav", onsets, [0.9, 0.3, 0.1, 0.6])
+    if boom_hz:
+        with_booms(path, onsets, boom_hz, peak=0.5)
+    seat = resonant(tmp_path / "seat.toml", resonance_hz, q, up_to_hz)
+    options = RenderOptions(report=False, actuator=seat, quality=quality, phase=phase)
+    assert failures(rendered(path, onsets, options)) == []
+    drive, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    for by in (-960, 960):
+        soundfile.write(tmp_path / "aside.wav", np.roll(drive, by), RATE_HZ, subtype="PCM_24")
+        checked = run.check(tmp_path / "out", audio=path, drive=tmp_path / "aside.wav", actuator=seat)
+        assert {"drive_shift", "lag_as_rendered"} & {name for name, *_ in failures(checked)}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from align_films import Samples
-from blastline.correlate import lag_of_product, match_template, parabolic_offsets
+from blastline.correlate import lag_of_product, lag_uncertainty, match_template, parabolic_offsets
 
 
 def rumble(seed: int, samples: int) -> Samples:
@@ -102,3 +102,42 @@ def test_a_tone_that_dies_away_is_found_in_its_own_place_and_not_a_period_later(
 
 def test_what_never_agrees_has_no_lag() -> None:
     assert lag_of_product(np.ones(10), -np.ones(30)) == 0.0
+
+
+def spoilt(signal: Samples, by: float, share: float, seed: int) -> Samples:
+    """Return a signal later by so much, with something else of a share of its strength put to it."""
+    other = rumble(seed, len(signal))
+    return later(signal, by) + share * np.linalg.norm(signal) / np.linalg.norm(other) * other
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("share", [0.003, 0.03, 0.1])
+def test_what_is_unlike_moves_a_lag_by_no_more_than_its_uncertainty(seed: int, share: float) -> None:
+    signal = rumble(seed, 4000)
+    by = float(np.random.default_rng(seed).uniform(-8, 8))
+    moving = spoilt(signal, by, share, seed + 1000)[980:3020]
+    match = match_template(signal[1000:3000], moving)
+    uncertainty = lag_uncertainty(signal[1000:3000], match, len(moving))
+    assert abs(match.lag - by) <= uncertainty + 0.03
+    assert uncertainty < 40.0 * share
+
+
+@pytest.mark.parametrize("slower", [2, 4])
+def test_the_slower_a_sound_the_less_it_tells_a_lag(slower: int) -> None:
+    fast = rumble(1, 4000)
+    slow = np.interp(np.arange(4000) / slower, np.arange(4000), fast)
+
+    def uncertainty(signal: Samples, seed: int) -> float:
+        moving = spoilt(signal, 0.0, 0.01, seed)[980:3020]
+        match = match_template(signal[1000:3000], moving)
+        return lag_uncertainty(signal[1000:3000], match, len(moving))
+
+    ratios = [uncertainty(slow, seed) / uncertainty(fast, seed) for seed in range(50, 60)]
+    assert float(np.median(ratios)) == pytest.approx(slower, rel=0.3)
+
+
+def test_less_than_half_a_period_tells_no_lag() -> None:
+    tone = np.cos(2.0 * np.pi * np.arange(3000) / 1000.0)
+    for length, known in ((250, False), (2000, True)):
+        match = match_template(tone[100 : 100 + length], tone[80 : 120 + length])
+        assert np.isfinite(lag_uncertainty(tone[100 : 100 + length], match, length + 40)) == known

@@ -20,13 +20,19 @@ NO_MATCH = Match(math.nan, 0.0)
 """The match of a pattern with nothing to compare."""
 
 _LEAST_SHARE = 0.05
-"""A match needs this share of the pattern's energy: from less, chance alone correlates."""
+"""A match that is believed for its correlation needs this share of the pattern's energy: less is alike by chance."""
 
 
 def match_template(
-    pattern: NDArray[np.float64], moving: NDArray[np.float64], mask: NDArray[np.bool_] | None = None
+    pattern: NDArray[np.float64],
+    moving: NDArray[np.float64],
+    mask: NDArray[np.bool_] | None = None,
+    *,
+    least_share: float = _LEAST_SHARE,
 ) -> Match:
     """Return where `pattern` lies in `moving`, over the samples of `moving` in the mask; None takes them all.
+
+    A lag at which less than `least_share` of the pattern's energy is in the mask is no match.
 
     Masked normalised cross-correlation with parabolic interpolation. `moving` is longer than the pattern by the same
     number of samples, the search range, at either end. For each lag, where w is 1 in the mask and 0 elsewhere,
@@ -46,7 +52,7 @@ def match_template(
     energy = np.cumsum(np.concatenate([[0.0], weighted**2]))
     felt = energy[len(pattern) :] - energy[: len(energy) - len(pattern)]
     product = _slide(pattern, weighted)
-    enough = (np.asarray(shared) >= _LEAST_SHARE * own) & (felt > 1e-9 * energy[-1])
+    enough = (np.asarray(shared) >= least_share * own) & (felt > 1e-9 * energy[-1])
     scale = np.sqrt(np.where(enough, shared * felt, 1.0))
     correlation = np.where(enough, product / scale, 0.0)
     best = int(np.argmax(np.abs(correlation)))
@@ -54,6 +60,28 @@ def match_template(
         return NO_MATCH  # beside a lag at which too little counts, the largest need not be the peak
     beside = float(parabolic_offsets(np.abs(correlation), np.array([best]))[0])
     return Match(best - search + beside, float(np.clip(correlation[best], -1.0, 1.0)))
+
+
+def lag_uncertainty(
+    pattern: NDArray[np.float64], match: Match, moving: int, mask: NDArray[np.bool_] | None = None
+) -> float:
+    """Return by how many samples at most what is unlike the pattern can have moved the lag of a match.
+
+    `moving` is the number of samples that the pattern was sought in, `mask` as in `match_template`. What is unlike
+    the pattern p there is e, |e|^2 = 2 (1 - c) |p|^2. A normalised pattern cannot tell a lag from a gain, so what tells
+    the lag is the part s of its slope that is not like itself. The best match makes up for <e, s>: it lies
+    <e, s> / |s|^2 aside, and so, after Cauchy and Schwarz, |e| / |s| at most. Slow sounds tell a lag badly, and less
+    than half a period tells none: infinite.
+    """
+    start = (moving - len(pattern)) // 2 + round(match.lag)
+    counts = np.ones(len(pattern), dtype=np.bool_) if mask is None else mask[start : start + len(pattern)]
+    own, slope = pattern[counts], np.gradient(pattern)[counts]
+    energy = float(np.sum(own**2))
+    steep = float(np.sum(slope**2)) - (float(np.sum(own * slope)) ** 2 / energy if energy > 0.0 else 0.0)
+    if steep <= 0.0 or len(own) ** 2 * steep < math.pi**2 * energy:
+        return math.inf
+    between = 0.5 * steep / energy * (match.lag - round(match.lag)) ** 2  # the peak lies higher than its nearest sample
+    return math.sqrt(2.0 * max(0.0, 1.0 - match.correlation - between) * energy / steep)
 
 
 def lag_of_product(pattern: NDArray[np.float64], moving: NDArray[np.float64]) -> float:

@@ -35,6 +35,9 @@ _FAINT = 1e-3
 _LOUD = 0.1
 """A gain is told from samples of at least this share of the largest, which are few."""
 
+_FADED = 1e-3
+"""A drive that is faded out by more than this is no longer told from the rounding of its file."""
+
 _LONG = 16.0
 """A step so many times the safe one makes up at once for all that is missing where |H| is a quarter of its largest."""
 
@@ -58,12 +61,29 @@ class DueDrive:
     drive: Samples
 
 
-def adjoints_of(shared: Comparison, heard: Heard, felt: Felt) -> Adjoints:
-    """Return the adjoints of a shot without what the opening of its window leaves ringing: no drive undoes that."""
+@dataclass(frozen=True, eq=False)
+class _Known:
+    """A drive that ends, what was wanted of it and what is felt of it; shape (frames,) each, over the span of `Heard`.
+
+    A solver does not know what comes after: it expects its drive to ring on as the compensator's would.
+    """
+
+    drive: Samples
+    wanted: Samples
+    vibration: Samples
+
+
+def adjoints_of(shared: Comparison, heard: Heard, felt: Felt, *, piece: slice) -> Adjoints:
+    """Return the adjoints of a shot as its drive was made for: `piece` is where in the span that is the shot's own.
+
+    So without what the opening of its window leaves ringing, for no drive undoes that, without the drive of the next
+    shot and without the fade-out.
+    """
     wet = _unsolved(heard, 1.0 if heard.solved else _gain_of_wet(heard, felt))
     left = np.where(heard.weights > 0.0, _opening(heard, wet), 0.0) - wet  # `own` is at rest until the window opens
-    vibration = felt.own - dsp.run_filter(shared.felt, left) if left.any() else felt.own
-    return Adjoints(shared.adjoint(heard.intended), shared.adjoint(vibration))
+    known = _known(shared, heard, felt, gain=heard.gain, since=piece.start, stop=piece.stop)
+    vibration = known.vibration - dsp.run_filter(shared.felt, left) if left.any() else known.vibration
+    return Adjoints(shared.adjoint(known.wanted / heard.gain), shared.adjoint(vibration))
 
 
 def possible_drives(shared: Comparison, heard: Heard, felt: Felt, adjoints: Adjoints) -> tuple[DueDrive, ...]:
@@ -152,14 +172,21 @@ def due_before_next(shared: Comparison, heard: Heard, felt: Felt, due: DueDrive,
     """
     if not heard.solved:
         return due.drive
+    known = _known(shared, heard, felt, gain=due.gain, since=since, stop=stop)
+    limit = shared.rules.peak
+    return np.clip(known.drive + shared.step * shared.adjoint(known.wanted - known.vibration), -limit, limit)
+
+
+def _known(shared: Comparison, heard: Heard, felt: Felt, *, gain: float, since: int, stop: int) -> _Known:
+    """Return a drive as what made it knew it, which began at `since` and had an end at `stop`, samples of the span."""
     at = np.arange(len(heard.span))
     limit, early = shared.rules.peak, at < stop
-    first_guess = np.where(early & (at >= since), due.gain * heard.wet, 0.0)
+    first_guess = np.where(early & (at >= since), gain * heard.wet, 0.0)
     rings = dsp.run_filter(shared.felt, np.clip(first_guess, -limit, limit))
-    wanted = np.where(early, due.gain * heard.intended, rings)
-    drive = np.where(early, felt.drive, 0.0)
+    whole = np.clip(felt.drive / np.maximum(heard.fading, _FADED), -limit, limit)
+    drive = np.where(early, np.where(heard.fading < 1.0, whole, felt.drive), 0.0)
     vibration = felt.own - dsp.run_filter(shared.felt, felt.drive - drive)
-    return np.clip(drive + shared.step * shared.adjoint(wanted - vibration), -limit, limit)
+    return _Known(drive, np.where(early, gain * heard.intended, rings), vibration)
 
 
 def _unsolved(heard: Heard, gain: float) -> Samples:

@@ -45,7 +45,8 @@ class Heard:
     drive succeeds, with what the background before the window leaves ringing;
     `direct` is what direct conversion would make felt of the window alone, from rest. `wet` is the drive of an open
     window if nothing limited it. `weights` blends it with the drive of the `background`; that of a `solved` window is
-    not `wet`, but it is solved as if it were after the next onset. `gain` is how much stronger than usual the shot was
+    not `wet`, but it is solved as if it were after the next onset. `fading` is by how much the window's end fades it.
+    `gain` is how much stronger than usual the shot was
     made.
     """
 
@@ -58,6 +59,7 @@ class Heard:
     background: Samples
     wet: Samples
     weights: Samples
+    fading: Samples
     solved: bool
     gain: float
 
@@ -112,6 +114,7 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
         background=background[kept],
         wet=wet[kept],
         weights=_risen(event, span),
+        fading=_fallen(event, span),
         solved=is_solved(event),
         gain=_gain(shared, event),
     )

@@ -8,9 +8,10 @@ import numpy as np
 
 from ..model import Event
 from .comparison import Comparison
+from .found import likeness_limit, locate, sharp
 from .hearing import Part
 from .lags import ShotLag, line_through, line_through_exact
-from .shots import ShotFigures, likeness_limit, locate, measure
+from .shots import ShotFigures, measure
 from .sounds import TimeMap
 from .whole_drive import moving_spans
 
@@ -83,7 +84,7 @@ def _measure_all(
         lags.append(lag)
         if compared:
             found.append(ShotLag(event.onset_sample, lag))
-        if compared and figure.exact:
+        if compared and figure.uncertainty <= sharp(shared):
             exact.append(found[-1])
     line = line_through_exact(exact, found, bend=shared.bend)
     is_exact = line is not None
