@@ -216,6 +216,18 @@ def test_a_tier_that_asks_less_than_the_model_has_more_looked_at_and_one_that_as
     assert every.tolist() == np.concatenate(free).tolist()
 
 
+def test_a_row_of_fire_takes_along_what_its_rule_asks_and_nothing_else_changes(
+    film: tuple[NDArray[np.float32], Truth],
+) -> None:
+    samples, _ = film
+    fewest, some, most = (judged(samples, look_from=0.05, row_from=asked) for asked in (0.05, None, 0.001))
+    alone = judged(samples, look_from=0.05, row_from=0.9)
+    assert alone.tolist() == fewest.tolist()
+    assert set(fewest.tolist()) <= set(some.tolist())
+    assert set(fewest.tolist()) <= set(most.tolist()) <= set(judged(samples, look_from=0.001).tolist())
+    assert fewest.size < most.size
+
+
 def test_the_runtime_walks_the_trees_as_scikit_learn_does() -> None:
     from sklearn.ensemble import HistGradientBoostingClassifier
 

@@ -130,7 +130,8 @@ def _worth_looking_at(
 
     def screen(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
         likely, peaks_dbfs = verifier.screen.probabilities(rows), track_peaks_dbfs(chunk, places, grid)
-        least = min(verifier.screen.threshold, tier.verify.look_from)
+        asked = tier.verify.row_from
+        least = min(verifier.screen.threshold if asked is None else asked, tier.verify.look_from)
         return worth_a_look(places, peaks_dbfs, likely, least=least, rate_hz=grid.rate_hz, tier=tier)
 
     return describe_candidates(chunk, grid, tier, gate=gate, screen=screen)

@@ -58,7 +58,8 @@ class VerifyRules(Table, frozen=True):
     `model` is a file in `verifier/`; so many of its `networks` judge together, and where all leave room for doubt once
     more as if the film ran at other `speeds`. What the model's gate gives less than `gate_from` is dropped; without
     that, what it gives less than the model asks. What the screen gives less than `look_from` is not looked at more
-    closely, unless it gives as much as the model asks and makes a row of even fire with what is.
+    closely, unless it makes a row of even fire with what is, and the screen gives it `row_from`, or without that as
+    much as the model asks.
 
     A candidate is a shot from `threshold` on, or from `company_threshold` on where a shot of the first kind lies within
     `company_s`: films fire in scenes. [bursts] says how fast a gun fires: a run that fast, each of its shots reaching
@@ -81,6 +82,7 @@ class VerifyRules(Table, frozen=True):
     round_threshold: Ratio
     report_from: Ratio
     gate_from: Ratio | None = None
+    row_from: Ratio | None = None
 
     def __post_init__(self) -> None:
         """Refuse thresholds out of order."""
