@@ -223,8 +223,8 @@ def test_a_row_of_fire_takes_along_what_its_rule_asks_and_nothing_else_changes(
     fewest, some, most = (judged(samples, look_from=0.05, row_from=asked) for asked in (0.05, None, 0.001))
     alone = judged(samples, look_from=0.05, row_from=0.9)
     assert alone.tolist() == fewest.tolist()
-    assert set(fewest.tolist()) <= set(some.tolist())
-    assert set(fewest.tolist()) <= set(most.tolist()) <= set(judged(samples, look_from=0.001).tolist())
+    for others in (some, most):  # of two candidates that close together the better known is one
+        assert np.abs(others[:, None] - fewest).min(axis=0).max() < 0.003 * RATE_HZ
     assert fewest.size < most.size
 
 
