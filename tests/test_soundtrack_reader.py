@@ -221,6 +221,40 @@ def test_samples_in_wider_boxes_are_not_read_as_noise(
         assert str(caught.value) == f"{path}: the header says {frame} bytes a frame; expected {expected}"
 
 
+@pytest.mark.parametrize("container", ["WAV", "RF64", "W64", "AIFF"])
+@pytest.mark.parametrize(("channels", "bits"), [(3, 16), (5, 16), (2, 24), (6, 24)])
+def test_a_damaged_number_of_channels_or_bits_makes_no_noise(
+    tmp_path: Path, container: str, channels: int, bits: int
+) -> None:
+    """The other numbers of the header still tell how long a frame is: sound that is read in other frames is noise."""
+    path = tmp_path / "film.sound"
+    soundfile.write(path, noise(480, 2), RATE_HZ, subtype="PCM_16", format=container)
+    data = bytearray(path.read_bytes())
+    if container == "AIFF":
+        places, order = (data.index(b"COMM") + 8, data.index(b"COMM") + 14), ">"
+    else:
+        fmt = data.index(b"fmt ") + (24 if container == "W64" else 8)
+        places, order = (fmt + 2, fmt + 14), "<"
+    for place, value in zip(places, (channels, bits), strict=True):
+        struct.pack_into(f"{order}H", data, place, value)
+    path.write_bytes(data)
+    with pytest.raises(SoundtrackError) as caught:
+        open_soundtrack(path)
+    expected = f"{channels * bits // 8}, {channels} channels of {bits} bits"
+    assert str(caught.value) == f"{path}: the header says 4 bytes a frame; expected {expected}"
+
+
+@pytest.mark.parametrize("count", [0, 1, FRAMES + 1, 0xFFFFFFFF])
+def test_frames_of_an_aiff_that_were_never_counted_are_read(tmp_path: Path, count: int) -> None:
+    path = tmp_path / "film.aiff"
+    soundfile.write(path, noise(), RATE_HZ, subtype="PCM_16")
+    data = bytearray(path.read_bytes())
+    expected = read(path)[0]
+    struct.pack_into(">I", data, data.index(b"COMM") + 10, count)
+    path.write_bytes(data)
+    np.testing.assert_array_equal(read(path)[0], expected)
+
+
 @pytest.mark.parametrize("second", [0, 100, 4_800])
 @pytest.mark.parametrize(("container", "name"), [("WAV", "data"), ("AIFF", "SSND"), ("CAF", "data")])
 def test_sound_in_two_places_is_refused(tmp_path: Path, container: str, name: str, second: int) -> None:

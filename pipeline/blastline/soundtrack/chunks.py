@@ -40,6 +40,8 @@ _SPEAKERS = (
     "TBR",
 )
 _MAX_KEPT = 1 << 16
+_MAX_FRAME_BYTES = 1 << 10
+"""128 channels of 64 bits; the frames of an AIFF that would be longer were never counted."""
 
 
 @dataclass(frozen=True)
@@ -106,14 +108,16 @@ def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | Non
         place = form.after(body, size)
     if data is None:
         return None
+    fmt = kept.get(b"fmt ", b"")
+    frame_bytes = _frame_bytes(fmt, form)
     if form.data_name == b"SSND" and data[0]:
         offset = _offset(file, file_bytes - data[1] - form.data_preamble, kept.get(b"COMM", b""), data[0])
         data = (data[0] - offset, data[1] - offset)
-    fmt = kept.get(b"fmt ", b"")
+        frame_bytes = _counted_frame_bytes(kept.get(b"COMM", b""), data[0] or 0)
     reference, layout = _time_reference(kept.get(b"bext", b""), form), _layout(fmt, form)
     if form.layout_name:
         layout = named_channels(kept.get(form.layout_name, b""), _SPEAKERS)
-    return ChunkTable(data[0], data[1], reference, layout, goes_on, form.is_wave, _frame_bytes(fmt, form))
+    return ChunkTable(data[0], data[1], reference, layout, goes_on, form.is_wave, frame_bytes)
 
 
 def _data_size(size: int, ds64: bytes | None) -> int | None:
@@ -145,6 +149,13 @@ def _frame_bytes(fmt: bytes, form: Form) -> int | None:
         return None
     rate_hz, second, frame = struct.unpack_from(f"{form.byte_order}IIH", fmt, 4)
     return frame if frame and second == frame * rate_hz else None
+
+
+def _counted_frame_bytes(comm: bytes, data_bytes: int) -> int | None:
+    """Return the size of a frame of an AIFF where so many as its common chunk counts fill its sound to the byte."""
+    frames = struct.unpack_from(">I", comm, 2)[0] if len(comm) >= 8 else 0
+    size, rest = divmod(data_bytes, frames) if frames else (0, 1)
+    return size if rest == 0 and 0 < size <= _MAX_FRAME_BYTES else None
 
 
 def _layout(fmt: bytes, form: Form) -> tuple[str, ...] | None:
