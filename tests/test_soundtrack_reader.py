@@ -182,16 +182,20 @@ def test_the_offset_of_an_aiff_is_no_sound(tmp_path: Path, offset: int, lost: in
     assert len(source.warnings) == bool(lost)
 
 
-def test_a_damaged_offset_of_an_aiff_hides_no_sound(tmp_path: Path) -> None:
+@pytest.mark.parametrize("offset", [1, 2, 480, 39_000, 2**31])
+def test_an_offset_of_an_aiff_that_its_sound_has_no_room_for_is_refused(tmp_path: Path, offset: int) -> None:
+    """Some byte or two before or after the sound's first, each sample is noise or early."""
     path = tmp_path / "film.aiff"
     soundfile.write(path, noise(), RATE_HZ, subtype="PCM_16")
     data = bytearray(path.read_bytes())
-    struct.pack_into(">I", data, data.index(b"SSND") + 8, 39_000)
+    struct.pack_into(">I", data, data.index(b"SSND") + 8, offset)
     path.write_bytes(data)
-    _, source = read(path)
-    assert source.frames == FRAMES - 39_000 // 2
-    (warning,) = source.warnings
-    assert warning.endswith("the end is missing")
+    with pytest.raises(SoundtrackError) as caught:
+        open_soundtrack(path)
+    assert str(caught.value) == (
+        f"{path}: the header leaves {offset} bytes free before the sound; expected at most 0, "
+        f"for its {FRAMES} frames of 1 x 16 bits"
+    )
 
 
 @pytest.mark.parametrize(("channels", "bits", "frame"), [(1, 16, 4), (2, 24, 8), (6, 24, 24), (2, 32, 16)])

@@ -40,6 +40,9 @@ _SPEAKERS = (
     "TBR",
 )
 _MAX_KEPT = 1 << 16
+_AIFF_SAMPLES = frozenset((b"", b"none", b"sowt", b"twos", b"raw ", b"in24", b"in32", b"fl32", b"fl64"))
+"""What an AIFF calls samples that it stores as they are; of coded ones their number does not tell the bytes."""
+
 _MAX_FRAME_BYTES = 1 << 10
 """128 channels of 64 bits; the frames of an AIFF that would be longer were never counted."""
 
@@ -75,7 +78,7 @@ def overflow_warning(table: ChunkTable, *, is_read: bool = True) -> str:
 def chunk_table(path: Path) -> ChunkTable | None:
     """Return what the header declares, or None where the file is of another kind or its table is broken.
 
-    Raises SoundtrackError where it has sound in more places than one.
+    Raises SoundtrackError where it has sound in more places than one, or does not tell where it begins.
     """
     with path.open("rb") as file:
         form = FORMS.get(file.read(4))
@@ -129,14 +132,21 @@ def _data_size(size: int, ds64: bytes | None) -> int | None:
 def _offset(file: BinaryIO, body: int, comm: bytes, data_bytes: int) -> int:
     """Return how many bytes an AIFF leaves free before its samples, to align them with the blocks of a disk.
 
-    It is believed where it leaves room for the frames that the common chunk counts: a damaged one would hide sound.
+    Raises SoundtrackError where that leaves no room for the frames that the common chunk counts: sound that is read
+    from a wrong place on plays early or is noise.
     """
-    if len(comm) < 8:
-        return 0
     file.seek(body)
     offset = int.from_bytes(file.read(4), "big")
+    if len(comm) < 8 or not offset or comm[18:22].lower() not in _AIFF_SAMPLES:
+        return 0
     channels, frames, bits = struct.unpack_from(">HIH", comm)
-    return offset if offset + frames * channels * (-(-bits // 8)) <= data_bytes else 0
+    room = data_bytes - frames * channels * (-(-bits // 8))
+    if offset > max(0, room):
+        counted = f"its {frames} frames of {channels} x {bits} bits"
+        raise SoundtrackError(
+            f"the header leaves {offset} bytes free before the sound; expected at most {max(0, room)}, for {counted}"
+        )
+    return offset
 
 
 def _time_reference(bext: bytes, form: Form) -> int | None:
