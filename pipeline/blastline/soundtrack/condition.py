@@ -74,13 +74,12 @@ class Condition:
 
     def _require_sound(self, raw: Samples) -> None:
         """Raise SoundtrackError where samples hold bursts of coded data in what is heard."""
-        frame = first_burst(raw, self._heard)
-        if frame is not None:
-            others = "; --mix chooses other channels" if self._facts.channels > 2 else ""
-            of = streams_text(self._facts.stream)
+        found = first_burst(raw, self._heard)
+        if found is not None:
+            others = ("; --mix chooses other channels" if self._facts.channels > 2 else "") + self._others()
+            of, at_s = streams_text(self._facts.stream), (self._frames + found.frame) / self._facts.rate_hz
             raise SoundtrackError(
-                f"sound stream {of} holds coded data (SMPTE 337M, as of Dolby E or AC-3) at "
-                f"{(self._frames + frame) / self._facts.rate_hz:.3f} s; expected PCM sound{others}{self._others()}"
+                f"sound stream {of} holds coded data ({found.kind}) at {at_s:.3f} s; expected PCM sound{others}"
             )
 
     def _others(self) -> str:
