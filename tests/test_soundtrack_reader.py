@@ -152,6 +152,21 @@ def test_one_absurd_sample_anywhere_is_found(tmp_path: Path, absurd: float) -> N
     assert source.warnings == ("1 sample was NaN, infinite or beyond 1e9, and was set to 0, first at sample 150000",)
 
 
+@pytest.mark.parametrize(("scale", "warned"), [(1.0, False), (10.0, False), (2.0**15, True), (2.0**31 / 10.0, True)])
+@pytest.mark.parametrize("at", [10, 70_000])
+def test_sound_of_another_scale_is_told(tmp_path: Path, scale: float, warned: bool, at: int) -> None:
+    """Programs that store whole numbers as they are in a file of floats make a film 90 dB too loud."""
+    samples = np.zeros((80_000, 2))
+    samples[at:, 1] = 0.5 * scale
+    path = wav(tmp_path / "film.wav", samples, subtype="FLOAT")
+    found, source = read(path, mix="1")
+    np.testing.assert_array_equal(found[:, 0], samples[:, 1].astype(np.float32))
+    above_db = 20.0 * np.log10(0.5 * scale)
+    told = f"samples reach {0.5 * scale:.6g}, {above_db:.0f} dB above full scale; expected -1 to 1"
+    assert [line.split(":")[0] for line in source.warnings] == ([told] if warned else [])
+    assert all(line.endswith(f"first at sample {at}") for line in source.warnings)
+
+
 def test_a_chunk_of_odd_length_does_not_hide_the_missing_end(tmp_path: Path) -> None:
     data = noise(RATE_HZ)
     path = wav(tmp_path / "film.wav", data)
