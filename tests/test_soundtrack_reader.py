@@ -263,6 +263,26 @@ def test_a_damaged_number_of_channels_or_bits_makes_no_noise(
     assert str(caught.value) == f"{path}: the header says 4 bytes a frame; expected {expected}"
 
 
+@pytest.mark.parametrize("container", ["WAV", "RF64", "W64"])
+@pytest.mark.parametrize("said_hz", [44_100, 47_952, 48_001, 96_000])
+def test_a_sample_rate_that_the_bytes_of_a_second_contradict_is_told(
+    tmp_path: Path, container: str, said_hz: int
+) -> None:
+    """By a wrong rate every time of a film is wrong; a rate of 0 bytes a second says nothing of it."""
+    path = tmp_path / "film.sound"
+    soundfile.write(path, noise(480, 2), RATE_HZ, subtype="PCM_24", format=container)
+    data = bytearray(path.read_bytes())
+    assert read(path)[1].warnings == ()
+    place = data.index(b"fmt ") + (28 if container == "W64" else 12)
+    for second, warned in ((6 * RATE_HZ, True), (6 * said_hz, False), (0, False)):
+        struct.pack_into("<II", data, place, said_hz, second)
+        path.write_bytes(data)
+        source = read(path)[1]
+        assert source.sample_rate_hz == said_hz
+        assert [f"says {said_hz} samples a second, but" in line for line in source.warnings] == [True] * warned
+        assert all(f"as {RATE_HZ} samples have" in line for line in source.warnings)
+
+
 @pytest.mark.parametrize("count", [0, 1, FRAMES + 1, 0xFFFFFFFF])
 def test_frames_of_an_aiff_that_were_never_counted_are_read(tmp_path: Path, count: int) -> None:
     path = tmp_path / "film.aiff"

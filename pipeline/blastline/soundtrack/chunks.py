@@ -55,7 +55,8 @@ class ChunkTable:
     in the file. `time_reference` counts samples since midnight, None without a broadcast extension. `layout` names
     the channels, None where the header does not. `goes_on` tells that the declared sound is followed by much that is
     no chunk, so that it can only be more of it; `is_wave` that the file is a WAV, which decoders can read beyond it.
-    `frame_bytes` is the size of a frame, None where the header does not say it or contradicts itself.
+    `frame_bytes` is the size of a frame, None where the header does not say it or contradicts itself. `implied_rate_hz`
+    is the sample rate by the bytes of a second, None where these are no number of whole frames.
     """
 
     data_bytes: int | None
@@ -65,6 +66,7 @@ class ChunkTable:
     goes_on: bool = False
     is_wave: bool = False
     frame_bytes: int | None = None
+    implied_rate_hz: int | None = None
 
 
 def overflow_warning(table: ChunkTable, *, is_read: bool = True) -> str:
@@ -120,7 +122,9 @@ def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | Non
     reference, layout = _time_reference(kept.get(b"bext", b""), form), _layout(fmt, form)
     if form.layout_name:
         layout = named_channels(kept.get(form.layout_name, b""), _SPEAKERS)
-    return ChunkTable(data[0], data[1], reference, layout, goes_on, form.is_wave, frame_bytes)
+    return ChunkTable(
+        data[0], data[1], reference, layout, goes_on, form.is_wave, frame_bytes, _implied_rate_hz(fmt, form)
+    )
 
 
 def _data_size(size: int, ds64: bytes | None) -> int | None:
@@ -159,6 +163,15 @@ def _frame_bytes(fmt: bytes, form: Form) -> int | None:
         return None
     rate_hz, second, frame = struct.unpack_from(f"{form.byte_order}IIH", fmt, 4)
     return frame if frame and second == frame * rate_hz else None
+
+
+def _implied_rate_hz(fmt: bytes, form: Form) -> int | None:
+    """Return how many frames the bytes of a second are, where the size of a frame is that of its samples."""
+    if len(fmt) < 16:
+        return None
+    channels, _, second, frame, bits = struct.unpack_from(f"{form.byte_order}HIIHH", fmt, 2)
+    is_plain = frame and frame == channels * -(-bits // 8) and second % frame == 0
+    return second // frame or None if is_plain else None
 
 
 def _counted_frame_bytes(comm: bytes, data_bytes: int) -> int | None:

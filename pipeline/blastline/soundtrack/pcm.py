@@ -86,6 +86,12 @@ class PcmTrack:
     def warnings(self) -> list[str]:
         """Return where the header is wrong; there is no decoder that could stumble."""
         warnings = [overflow_warning(self._table)] if self._table.goes_on else []
+        rate_hz, implied_hz = self.facts.rate_hz, self._table.implied_rate_hz
+        if implied_hz not in (None, rate_hz):
+            said = (
+                f"the header says {rate_hz} samples a second, but as many bytes a second as {implied_hz} samples have"
+            )
+            warnings.append(f"{said}; {rate_hz} were believed: if that is wrong, all times are")
         return warnings + stamp_warnings(self.facts)
 
     def close(self) -> None:
