@@ -326,6 +326,31 @@ def test_no_drive_of_another_stays_beside_a_conformed_timeline(films: tuple[Path
 
 
 @pytest.mark.parametrize(
+    ("told", "are_kept"),
+    [
+        ("render other.wav", False),
+        ("render new.wav", False),
+        ("render new.wav --timeline out", True),
+        ("export {timeline} --format json", False),
+        ("export out --format csv", True),
+    ],
+)
+def test_the_tables_of_a_new_cut_stay_beside_its_own_shots_alone(
+    films: tuple[Path, Path, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, told: str, are_kept: bool
+) -> None:
+    """They tell where the shots of a timeline beside them were; those of another film, or found anew, were nowhere."""
+    timeline, old, new = films
+    monkeypatch.chdir(tmp_path)
+    write_wave(tmp_path / "other.wav", film(4.0, (2.0,), seed=42), rate_hz=RATE_HZ)
+    assert blastline("conform", timeline, "--from", old, "--to", new, "-o", "out", "-q").code == 0
+    quick = ["--quality", "draft", "--no-report", "-q"] if told.startswith("render") else []
+    words = told.format(timeline=timeline).split()
+    assert blastline(*words, *quick, "-o", "out", "--overwrite").code == 0
+    left = {each.name for each in Path("out").iterdir()} & {"conform.csv", "stretches.csv"}
+    assert left == ({"conform.csv", "stretches.csv"} if are_kept else set())
+
+
+@pytest.mark.parametrize(
     ("samples", "complaint"),
     [
         (film(20.0, (5.0,), seed=41), "nothing of"),

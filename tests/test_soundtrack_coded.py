@@ -1,4 +1,4 @@
-"""Coded data in PCM (SMPTE 337M) is refused in every word size and arrangement; sound never is."""
+"""Coded data in PCM (SMPTE 337M, DTS) is refused in every word size and arrangement; sound never is."""
 
 import io
 import wave
@@ -115,6 +115,43 @@ def test_what_ffmpeg_wraps_is_refused(tmp_path: Path, codec: str) -> None:
         file.writeframes(wrapped.getvalue())
     with pytest.raises(SoundtrackError, match=REFUSED.format(r"0\.000")):
         heard(tmp_path / "film.wav")
+
+
+DTS_HEADS = {
+    "14 bits": (0x1FFF, 0xE800, 0x07F1),
+    "16 bits": (0x7FFE, 0x8001, 0xFC3C),
+    "14 bits swapped": (0xFF1F, 0x00E8, 0xF107),
+    "16 bits swapped": (0xFE7F, 0x0180, 0x3CFC),
+}
+"""ETSI TS 102 114, 5.3 and annex: the sync word and the first bits of a whole frame."""
+
+
+def dts(head: Sequence[int], *, distance: int = 512, first: int = 0) -> NDArray[np.int16]:
+    """Return random words of 14 bits for the samples of a pair, with the head of a frame every so often."""
+    row = np.random.default_rng(7).integers(-8_192, 8_192, 2 * 40_000)
+    for place in range(2 * first, len(row) - 2, 2 * distance):
+        row[place : place + 3] = head
+    return row.astype(np.uint16).view(np.int16).reshape(-1, 2)
+
+
+@pytest.mark.parametrize("head", DTS_HEADS.values(), ids=DTS_HEADS)
+@pytest.mark.parametrize("distance", [512, 1_024, 4_096])
+@pytest.mark.parametrize(("container", "subtype"), [("WAV", "PCM_16"), ("FLAC", "PCM_16"), ("AIFF", "PCM_24")])
+def test_dts_is_refused(tmp_path: Path, head: Sequence[int], distance: int, container: str, subtype: str) -> None:
+    """It sounds like noise, in which there is no shot: of such a film nobody would know that nothing was heard."""
+    words = dts(head, distance=distance, first=4_800)
+    soundfile.write(tmp_path / "film.x", words, RATE_HZ, subtype=subtype, format=container)
+    with pytest.raises(
+        SoundtrackError, match=r"sound stream 0 holds coded data \(DTS\) at 0\.100 s; expected PCM sound"
+    ):
+        heard(tmp_path / "film.x")
+
+
+@pytest.mark.parametrize("head", DTS_HEADS.values(), ids=DTS_HEADS)
+def test_words_of_dts_without_the_third_are_sound(tmp_path: Path, head: Sequence[int]) -> None:
+    """A square wave may have the first two, at full scale, at any distance."""
+    soundfile.write(tmp_path / "film.wav", dts((*head[:2], 0x0300)), RATE_HZ, subtype="PCM_16")
+    assert len(heard(tmp_path / "film.wav")) == 40_000
 
 
 @pytest.mark.parametrize(

@@ -152,6 +152,21 @@ def test_one_absurd_sample_anywhere_is_found(tmp_path: Path, absurd: float) -> N
     assert source.warnings == ("1 sample was NaN, infinite or beyond 1e9, and was set to 0, first at sample 150000",)
 
 
+@pytest.mark.parametrize(("scale", "warned"), [(1.0, False), (10.0, False), (2.0**15, True), (2.0**31 / 10.0, True)])
+@pytest.mark.parametrize("at", [10, 70_000])
+def test_sound_of_another_scale_is_told(tmp_path: Path, scale: float, warned: bool, at: int) -> None:
+    """Programs that store whole numbers as they are in a file of floats make a film 90 dB too loud."""
+    samples = np.zeros((80_000, 2))
+    samples[at:, 1] = 0.5 * scale
+    path = wav(tmp_path / "film.wav", samples, subtype="FLOAT")
+    found, source = read(path, mix="1")
+    np.testing.assert_array_equal(found[:, 0], samples[:, 1].astype(np.float32))
+    above_db = 20.0 * np.log10(0.5 * scale)
+    told = f"samples reach {0.5 * scale:.6g}, {above_db:.0f} dB above full scale; expected -1 to 1"
+    assert [line.split(":")[0] for line in source.warnings] == ([told] if warned else [])
+    assert all(line.endswith(f"first at sample {at}") for line in source.warnings)
+
+
 def test_a_chunk_of_odd_length_does_not_hide_the_missing_end(tmp_path: Path) -> None:
     data = noise(RATE_HZ)
     path = wav(tmp_path / "film.wav", data)
@@ -182,16 +197,20 @@ def test_the_offset_of_an_aiff_is_no_sound(tmp_path: Path, offset: int, lost: in
     assert len(source.warnings) == bool(lost)
 
 
-def test_a_damaged_offset_of_an_aiff_hides_no_sound(tmp_path: Path) -> None:
+@pytest.mark.parametrize("offset", [1, 2, 480, 39_000, 2**31])
+def test_an_offset_of_an_aiff_that_its_sound_has_no_room_for_is_refused(tmp_path: Path, offset: int) -> None:
+    """Some byte or two before or after the sound's first, each sample is noise or early."""
     path = tmp_path / "film.aiff"
     soundfile.write(path, noise(), RATE_HZ, subtype="PCM_16")
     data = bytearray(path.read_bytes())
-    struct.pack_into(">I", data, data.index(b"SSND") + 8, 39_000)
+    struct.pack_into(">I", data, data.index(b"SSND") + 8, offset)
     path.write_bytes(data)
-    _, source = read(path)
-    assert source.frames == FRAMES - 39_000 // 2
-    (warning,) = source.warnings
-    assert warning.endswith("the end is missing")
+    with pytest.raises(SoundtrackError) as caught:
+        open_soundtrack(path)
+    assert str(caught.value) == (
+        f"{path}: the header leaves {offset} bytes free before the sound; expected at most 0, "
+        f"for its {FRAMES} frames of 1 x 16 bits"
+    )
 
 
 @pytest.mark.parametrize(("channels", "bits", "frame"), [(1, 16, 4), (2, 24, 8), (6, 24, 24), (2, 32, 16)])
@@ -219,6 +238,60 @@ def test_samples_in_wider_boxes_are_not_read_as_noise(
             open_soundtrack(path)
         expected = f"{used}, {channels} channel{'s' if channels > 1 else ''} of {bits} bits"
         assert str(caught.value) == f"{path}: the header says {frame} bytes a frame; expected {expected}"
+
+
+@pytest.mark.parametrize("container", ["WAV", "RF64", "W64", "AIFF"])
+@pytest.mark.parametrize(("channels", "bits"), [(3, 16), (5, 16), (2, 24), (6, 24)])
+def test_a_damaged_number_of_channels_or_bits_makes_no_noise(
+    tmp_path: Path, container: str, channels: int, bits: int
+) -> None:
+    """The other numbers of the header still tell how long a frame is: sound that is read in other frames is noise."""
+    path = tmp_path / "film.sound"
+    soundfile.write(path, noise(480, 2), RATE_HZ, subtype="PCM_16", format=container)
+    data = bytearray(path.read_bytes())
+    if container == "AIFF":
+        places, order = (data.index(b"COMM") + 8, data.index(b"COMM") + 14), ">"
+    else:
+        fmt = data.index(b"fmt ") + (24 if container == "W64" else 8)
+        places, order = (fmt + 2, fmt + 14), "<"
+    for place, value in zip(places, (channels, bits), strict=True):
+        struct.pack_into(f"{order}H", data, place, value)
+    path.write_bytes(data)
+    with pytest.raises(SoundtrackError) as caught:
+        open_soundtrack(path)
+    expected = f"{channels * bits // 8}, {channels} channels of {bits} bits"
+    assert str(caught.value) == f"{path}: the header says 4 bytes a frame; expected {expected}"
+
+
+@pytest.mark.parametrize("container", ["WAV", "RF64", "W64"])
+@pytest.mark.parametrize("said_hz", [44_100, 47_952, 48_001, 96_000])
+def test_a_sample_rate_that_the_bytes_of_a_second_contradict_is_told(
+    tmp_path: Path, container: str, said_hz: int
+) -> None:
+    """By a wrong rate every time of a film is wrong; a rate of 0 bytes a second says nothing of it."""
+    path = tmp_path / "film.sound"
+    soundfile.write(path, noise(480, 2), RATE_HZ, subtype="PCM_24", format=container)
+    data = bytearray(path.read_bytes())
+    assert read(path)[1].warnings == ()
+    place = data.index(b"fmt ") + (28 if container == "W64" else 12)
+    for second, warned in ((6 * RATE_HZ, True), (6 * said_hz, False), (0, False)):
+        struct.pack_into("<II", data, place, said_hz, second)
+        path.write_bytes(data)
+        source = read(path)[1]
+        assert source.sample_rate_hz == said_hz
+        assert [f"says {said_hz} samples a second, but" in line for line in source.warnings] == [True] * warned
+        assert all(f"as {RATE_HZ} samples have" in line for line in source.warnings)
+
+
+@pytest.mark.parametrize("count", [0, 1, FRAMES + 1, 0xFFFFFFFF])
+def test_frames_of_an_aiff_that_were_never_counted_are_read(tmp_path: Path, count: int) -> None:
+    path = tmp_path / "film.aiff"
+    soundfile.write(path, noise(), RATE_HZ, subtype="PCM_16")
+    data = bytearray(path.read_bytes())
+    expected = read(path)[0]
+    struct.pack_into(">I", data, data.index(b"COMM") + 10, count)
+    path.write_bytes(data)
+    np.testing.assert_array_equal(read(path)[0], expected)
 
 
 @pytest.mark.parametrize("second", [0, 100, 4_800])

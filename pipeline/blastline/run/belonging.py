@@ -1,10 +1,19 @@
 """Whether a file belongs to a timeline, and the actuator that its drive was made for."""
 
+from contextlib import suppress
 from pathlib import Path
 
 from ..errors import TimelineError
+from ..export import read_timeline
 from ..model import Source, Timeline
 from ..ruleset import ActuatorProfile, actuator_names, load_actuator
+
+
+def film_of(timeline: Path) -> str | None:
+    """Return the digest of the film that a timeline's file names; None where there is none that can be read."""
+    with suppress(TimelineError):
+        return read_timeline(timeline).source.sha256
+    return None
 
 
 def require_same_film(found: Source, expected: Source) -> None:

@@ -111,7 +111,7 @@ def conform(
 
 def _place(folder: Path, timeline: Path, *, films: Collection[Path], overwrite: bool) -> AbstractContextManager[Path]:
     """Return the place for the results, beside which no drive stays: the new timeline has none, so it is another's."""
-    files, stale = [names.TIMELINE, names.EVENTS, names.STRETCHES], files_of_results()
+    files, stale = [names.TIMELINE, *names.TABLES], files_of_results()
     return staged(
         folder, names=files, stale=stale, films=films, spared=[timeline], seal=names.TIMELINE, overwrite=overwrite
     )

@@ -9,7 +9,7 @@ from . import names
 
 
 def files_of_results() -> list[str]:
-    """Return the names, and patterns of names, of all files that a result may have."""
+    """Return the names, and patterns of names, of all files that a result may have, but for the tables of `conform`."""
     every = known_formats((*FORMATS, *HAPTIC_FORMATS))
     return [names.DRIVE, names.REPORT, *(name for each in every for name in (*each.files, *each.sets))]
 

@@ -1,7 +1,6 @@
 """Making files from files: a timeline in other formats, a scene's sound."""
 
 from collections.abc import Iterable
-from contextlib import suppress
 from pathlib import Path
 
 from .. import synth
@@ -20,7 +19,7 @@ from ..ruleset import load_haptics
 from ..staging import staged
 from ..timebase import AS_FILMED, Timebase, retimed
 from . import names
-from .belonging import profile_of, require_length
+from .belonging import film_of, profile_of, require_length
 from .driving import open_drive
 from .exports import files_of_results
 from .haptics import rounding_notes, tell_silent, track_of
@@ -56,7 +55,7 @@ def export(
         folder,
         names=files,
         sets=sets,
-        stale=files_of_results() if _replaces_another_films(read, folder, files) else (),
+        stale=(*files_of_results(), *names.TABLES) if _replaces_another_films(read, folder, files) else (),
         spared=[path for path in (timeline, drive) if path is not None],
         seal=names.TIMELINE,
         overwrite=overwrite,
@@ -75,12 +74,9 @@ def _replaces_another_films(timeline: Timeline, folder: Path, files: Iterable[st
 
     The drive beside it would then be taken for that of the new one. A timeline that cannot be read tells of no film.
     """
-    there = folder / names.TIMELINE
-    if names.TIMELINE not in files or not there.is_file():
+    if names.TIMELINE not in files:
         return False
-    with suppress(TimelineError):
-        return read_timeline(there).source.sha256 != timeline.source.sha256
-    return False
+    return film_of(folder / names.TIMELINE) not in (None, timeline.source.sha256)
 
 
 def _haptic_track(

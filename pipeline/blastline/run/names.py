@@ -4,6 +4,8 @@ from pathlib import Path
 
 DRIVE, TIMELINE, REPORT = "drive.wav", "timeline.json", "report.html"
 EVENTS, STRETCHES = "conform.csv", "stretches.csv"
+TABLES = (EVENTS, STRETCHES)
+"""What `conform` writes beside a timeline: how its shots came to this cut from another one."""
 
 
 def timeline_of(result: Path) -> Path:

@@ -3,7 +3,7 @@
 listen -> choose a model for each window -> render -> write -> check what was written -> other formats -> report
 """
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +19,7 @@ from ..soundtrack import Soundtrack, open_soundtrack
 from ..staging import require_free, require_utf_8, staged
 from ..timecode import late_stamp
 from . import names
+from .belonging import film_of
 from .checking import checked
 from .driving import open_drive, write_drive_of
 from .editing import Editing, hear_edited, read_editing, timebase_of
@@ -40,7 +41,8 @@ def render(
     """
     options = with_files(options)
     setup = set_up(options, progress)
-    place = _place(film, folder, options)
+    stale = files_of_results()
+    place = _place(film, folder, options, stale)
     timebase, editing = options.timebase, None
     if options.timeline is not None:
         editing = read_editing(options.timeline, original=options.original)
@@ -58,6 +60,8 @@ def render(
             written = write_formats(timeline, hidden, drive, setup, note)
             if meter is not None:
                 write_report_of(timeline, hidden, written, track=track, drive=drive, meter=meter, setup=setup)
+        if timeline.edits is None or film_of(folder / names.TIMELINE) != timeline.source.sha256:
+            stale += names.TABLES  # they tell of other shots
     for line in rounding(timeline, options.formats):
         note(line)
     return timeline
@@ -75,8 +79,11 @@ def _names(options: RenderOptions) -> list[str]:
     return [names.DRIVE, *files, *([names.REPORT] * options.report)]
 
 
-def _place(film: Path, folder: Path, options: RenderOptions) -> AbstractContextManager[Path]:
-    """Return the place for the results, from which no file of an earlier film stays where it may be overwritten."""
+def _place(film: Path, folder: Path, options: RenderOptions, stale: Collection[str]) -> AbstractContextManager[Path]:
+    """Return the place for the results, from which nothing `stale` stays where it may be overwritten.
+
+    What is stale is looked up at the end, when it is known of which film the results are.
+    """
     require_utf_8(folder)
     if options.timeline is not None:  # it will be named in the result
         require_utf_8(options.timeline, advice="rename the file")
@@ -85,7 +92,7 @@ def _place(film: Path, folder: Path, options: RenderOptions) -> AbstractContextM
         folder,
         names=_names(options),
         sets=[pattern for each in formats for pattern in each.sets],
-        stale=files_of_results(),
+        stale=stale,
         films=[film],
         spared=[path for path in (options.timeline, options.original) if path is not None],
         seal=names.TIMELINE,

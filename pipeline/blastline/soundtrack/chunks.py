@@ -40,6 +40,11 @@ _SPEAKERS = (
     "TBR",
 )
 _MAX_KEPT = 1 << 16
+_AIFF_SAMPLES = frozenset((b"", b"none", b"sowt", b"twos", b"raw ", b"in24", b"in32", b"fl32", b"fl64"))
+"""What an AIFF calls samples that it stores as they are; of coded ones their number does not tell the bytes."""
+
+_MAX_FRAME_BYTES = 1 << 10
+"""128 channels of 64 bits; the frames of an AIFF that would be longer were never counted."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +55,8 @@ class ChunkTable:
     in the file. `time_reference` counts samples since midnight, None without a broadcast extension. `layout` names
     the channels, None where the header does not. `goes_on` tells that the declared sound is followed by much that is
     no chunk, so that it can only be more of it; `is_wave` that the file is a WAV, which decoders can read beyond it.
-    `frame_bytes` is the size of a frame, None where the header does not say it or contradicts itself.
+    `frame_bytes` is the size of a frame, None where the header does not say it or contradicts itself. `implied_rate_hz`
+    is the sample rate by the bytes of a second, None where these are no number of whole frames.
     """
 
     data_bytes: int | None
@@ -60,6 +66,7 @@ class ChunkTable:
     goes_on: bool = False
     is_wave: bool = False
     frame_bytes: int | None = None
+    implied_rate_hz: int | None = None
 
 
 def overflow_warning(table: ChunkTable, *, is_read: bool = True) -> str:
@@ -73,7 +80,7 @@ def overflow_warning(table: ChunkTable, *, is_read: bool = True) -> str:
 def chunk_table(path: Path) -> ChunkTable | None:
     """Return what the header declares, or None where the file is of another kind or its table is broken.
 
-    Raises SoundtrackError where it has sound in more places than one.
+    Raises SoundtrackError where it has sound in more places than one, or does not tell where it begins.
     """
     with path.open("rb") as file:
         form = FORMS.get(file.read(4))
@@ -106,14 +113,18 @@ def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | Non
         place = form.after(body, size)
     if data is None:
         return None
+    fmt = kept.get(b"fmt ", b"")
+    frame_bytes = _frame_bytes(fmt, form)
     if form.data_name == b"SSND" and data[0]:
         offset = _offset(file, file_bytes - data[1] - form.data_preamble, kept.get(b"COMM", b""), data[0])
         data = (data[0] - offset, data[1] - offset)
-    fmt = kept.get(b"fmt ", b"")
+        frame_bytes = _counted_frame_bytes(kept.get(b"COMM", b""), data[0] or 0)
     reference, layout = _time_reference(kept.get(b"bext", b""), form), _layout(fmt, form)
     if form.layout_name:
         layout = named_channels(kept.get(form.layout_name, b""), _SPEAKERS)
-    return ChunkTable(data[0], data[1], reference, layout, goes_on, form.is_wave, _frame_bytes(fmt, form))
+    return ChunkTable(
+        data[0], data[1], reference, layout, goes_on, form.is_wave, frame_bytes, _implied_rate_hz(fmt, form)
+    )
 
 
 def _data_size(size: int, ds64: bytes | None) -> int | None:
@@ -125,14 +136,21 @@ def _data_size(size: int, ds64: bytes | None) -> int | None:
 def _offset(file: BinaryIO, body: int, comm: bytes, data_bytes: int) -> int:
     """Return how many bytes an AIFF leaves free before its samples, to align them with the blocks of a disk.
 
-    It is believed where it leaves room for the frames that the common chunk counts: a damaged one would hide sound.
+    Raises SoundtrackError where that leaves no room for the frames that the common chunk counts: sound that is read
+    from a wrong place on plays early or is noise.
     """
-    if len(comm) < 8:
-        return 0
     file.seek(body)
     offset = int.from_bytes(file.read(4), "big")
+    if len(comm) < 8 or not offset or comm[18:22].lower() not in _AIFF_SAMPLES:
+        return 0
     channels, frames, bits = struct.unpack_from(">HIH", comm)
-    return offset if offset + frames * channels * (-(-bits // 8)) <= data_bytes else 0
+    room = data_bytes - frames * channels * (-(-bits // 8))
+    if offset > max(0, room):
+        counted = f"its {frames} frames of {channels} x {bits} bits"
+        raise SoundtrackError(
+            f"the header leaves {offset} bytes free before the sound; expected at most {max(0, room)}, for {counted}"
+        )
+    return offset
 
 
 def _time_reference(bext: bytes, form: Form) -> int | None:
@@ -145,6 +163,22 @@ def _frame_bytes(fmt: bytes, form: Form) -> int | None:
         return None
     rate_hz, second, frame = struct.unpack_from(f"{form.byte_order}IIH", fmt, 4)
     return frame if frame and second == frame * rate_hz else None
+
+
+def _implied_rate_hz(fmt: bytes, form: Form) -> int | None:
+    """Return how many frames the bytes of a second are, where the size of a frame is that of its samples."""
+    if len(fmt) < 16:
+        return None
+    channels, _, second, frame, bits = struct.unpack_from(f"{form.byte_order}HIIHH", fmt, 2)
+    is_plain = frame and frame == channels * -(-bits // 8) and second % frame == 0
+    return second // frame or None if is_plain else None
+
+
+def _counted_frame_bytes(comm: bytes, data_bytes: int) -> int | None:
+    """Return the size of a frame of an AIFF where so many as its common chunk counts fill its sound to the byte."""
+    frames = struct.unpack_from(">I", comm, 2)[0] if len(comm) >= 8 else 0
+    size, rest = divmod(data_bytes, frames) if frames else (0, 1)
+    return size if rest == 0 and 0 < size <= _MAX_FRAME_BYTES else None
 
 
 def _layout(fmt: bytes, form: Form) -> tuple[str, ...] | None:

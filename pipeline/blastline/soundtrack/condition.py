@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ..errors import SoundtrackError
 from ..streams import streams_text
 from .coded import first_burst
-from .repair import mended, repair_warning, require_usable
+from .repair import LOUD, Mended, loud_warning, mended, repair_warning, require_usable
 from .track import Samples, TrackFacts
 
 _MIN_MISSING_S, _MIN_MISSING_COUNTED_S = 0.1, 0.005
@@ -28,6 +28,7 @@ class Condition:
         self._facts, self._mix, self._heard = facts, mix, heard
         self._frames, self._blocks, self._mended, self._first_mended = 0, 0, 0, 0
         self._mix_sounds, self._track_sounds = False, False
+        self._peak, self._first_loud = 0.0, 0
 
     @property
     def damaged_samples(self) -> int:
@@ -50,6 +51,7 @@ class Condition:
             if found.count and not self._mended:
                 self._first_mended = self._frames + found.first
             self._mended += found.count
+            self._measure(found)
         self._frames += raw.shape[0]
         return samples
 
@@ -66,21 +68,28 @@ class Condition:
         """Yield what a user has to know, a line each, once all samples have been seen."""
         if self._mended:
             yield repair_warning(self._mended, self._first_mended)
+        if self._peak > LOUD:
+            yield loud_warning(self._peak, self._first_loud)
         if self._frames and not self._track_sounds:
             yield f"sound stream {streams_text(self._facts.stream)} is silent from beginning to end{self._others()}"
         elif self._frames and not self._mix_sounds:
             yield f"the mix {self._mix} is silent, though the film is not: its channels cancel, or others sound"
         yield from self._missing()
 
+    def _measure(self, found: Mended) -> None:
+        """Note how large the samples that follow are, and where the first of those is that are too large for a mix."""
+        if found.peak > LOUD >= self._peak:
+            self._first_loud = self._frames + int(np.argmax(np.any(np.abs(found.samples) > LOUD, axis=1)))
+        self._peak = max(self._peak, found.peak)
+
     def _require_sound(self, raw: Samples) -> None:
         """Raise SoundtrackError where samples hold bursts of coded data in what is heard."""
-        frame = first_burst(raw, self._heard)
-        if frame is not None:
-            others = "; --mix chooses other channels" if self._facts.channels > 2 else ""
-            of = streams_text(self._facts.stream)
+        found = first_burst(raw, self._heard)
+        if found is not None:
+            others = ("; --mix chooses other channels" if self._facts.channels > 2 else "") + self._others()
+            of, at_s = streams_text(self._facts.stream), (self._frames + found.frame) / self._facts.rate_hz
             raise SoundtrackError(
-                f"sound stream {of} holds coded data (SMPTE 337M, as of Dolby E or AC-3) at "
-                f"{(self._frames + frame) / self._facts.rate_hz:.3f} s; expected PCM sound{others}{self._others()}"
+                f"sound stream {of} holds coded data ({found.kind}) at {at_s:.3f} s; expected PCM sound{others}"
             )
 
     def _others(self) -> str:

@@ -86,6 +86,12 @@ class PcmTrack:
     def warnings(self) -> list[str]:
         """Return where the header is wrong; there is no decoder that could stumble."""
         warnings = [overflow_warning(self._table)] if self._table.goes_on else []
+        rate_hz, implied_hz = self.facts.rate_hz, self._table.implied_rate_hz
+        if implied_hz not in (None, rate_hz):
+            said = (
+                f"the header says {rate_hz} samples a second, but as many bytes a second as {implied_hz} samples have"
+            )
+            warnings.append(f"{said}; {rate_hz} were believed: if that is wrong, all times are")
         return warnings + stamp_warnings(self.facts)
 
     def close(self) -> None:
@@ -195,9 +201,12 @@ def open_pcm(path: Path, table: ChunkTable | None) -> PcmTrack | None:
 
 
 def _require_frames(file: Any, table: ChunkTable) -> None:
-    """Raise SoundtrackError where samples lie in more bytes than they have: read in a row, they are noise."""
+    """Raise SoundtrackError where a frame is said to have other bytes than its samples: read in a row, they are noise.
+
+    Some programs that write a WAV take the bytes of one sample for those of a frame: what the other numbers say holds.
+    """
     width, channels = _BYTES[file.subtype], file.channels
-    if (table.frame_bytes or 0) > width * channels:
+    if table.frame_bytes not in (None, width * channels, width if table.is_wave else None):
         file.close()
         kind = f"{channels} channel{'s' if channels > 1 else ''} of {8 * width} bits"
         raise SoundtrackError(f"the header says {table.frame_bytes} bytes a frame; expected {width * channels}, {kind}")

@@ -1,5 +1,6 @@
-"""Samples that are no sound: NaN, infinite, or so large that squaring them would overflow."""
+"""Samples that are no sound: NaN, infinite, or so large that squaring them would overflow; and those far too loud."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,17 +12,21 @@ from .track import Samples
 LIMIT = 1e9
 """180 dB above full scale: beyond any recording, and its square still fits a float32."""
 
+LOUD = 100.0
+"""40 dB above full scale: no mix is so loud, but whole numbers stored as floats are, or what a damaged bit made."""
+
 
 @dataclass(frozen=True, eq=False)
 class Mended:
     """Samples without unusable ones, shape (frames, channels): how many are set to 0, and in which frame the first is.
 
-    Where none had to be, `first` is 0.
+    Where none had to be, `first` is 0. `peak` is the largest magnitude among those that are left.
     """
 
     samples: Samples
     count: int
     first: int
+    peak: float
 
 
 def mended(samples: Samples) -> Mended:
@@ -29,12 +34,16 @@ def mended(samples: Samples) -> Mended:
 
     Sound without any, which is nearly all sound, costs two scans and no copy.
     """
-    if samples.size == 0 or (samples.min() > -LIMIT and samples.max() < LIMIT):
-        return Mended(samples, 0, 0)
+    if samples.size == 0:
+        return Mended(samples, 0, 0, 0.0)
+    low, high = float(samples.min()), float(samples.max())
+    if low > -LIMIT and high < LIMIT:
+        return Mended(samples, 0, 0, max(-low, high))
     usable = np.abs(samples) < LIMIT  # False for NaN
     first = int(np.argmin(usable.all(axis=1)))
     count = int(usable.size - np.count_nonzero(usable))
-    return Mended(np.where(usable, samples, np.float32(0.0)), count, first)
+    whole = np.where(usable, samples, np.float32(0.0))
+    return Mended(whole, count, first, float(np.abs(whole).max()))
 
 
 def require_usable(count: int, samples: int) -> None:
@@ -47,3 +56,12 @@ def repair_warning(count: int, first: int) -> str:
     """Return the line for the user."""
     samples, were = ("sample", "was") if count == 1 else ("samples", "were")
     return f"{count} {samples} {were} NaN, infinite or beyond 1e9, and {were} set to 0, first at sample {first}"
+
+
+def loud_warning(peak: float, first: int) -> str:
+    """Return the line for the user where samples are beyond `LOUD`, the first of them in that frame."""
+    above_db = 20.0 * math.log10(peak)
+    return (
+        f"samples reach {peak:.6g}, {above_db:.0f} dB above full scale; expected -1 to 1: the scale is another, or "
+        f"samples are damaged, first at sample {first}"
+    )
