@@ -239,6 +239,22 @@ def test_the_head_of_the_page_and_its_end_tell_the_channels_alike(count: int, to
         assert re.findall(r"\d+ channels?", text) == [told]
 
 
+@pytest.mark.parametrize(
+    ("rate", "start", "told"),
+    [
+        ("24000/1001", "10:00:00:00", "23.976 frames a second"),
+        ("60000/1001", "10:00:00:00", "59.94 frames a second"),
+        ("30000/1001", "10:00:00;00", "29.97 frames a second, drop-frame"),
+        ("25", None, "25 frames a second"),
+        ("27/2", None, "13.5 frames a second"),
+    ],
+)
+def test_the_head_of_the_page_calls_a_rate_as_people_do(rate: str, start: str | None, told: str) -> None:
+    film = make_film(onsets_s=(0.1,), peaks=(0.01,), seconds=0.5).timeline
+    source = msgspec.structs.replace(film.source, frame_rate=rate, start_timecode=start)
+    assert told in re.split(" · |<", heading(msgspec.structs.replace(film, source=source)))
+
+
 @pytest.mark.parametrize("seconds", [0.0, 9.96, 59.949, 59.951, 59.99, 60.0, 60.4, 119.6, 3599.7, 14_400.2])
 def test_a_duration_is_the_nearest_of_its_kind(seconds: float) -> None:
     said = duration(seconds)
