@@ -310,6 +310,12 @@ def test_rounding_names_the_event_that_moves_farthest() -> None:
     assert rounding(film(onsets=[]), ["webvtt"]) == ("webvtt: times are whole milliseconds; there are no events",)
 
 
+@pytest.mark.parametrize(("rate", "name"), [("24000/1001", "23.976"), ("60000/1001", "59.94"), ("100", "100")])
+def test_rounding_calls_a_rate_as_people_do(rate: str, name: str) -> None:
+    [line] = rounding(film(Counting(rate, "01:00:00:00"), onsets=[0]), ["avid"])
+    assert f"whole frames, {name} a second," in line
+
+
 def test_rounding_is_told_apart_where_the_clip_begins_beside_the_films_start() -> None:
     timeline = film(Counting("25", "01:00:00.019000"), onsets=[0, 48_000])
     in_time, in_clip = rounding(timeline, ["resolve", "otio", "fcp7", "fcpxml"])

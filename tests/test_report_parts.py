@@ -231,12 +231,37 @@ def test_a_figure_that_just_fails_reads_as_one_that_fails(name: str, unit: str, 
     )
 
 
+@pytest.mark.parametrize("length_s", [1, 60, 420, 7200, 24 * 3600])
+def test_the_speeds_that_a_film_of_any_length_allows_are_told_from_one(length_s: int) -> None:
+    """Half a sample of two hours is 1 in 10^9: "from 1 to 1" would allow nothing."""
+    limit = 1.0 + 0.5 / (48_000 * length_s)
+    low, high = figures_in(allowed(Check("drive_speed", None, True, 1.0, limit, "ratio")))
+    assert high - 1.0 == pytest.approx(limit - 1.0, rel=0.1)
+    assert 1.0 - low == pytest.approx(limit - 1.0, rel=0.1)
+
+
 @pytest.mark.parametrize(("count", "told"), [(1, "1 channel"), (2, "2 channels")])
 def test_the_head_of_the_page_and_its_end_tell_the_channels_alike(count: int, told: str) -> None:
     film = make_film(onsets_s=(0.1,), peaks=(0.01,), seconds=0.5).timeline
     film = msgspec.structs.replace(film, source=msgspec.structs.replace(film.source, channels=count))
     for text in (heading(film), origin_list(film, {})):
         assert re.findall(r"\d+ channels?", text) == [told]
+
+
+@pytest.mark.parametrize(
+    ("rate", "start", "told"),
+    [
+        ("24000/1001", "10:00:00:00", "23.976 frames a second"),
+        ("60000/1001", "10:00:00:00", "59.94 frames a second"),
+        ("30000/1001", "10:00:00;00", "29.97 frames a second, drop-frame"),
+        ("25", None, "25 frames a second"),
+        ("27/2", None, "13.5 frames a second"),
+    ],
+)
+def test_the_head_of_the_page_calls_a_rate_as_people_do(rate: str, start: str | None, told: str) -> None:
+    film = make_film(onsets_s=(0.1,), peaks=(0.01,), seconds=0.5).timeline
+    source = msgspec.structs.replace(film.source, frame_rate=rate, start_timecode=start)
+    assert told in re.split(" · |<", heading(msgspec.structs.replace(film, source=source)))
 
 
 @pytest.mark.parametrize("seconds", [0.0, 9.96, 59.949, 59.951, 59.99, 60.0, 60.4, 119.6, 3599.7, 14_400.2])

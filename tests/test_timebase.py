@@ -10,8 +10,17 @@ from hypothesis import strategies as st
 
 from blastline.errors import RuleError
 from blastline.model import Source
-from blastline.timebase import AS_FILMED, Timebase, parse_timebase, recalled, retimed, uncounted, with_timebase
-from blastline.timecode import clock, frame_scale, label, time_of_start, timecode_at
+from blastline.timebase import (
+    AS_FILMED,
+    Timebase,
+    parse_timebase,
+    rate_text,
+    recalled,
+    retimed,
+    uncounted,
+    with_timebase,
+)
+from blastline.timecode import STANDARD_RATES, clock, frame_scale, label, time_of_start, timecode_at
 from timelines import timeline
 
 FILM = timeline().source
@@ -39,6 +48,22 @@ BROADCAST = msgspec.structs.replace(SOUND, start_timecode="10:00:00.010000")
 def test_rates_are_read_as_people_write_them(text: str, rate: str, drop_frame: bool | None) -> None:
     read = parse_timebase(None, text)
     assert (read.frame_rate, read.drop_frame) == (Fraction(rate), drop_frame)
+
+
+@pytest.mark.parametrize("rate", STANDARD_RATES)
+def test_a_rate_is_read_by_the_name_it_is_called(rate: Fraction) -> None:
+    assert parse_timebase(None, rate_text(rate)).frame_rate == rate
+
+
+def test_a_rate_is_called_what_the_option_offers() -> None:
+    with pytest.raises(RuleError) as refusal:
+        parse_timebase(None, "fast")
+    offered = re.findall(r"[\d.]*\d", str(refusal.value))
+    assert "59.94" in offered
+    for name in offered:
+        rate = parse_timebase(None, name).frame_rate
+        assert rate is not None
+        assert rate_text(rate) == name
 
 
 @pytest.mark.parametrize("text", ["", "fast", "0", "24/0", "-24", "26", "23.976fps", "1e3"])

@@ -68,6 +68,15 @@ def parse_timebase(start_timecode: str | None, frame_rate: str | None) -> Timeba
     return Timebase(start_timecode, rate, drop_frame)
 
 
+def rate_text(rate: Fraction) -> str:
+    """Return frames a second as people call them, and as `parse_timebase` reads them.
+
+    >>> rate_text(Fraction(60000, 1001)), rate_text(Fraction(100)), rate_text(Fraction(27, 2))
+    ('59.94', '100', '13.5')
+    """
+    return f"{float(rate):.3f}".rstrip("0").rstrip(".")
+
+
 def with_timebase(source: Source, timebase: Timebase) -> Source:
     """Return the source with what the user says about its timecode.
 
@@ -178,7 +187,7 @@ def _counted(source: Source, rate: Fraction, timebase: Timebase) -> Source:
     drops = start[8] != ":" if asked is None else asked
     whose = "--start-timecode" if timebase.start_timecode else f"--frame-rate: {source.name}: its start timecode"
     if drops and rate not in DROP_FRAME_RATES:
-        raise RuleError(f"{whose} {start!r}: {float(rate):.6g} frames a second have no drop-frame")
+        raise RuleError(f"{whose} {start!r}: {rate_text(rate)} frames a second have no drop-frame")
     text = f"{start[:8]}{';' if drops else ':'}{start[9:]}"
     try:
         frame_of(text, nominal, drop_frame=drops)

@@ -6,6 +6,7 @@ from fractions import Fraction
 
 from ..errors import RuleError
 from ..model import Event, Source, Timeline
+from ..timebase import rate_text
 from ..timecode import FrameScale, FrameTime, frame_scale, frame_time
 from .order import with_ends
 
@@ -88,5 +89,5 @@ def require_frame_rate(formats: Iterable[str], source: Source) -> None:
             found = f"{rate} frames a second, which no timecode counts" if rate else "no frame rate"
             raise RuleError(f"--format {name}: {source.name} has {found}; give the film's, such as --frame-rate 24")
         if name == "fcp7" and scale is not None and scale.nominal > _FCP7_MOST_FRAMES:
-            found = f"{float(scale.rate):.6g} frames a second"
+            found = f"{rate_text(scale.rate)} frames a second"
             raise RuleError(f"--format {name}: {source.name} has {found}; this format holds up to {_FCP7_MOST_FRAMES}")

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable
 from fractions import Fraction
 
 from ..model import Source, Timeline
+from ..timebase import rate_text
 from ..timecode import FrameScale, frame_scale, frame_time, frames_per_day, picture_time
 from .frames import FRAME_FORMATS, scale_in
 from .midi import beat_of
@@ -61,7 +62,7 @@ def _way(name: str, source: Source) -> tuple[str, Shift] | None:
     if name in FRAME_FORMATS and scale is not None:
         half_ms = float(500 / scale.rate)
         counting = " drop-frame" if scale.drop_frame else ""
-        words = f"times are whole frames, {float(scale.rate):.6g} a second{counting}, at most {half_ms:.2f} ms off"
+        words = f"times are whole frames, {rate_text(scale.rate)} a second{counting}, at most {half_ms:.2f} ms off"
         if scale != frame_scale(source):
             words += " in the clip, which begins on the nearest frame"
         if name == "fcpxml" and scale.nominal not in _FINAL_CUTS:

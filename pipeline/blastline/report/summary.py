@@ -1,9 +1,12 @@
 """What a designer wants to know in ten seconds."""
 
 from collections.abc import Sequence
+from fractions import Fraction
 from statistics import median
 
-from ..model import Check, Event, Timeline
+from ..model import Check, Event, Source, Timeline
+from ..timebase import rate_text
+from ..timecode import frame_scale
 from .words import allowed, channels, claim, duration, figure, measured, safe, signed
 
 _SHOWN_FAILURES = 6
@@ -15,7 +18,7 @@ def heading(timeline: Timeline) -> str:
     facts = [
         duration(source.frames / source.sample_rate_hz),
         f"from {source.start_timecode}" if source.start_timecode else "no timecode",
-        f"{source.frame_rate} frames a second" if source.frame_rate else "",
+        _counting(source),
         f"{figure(source.sample_rate_hz / 1000, 3)} kHz",
         channels(source),
     ]
@@ -23,6 +26,15 @@ def heading(timeline: Timeline) -> str:
         '<p class="product">blastline report</p>'
         f'<h1>{safe(source.name)}</h1><p class="facts">{safe(" · ".join(fact for fact in facts if fact))}</p>'
     )
+
+
+def _counting(source: Source) -> str:
+    """Return how many frames a second the film has, as --frame-rate is given, and whether they count as drop-frame."""
+    if source.frame_rate is None:
+        return ""
+    scale = frame_scale(source)
+    rate = scale.rate if scale else Fraction(source.frame_rate)
+    return f"{rate_text(rate)} frames a second" + (", drop-frame" if scale and scale.drop_frame else "")
 
 
 def verdict(timeline: Timeline) -> str:

@@ -47,6 +47,7 @@ _AS_RENDERED = {"lag_as_rendered", "level_as_rendered", "peak_as_rendered"}
 _EITHER_WAY = {"drive_shift", "drive_drift", "felt_lag", "drive_lag"} | _AS_RENDERED
 _ONSETS = {"felt_onset", "drive_onset"}
 _MOST_DECIMALS = 16
+_SPEED_DIGITS = 7
 
 
 def claim(check: Check) -> str:
@@ -150,13 +151,21 @@ def allowed(check: Check) -> str:
 
 def _digits(check: Check) -> int:
     """Return how many decimals a check has: where it failed, as many as tell what was measured from what is allowed."""
-    usual = 7 if check.name == "drive_speed" else 2 if check.unit.startswith("dB") else 3
+    usual = _speed_digits(check.limit) if check.name == "drive_speed" else 2 if check.unit.startswith("dB") else 3
     value, limit = check.measured, check.limit
     if check.passed or value is None or limit is None:
         return usual
     bounds = (limit, 2.0 - limit if check.name == "drive_speed" else -limit)
     digits = range(usual, _MOST_DECIMALS)
     return next((n for n in digits if all(figure(value, n) != figure(bound, n) for bound in bounds)), usual)
+
+
+def _speed_digits(limit: float | None) -> int:
+    """Return how many decimals tell a speed's limit from 1, which it is the nearer to the longer the film is."""
+    beyond = (limit or 1.0) - 1.0
+    return (
+        _SPEED_DIGITS if beyond <= 0.0 else min(_MOST_DECIMALS, max(_SPEED_DIGITS, 1 + math.ceil(-math.log10(beyond))))
+    )
 
 
 def _unit(check: Check) -> str:
