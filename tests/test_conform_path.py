@@ -109,6 +109,29 @@ def test_an_end_is_where_the_waveforms_part() -> None:
     assert second.segment.start_s == pytest.approx(35.71, abs=0.03)
 
 
+def test_a_copy_that_is_upside_down_is_the_same_film() -> None:
+    """Some mixes are: a loudspeaker's wires do not matter, nor do they to where scenes end and which shots survive."""
+    new = np.concatenate([seconds(OLD, 0, 20.13), murmur(5.0, seed=28), seconds(OLD, 35.71, 57.15)])
+    spans = [
+        [(each.segment.start_s, each.segment.stop_s) for each in courses(heard(OLD), heard(copy))]
+        for copy in (new, -new)
+    ]
+    assert len(spans[0]) == 2
+    assert spans[1] == [pytest.approx(span, abs=1e-6) for span in spans[0]]
+    expected = [o if o < 20.13 else None if o < 35.71 else o - 10.58 for o in ONSETS_S]
+    assert conformed(OLD, -new) == near(expected)
+
+
+def test_a_burst_in_a_copy_that_is_upside_down_loses_just_the_shots_that_were_cut() -> None:
+    shot, onsets_s = bang(seed=24), tuple(20.0 + 0.1 * n for n in range(10))
+    old = murmur(40.0, seed=25)
+    for onset_s in onsets_s:
+        put(old, shot, onset_s)
+    new = -np.concatenate([seconds(old, 0, 20.35), seconds(old, 20.65, 40)])
+    expected = [o if o < 20.35 else None if o < 20.65 else o - 0.3 for o in onsets_s]
+    assert conformed(old, new, onsets_s) == near(expected)
+
+
 def test_of_two_equal_scenes_the_one_in_order_stays() -> None:
     scene = film(10.0, (2.0, 6.0), seed=23)
     old = np.concatenate([seconds(OLD, 0, 20), scene, seconds(OLD, 20, 40), scene, seconds(OLD, 40, 60)])

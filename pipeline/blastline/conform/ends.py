@@ -115,7 +115,7 @@ def _likeness_of(
         np.add.reduceat(values, edges[:-1]) for values in (ours[:length] * theirs, ours[:length] ** 2, theirs**2)
     )
     scale = np.sqrt(np.maximum(mine * yours, 1e-30))
-    return np.where(np.maximum(mine, yours) < 1e-12, np.nan, product / scale)
+    return np.where(np.maximum(mine, yours) < 1e-12, np.nan, course.polarity * product / scale)
 
 
 def _delayed(samples: NDArray[np.float64], by: float) -> NDArray[np.float64]:
