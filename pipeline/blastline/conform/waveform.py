@@ -18,8 +18,9 @@ WORK_HZ = 16_000
 """Shots reach higher, but codecs and dubs are not to be trusted there; a parabola finds 0.01 samples of it."""
 
 _MARGIN_S = 0.005
-_SHAPE = np.convolve([1.0, -0.95], [1.0, 4.0, 6.0, 4.0, 1.0])
-"""A band around 3 kHz: lower, shots and music are loud but not sharp; higher, a parabola through samples is no peak."""
+_SHAPE = np.convolve([1.0, -1.0], [1.0, 4.0, 6.0, 4.0, 1.0])
+"""A band around 3 kHz: lower, shots and music are loud but not sharp; higher, a parabola through samples is no peak.
+Nothing of a constant is in it: a transfer with an offset sounds as one without."""
 
 Samples = NDArray[np.float64]
 
