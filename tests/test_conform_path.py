@@ -132,6 +132,26 @@ def test_a_burst_in_a_copy_that_is_upside_down_loses_just_the_shots_that_were_cu
     assert conformed(old, new, onsets_s) == near(expected)
 
 
+@pytest.mark.parametrize(("from_s", "to_s"), [(0.0, 20.0), (38.0, 60.0), (12.0, 31.0)])
+def test_a_reel_that_is_upside_down_by_itself_changes_neither_ends_nor_shots(from_s: float, to_s: float) -> None:
+    copy = OLD.copy()
+    copy[round(from_s * RATE_HZ) : round(to_s * RATE_HZ)] *= -1.0
+    [course] = courses(heard(OLD), heard(copy))
+    assert (course.segment.start_s, course.segment.stop_s) == pytest.approx((0.0, 60.0), abs=0.03)
+    assert conformed(OLD, copy) == near(list(ONSETS_S))
+
+
+@pytest.mark.parametrize("offset", [0.05, -0.3])
+def test_an_offset_of_the_new_film_is_no_sound(offset: float) -> None:
+    """Old converters have one: quieter scenes than it are there all the same."""
+    new = 0.2 * np.concatenate([seconds(OLD, 0, 20.13), seconds(OLD, 35.71, 60)]) + offset
+    first, second = courses(heard(OLD), heard(new))
+    assert (first.segment.start_s, first.segment.stop_s) == pytest.approx((0.0, 20.13), abs=0.03)
+    assert (second.segment.start_s, second.segment.stop_s) == pytest.approx((35.71, 60.0), abs=0.03)
+    expected = [o if o < 20.13 else None if o < 35.71 else o - 15.58 for o in ONSETS_S]
+    assert conformed(OLD, new) == near(expected)
+
+
 def test_of_two_equal_scenes_the_one_in_order_stays() -> None:
     scene = film(10.0, (2.0, 6.0), seed=23)
     old = np.concatenate([seconds(OLD, 0, 20), scene, seconds(OLD, 20, 40), scene, seconds(OLD, 40, 60)])

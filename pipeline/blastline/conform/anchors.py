@@ -34,16 +34,7 @@ class Anchors:
 
     old_s: NDArray[np.float64]
     late_s: NDArray[np.float64]
-    correlation: NDArray[np.float64]
-
-    @property
-    def likeness(self) -> NDArray[np.float64]:
-        """Return how alike each is to what was found, whichever way up, shape (n,)."""
-        return np.abs(self.correlation)
-
-    def polarity(self, chosen: NDArray[np.bool_]) -> float:
-        """Return -1 where the chosen ones, shape (n,), are rather upside down in the new film, 1 otherwise."""
-        return -1.0 if float(self.correlation[chosen].sum()) < 0.0 else 1.0
+    likeness: NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +89,7 @@ def find_anchors(
             search_s=_SEARCH_S,
         )
         if found.likeness >= _ALIKE:
-            rows.append((old_s, found.late_s, found.correlation))
+            rows.append((old_s, found.late_s, found.likeness))
     return Anchors(*np.array(rows, np.float64).reshape(-1, 3).T)
 
 

@@ -37,14 +37,12 @@ class Course:
 
     `pitch_scale` is by how much longer a sound's own waveform is in the new film: the line's scale where the pitch
     moved with the speed, 1 where it was kept. `agree_s` is how far anchors lie from the line, `anchors` how many do.
-    `polarity` is -1 where the new film's waveform is upside down.
     """
 
     segment: MatchedSegment
     pitch_scale: float
     agree_s: float
     anchors: int
-    polarity: float = 1.0
 
     @property
     def keeps_pitch(self) -> bool:
@@ -151,13 +149,7 @@ def _through_anchors(
         return None
     scale = line.scale + found.slope
     fitted = replace(line, scale=scale, offset_s=line.offset_s + found.level_s)
-    course = Course(
-        replace(segment, line=fitted),
-        pitch_scale if kept_pitch else scale,
-        agree_s=beside_s,
-        anchors=count,
-        polarity=anchors.polarity(found.near),
-    )
+    course = Course(replace(segment, line=fitted), pitch_scale if kept_pitch else scale, beside_s, count)
     run = _longest_run(found.near)
     return _Anchored(course, float(anchors.old_s[run.start]), float(anchors.old_s[run.stop - 1]))
 

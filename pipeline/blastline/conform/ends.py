@@ -51,11 +51,21 @@ def _edges(course: Course, old: Film, new: Film) -> tuple[float, float]:
     segment = course.segment
     if course.keeps_pitch:
         return segment.start_s, segment.stop_s
+    way_up = _way_up(course, segment.start_s, old, new)
     low_s, high_s = max(0.0, segment.start_s - _EDGE_S), min(segment.start_s + _EDGE_S, segment.stop_s)
-    gain = _gain(course, low_s, high_s, old, new)[::-1]
+    gain = _gain(course, low_s, high_s, old, new, way_up=way_up)[::-1]
     start_s = high_s - _best_count(gain) * _BLOCK_S
+    way_up = _way_up(course, segment.stop_s, old, new)
     low_s, high_s = max(segment.stop_s - _EDGE_S, start_s), min(old.duration_s, segment.stop_s + _EDGE_S)
-    return start_s, low_s + _best_count(_gain(course, low_s, high_s, old, new)) * _BLOCK_S
+    gain = _gain(course, low_s, high_s, old, new, way_up=way_up)
+    return start_s, low_s + _best_count(gain) * _BLOCK_S
+
+
+def _way_up(course: Course, end_s: float, old: Film, new: Film) -> float:
+    """Return -1 where the new film is upside down inside an end of a course, else 1: a reel may be so by itself."""
+    segment = course.segment
+    low_s, high_s = max(segment.start_s, end_s - _EDGE_S), min(segment.stop_s, end_s + _EDGE_S)
+    return -1.0 if float(np.nansum(_likeness(course, low_s, high_s, old, new))) < 0.0 else 1.0
 
 
 def _best_count(gain: NDArray[np.float64]) -> int:
@@ -63,9 +73,9 @@ def _best_count(gain: NDArray[np.float64]) -> int:
     return int(np.argmax(np.concatenate([[0.0], np.cumsum(gain)])))
 
 
-def _gain(course: Course, low_s: float, high_s: float, old: Film, new: Film) -> NDArray[np.float64]:
+def _gain(course: Course, low_s: float, high_s: float, old: Film, new: Film, *, way_up: float) -> NDArray[np.float64]:
     """Return of each block how much more alike the films are than different sounds; 0 of silence."""
-    alike = _likeness(course, low_s, high_s, old, new)
+    alike = way_up * _likeness(course, low_s, high_s, old, new)
     return np.where(np.isnan(alike), 0.0, alike - _ALIKE)
 
 
@@ -77,10 +87,11 @@ def _apart(one: Course, other: Course, old: Film, new: Film, *, in_old: bool) ->
     if count < 1 or one.keeps_pitch or other.keeps_pitch:
         return one, other
     sides = []
-    for course in (one, other):
+    for course, end_s in ((one, first.stop_s), (other, second.start_s)):
         line = course.segment.line
         start_s, stop_s = (low_s, high_s) if in_old else (line.back(low_s), line.back(high_s))
-        sides.append(np.nan_to_num(_likeness_of(course, start_s, stop_s - start_s, count, old, new)))
+        alike = np.nan_to_num(_likeness_of(course, start_s, stop_s - start_s, count, old, new))
+        sides.append(_way_up(course, end_s, old, new) * alike)
     left, right = (np.concatenate([[0.0], np.cumsum(side)]) for side in sides)
     at_s = low_s + int(np.argmax(left - right)) / count * (high_s - low_s)
     stop_s, start_s = (at_s, at_s) if in_old else (first.line.back(at_s), second.line.back(at_s))
@@ -89,7 +100,10 @@ def _apart(one: Course, other: Course, old: Film, new: Film, *, in_old: bool) ->
 
 
 def _likeness(course: Course, low_s: float, high_s: float, old: Film, new: Film) -> NDArray[np.float64]:
-    """Return the correlation of each whole block between two times of the old film; NaN where both are silent."""
+    """Return the correlation of each whole block between two times of the old film; NaN where both are silent.
+
+    It is negative where the new film is upside down.
+    """
     count = int((high_s - low_s) / _BLOCK_S)
     return _likeness_of(course, low_s, count * _BLOCK_S, count, old, new)
 
@@ -115,7 +129,7 @@ def _likeness_of(
         np.add.reduceat(values, edges[:-1]) for values in (ours[:length] * theirs, ours[:length] ** 2, theirs**2)
     )
     scale = np.sqrt(np.maximum(mine * yours, 1e-30))
-    return np.where(np.maximum(mine, yours) < 1e-12, np.nan, course.polarity * product / scale)
+    return np.where(np.maximum(mine, yours) < 1e-12, np.nan, product / scale)
 
 
 def _delayed(samples: NDArray[np.float64], by: float) -> NDArray[np.float64]:
