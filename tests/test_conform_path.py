@@ -91,7 +91,7 @@ def test_scenes_in_another_order_are_followed() -> None:
     assert conformed(OLD, new) == near(list(expected))
 
 
-@pytest.mark.parametrize("speed", [25 / 24, 24 / 25, 1.001, 25.025 / 24, 1.022, 1.07, 0.93])
+@pytest.mark.parametrize("speed", [25 / 24, 24 / 25, 1.001, 25.025 / 24, 1.022, 1.07, 0.93, 1.01, 0.99, 0.95, 1.034])
 def test_any_speed_is_found(speed: float) -> None:
     import soxr
 

@@ -217,13 +217,23 @@ def _fitted(run: Sequence[Hit]) -> Line:
     old_s, new_s = np.array([hit.old_s for hit in run]), np.array([hit.new_s for hit in run])
     scale = run[0].scale
     if old_s[-1] - old_s[0] >= FITTED_S:
-        scale = float(np.polyfit(old_s - old_s.mean(), new_s, 1)[0])
+        scale *= 1.0 + _pull(run)
     return Line(scale, float(np.median(new_s - scale * old_s)), float(old_s[0]), float(old_s[-1]))
 
 
+def _pull(run: Sequence[Hit]) -> float:
+    """Return by which share a row moves on slower than the speed that it was found at says."""
+    old_s, new_s = np.array([hit.old_s for hit in run]), np.array([hit.new_s for hit in run])
+    return float(np.polyfit(old_s - old_s.mean(), new_s, 1)[0]) / run[0].scale - 1.0
+
+
 def _share(hits: Sequence[Hit], old: Fingerprint) -> float:
-    """Return the share of the old film whose segments follow each other in the new one, at least four in a row."""
-    rows = [run for run in _runs(hits) if len(run) >= _MIN_ROW_HITS]
+    """Return the share of the old film whose segments follow each other in the new one, at least four in a row.
+
+    Rows that move on at another speed than they were found at do not count: 1 % beside its own, much of a film is alike
+    enough to be believed, and too little to be placed.
+    """
+    rows = [run for run in _runs(hits) if len(run) >= _MIN_ROW_HITS and abs(_pull(run)) < SPEED_STEP]
     found = {hit.old_s for run in rows for hit in run if hit.score >= _SURE_CORRELATION}
     lively = [at for at in _segments(old, *_SEGMENTS_S[0]) if _lively(old, at, _SEGMENTS_S[0][0])]
     return len(found) / max(1, len(lively))
