@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from blastline import run
 from blastline.detect import LATENCY_S, Detection, find_shots, load_verifier
+from blastline.detect.company import in_company
 from blastline.detect.sides import merge_mixes
 from blastline.model import Rejection, Shot, Span
 from blastline.ruleset import QualityRules, load_rules, rules_path
@@ -292,6 +293,26 @@ def test_one_onset_is_one_shot_and_the_mix_that_is_surer_judges_it() -> None:
         (30_000, 0.92, "sides"),
     ]
     assert [(each.at_sample, each.reason) for each in refused] == [(40_000, "no, in the sides")]
+
+
+def believed(mains: list[Shot], sides: list[Shot]) -> set[int]:
+    shots, _ = merge_mixes((mains, []), (sides, []), rate_hz=RATE_HZ, tier=RULES.tier)
+    return {each.onset for each in in_company(shots, rate_hz=RATE_HZ, tier=RULES.tier)[0]}
+
+
+@pytest.mark.parametrize("apart_ms", [100.0, 3000.0])
+def test_a_second_listening_costs_no_shot_that_the_mains_believe(apart_ms: float) -> None:
+    """As a round of a burst or in company: what both hear is not held to what is asked of the sides alone."""
+    gap, confidences = round(apart_ms * RATE_HZ / 1000.0), np.arange(0.05, 1.0, 0.05).round(2).tolist()
+    sure = [shot(10_000, 0.97), shot(10_000 + gap, 0.97)]
+    places = set[int]()
+    for heard in confidences:
+        doubted = shot(10_000 + 2 * gap, heard)
+        alone = believed([*sure, doubted], [])
+        places |= alone
+        for beside in confidences:
+            assert alone <= believed([*sure, doubted], [shot(doubted.onset + 5, beside)]), (heard, beside)
+    assert 10_000 + 2 * gap in places
 
 
 def test_what_the_mains_are_sure_of_is_not_moved_by_the_sides() -> None:
