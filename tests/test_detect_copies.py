@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from blastline.detect import find_shots, load_verifier
 from blastline.detect.bursts import drop_claimed_reflections, without_echoes
 from blastline.detect.copies import attack, likeness
-from blastline.model import Clip, EvenRow, Shot, ShotEvidence, Span
+from blastline.model import Clip, EvenRow, Reflection, Shot, ShotEvidence, Span
 from blastline.ruleset import load_rules, rules_path
 from blastline.synth import plain_shot
 
@@ -125,6 +125,23 @@ def test_an_echo_found_as_a_sound_is_a_reflection_of_what_it_copies() -> None:
     assert lasting.span.stop == echo.blast.stop
     assert lasting.evidence is not None
     assert (lasting.evidence.copies, lasting.evidence.decay_end) == (1, "last reflection")
+
+
+@pytest.mark.parametrize("beside_ms", [0.0, 0.9, -0.9])
+def test_an_echo_that_was_heard_as_a_reflection_and_found_as_a_sound_is_one(beside_ms: float) -> None:
+    """A clipped echo answers louder than it peaks: too loud for its peak to be expected there."""
+    first, echo = shot(0.0, -6.0), shot(100.0, -6.0 - DROP_DB - 1.0)
+    places = [echo.onset + round(beside_ms * RATE_HZ / 1000.0), echo.onset - 2_400, echo.onset + 2_400]
+    heard = tuple(Reflection(at, at + 9, at * 1000.0 / RATE_HZ, -DROP_DB + 1.0) for at in sorted(places))
+    assert first.evidence is not None
+    evidence = msgspec.structs.replace(first.evidence, copies=len(heard))
+    (kept,), _ = without_echoes(
+        [msgspec.structs.replace(first, reflections=heard, evidence=evidence), echo], rate_hz=RATE_HZ, rules=RULES
+    )
+    found = [(each.start, each.level_db) for each in kept.reflections]
+    assert found == [(places[1], heard[0].level_db), (echo.onset, -DROP_DB - 1.0), (places[2], heard[2].level_db)]
+    assert kept.evidence is not None
+    assert kept.evidence.copies == len(heard)
 
 
 def test_any_louder_shot_before_it_may_be_what_a_shot_copies() -> None:

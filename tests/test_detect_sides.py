@@ -10,8 +10,12 @@ from numpy.typing import NDArray
 
 from blastline import run
 from blastline.detect import LATENCY_S, Detection, find_shots, load_verifier
+from blastline.detect.company import in_company
+from blastline.detect.find import ChunkResult, apply_row_verdicts
+from blastline.detect.fire import ScoredCandidates
 from blastline.detect.sides import merge_mixes
-from blastline.model import Rejection, Shot, Span
+from blastline.detect.verify import LogOdds
+from blastline.model import Rejection, Shot, ShotEvidence, Span
 from blastline.ruleset import QualityRules, load_rules, rules_path
 from blastline.soundtrack import open_soundtrack
 from blastline.soundtrack.mix import mix_matrix
@@ -292,6 +296,46 @@ def test_one_onset_is_one_shot_and_the_mix_that_is_surer_judges_it() -> None:
         (30_000, 0.92, "sides"),
     ]
     assert [(each.at_sample, each.reason) for each in refused] == [(40_000, "no, in the sides")]
+
+
+def believed(mains: list[Shot], sides: list[Shot]) -> set[int]:
+    shots, _ = merge_mixes((mains, []), (sides, []), rate_hz=RATE_HZ, tier=RULES.tier)
+    return {each.onset for each in in_company(shots, rate_hz=RATE_HZ, tier=RULES.tier)[0]}
+
+
+@pytest.mark.parametrize("apart_ms", [100.0, 3000.0])
+def test_a_second_listening_costs_no_shot_that_the_mains_believe(apart_ms: float) -> None:
+    """As a round of a burst or in company: what both hear is not held to what is asked of the sides alone."""
+    gap, confidences = round(apart_ms * RATE_HZ / 1000.0), np.arange(0.05, 1.0, 0.05).round(2).tolist()
+    sure = [shot(10_000, 0.97), shot(10_000 + gap, 0.97)]
+    places = set[int]()
+    for heard in confidences:
+        doubted = shot(10_000 + 2 * gap, heard)
+        alone = believed([*sure, doubted], [])
+        places |= alone
+        for beside in confidences:
+            assert alone <= believed([*sure, doubted], [shot(doubted.onset + 5, beside)]), (heard, beside)
+    assert 10_000 + 2 * gap in places
+
+
+@pytest.mark.parametrize("aside", [0, 1, 200])
+def test_a_row_is_told_by_the_mix_that_judged_its_shots_wherever_they_begin_in_it(aside: int) -> None:
+    """Both mixes hear a burst, each to another sample or to the same one; the sides alone know it for fire."""
+    onsets = 10_000 + 4_800 * np.arange(6)
+    evidence = ShotEvidence(0.5, 1, None, "fallen")
+    heard = [msgspec.structs.replace(shot(at, 0.3), evidence=evidence) for at in onsets.tolist()]
+    there = [msgspec.structs.replace(shot(at + aside, 0.95), evidence=evidence) for at in onsets.tolist()]
+    shots, _ = merge_mixes((heard, []), (there, []), rate_hz=RATE_HZ, tier=RULES.tier)
+    in_mains, in_sides = (_scored(onsets + late, odds) for late, odds in ((0, -1.0), (aside, 3.0)))
+    chunk = ChunkResult([*shots, *heard], [], {"mains": in_mains, "sides": in_sides})
+    (told,) = apply_row_verdicts([chunk], rate_hz=RATE_HZ, tier=RULES.tier)
+    assert {each.heard_in for each in told[:6]} == {"sides"}
+    assert [each.evidence and each.evidence.even_row for each in told] == 6 * ["fire"] + 6 * [None]
+
+
+def _scored(onsets: NDArray[np.intp], log_odds: float) -> ScoredCandidates:
+    odds = np.full(onsets.size, log_odds)
+    return ScoredCandidates(onsets, np.full(onsets.size, -6.0), LogOdds(odds, odds))
 
 
 def test_what_the_mains_are_sure_of_is_not_moved_by_the_sides() -> None:

@@ -179,6 +179,16 @@ def test_a_window_is_made_of_the_mains_unless_they_lack_a_shot() -> None:
     assert choose_made_of(Clip(np.zeros((48_000, 2)), RATE_HZ, 500, sides=here), [first]) == "mains"
 
 
+@pytest.mark.parametrize("onset", [0, 1, 10, 23, 24, 25, 12_000])
+@pytest.mark.parametrize("constant", [(0.0, 0.0), (0.3, 0.3), (-0.3, 0.0), (0.2, -0.2)])
+def test_a_constant_does_not_change_what_a_window_is_made_of(onset: int, constant: tuple[float, float]) -> None:
+    """However little of the film is before the shot to tell it by."""
+    swing = shots_at([onset])
+    for right, expected in ((-swing, "sides"), (swing, "mains")):
+        clip = clip_of(constant[0] + swing, constant[1] + right)
+        assert choose_made_of(clip, [clip.start + onset]) == expected
+
+
 def test_a_shot_that_is_wide_keeps_the_body_that_the_mains_hold() -> None:
     """Its highs are in antiphase, and loud; what is felt is its lows, and these are in the middle."""
     body = shots_at([12_000])

@@ -90,12 +90,18 @@ def _copied_by(shot: Shot, earlier: Sequence[Shot], *, rate_hz: int, rules: Burs
 
 
 def _with_echo(shot: Shot, echo: Shot, *, rate_hz: int) -> Shot:
-    """Return a shot with one reflection more: a softer sound that was taken for a shot and copies it."""
+    """Return a shot with a softer sound that was taken for a shot and copies it, as a reflection.
+
+    It stands for a reflection that was heard there, one too loud to expect an echo by: that is the same echo.
+    """
     delay_ms, level_db = ms_from_samples(echo.onset - shot.onset, rate_hz), echo.peak_dbfs - shot.peak_dbfs
-    found = Reflection(echo.onset, echo.blast.stop, delay_ms, level_db)
-    evidence = shot.evidence and msgspec.structs.replace(shot.evidence, copies=shot.evidence.copies + 1)
-    reflections = tuple(sorted((*shot.reflections, found), key=lambda each: each.start))
-    return msgspec.structs.replace(shot, reflections=reflections, evidence=evidence)
+    same = samples_from_ms(_SAME_ECHO_MS, rate_hz)
+    others = [each for each in shot.reflections if abs(each.start - echo.onset) > same]
+    reflections = (*others, Reflection(echo.onset, echo.blast.stop, delay_ms, level_db))
+    gained = len(reflections) - len(shot.reflections)
+    evidence = shot.evidence and msgspec.structs.replace(shot.evidence, copies=shot.evidence.copies + gained)
+    in_time = tuple(sorted(reflections, key=lambda each: each.start))
+    return msgspec.structs.replace(shot, reflections=in_time, evidence=evidence)
 
 
 def drop_claimed_reflections(shots: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> tuple[Shot, ...]:

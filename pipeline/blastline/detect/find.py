@@ -1,5 +1,6 @@
 """The detection pipeline, chunk by chunk: candidates, verification, segmentation; then what the whole film tells."""
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..model import Channels, Clip, EvenRow, HeardIn, Rejection, Shot
 from ..ruleset import QualityRules
+from ..units import samples_from_ms
 from .backdrop import backdrops, sounds
 from .bursts import drop_claimed_reflections, group_bursts, suppress_non_maxima, without_echoes
 from .candidates import CandidateFeatures, describe_candidates
@@ -22,7 +24,7 @@ from .fire import ScoredCandidates, even_rows, worth_a_look
 from .rate import LISTENING_HZ, film_sample, in_film, resampled
 from .scan import loudest_around
 from .segment import peak_dbfs, segment
-from .sides import are_audible, merge_mixes, side_as_main, side_rules
+from .sides import SAME_MS, are_audible, merge_mixes, side_as_main, side_rules
 from .spectrogram import Spectrograms, spectrograms
 from .tracks import Grid, pieces
 from .verify import Verdicts, Verifier, log_odds_in
@@ -48,6 +50,19 @@ class ChunkResult:
     scored: dict[HeardIn, ScoredCandidates]
 
 
+@dataclass(frozen=True)
+class _RowVerdicts:
+    """What rows tell of all that was scored in a mix: its onsets, ascending, and the verdict of each."""
+
+    onsets: list[int]
+    rows: list[EvenRow | None]
+
+    def of(self, onset: int, near: int) -> EvenRow | None:
+        """Return the verdict of a shot that the mix has judged, which may begin up to `near` samples aside in it."""
+        places = range(bisect_left(self.onsets, onset - near), bisect_right(self.onsets, onset + near))
+        return self.rows[min(places, key=lambda place: abs(self.onsets[place] - onset))]
+
+
 def find_shots(
     blocks: Iterable[Clip], *, rate_hz: int, tier: QualityRules, verifier: Verifier, channels: Channels | None = None
 ) -> Detection:
@@ -63,15 +78,16 @@ def find_shots(
 
 def apply_row_verdicts(found: Sequence[ChunkResult], *, rate_hz: int, tier: QualityRules) -> Iterator[list[Shot]]:
     """Yield the shots of each chunk, with what the rows of the whole film tell of them: a row may cross chunks."""
-    told: dict[HeardIn, dict[int, EvenRow | None]] = {}
+    told: dict[HeardIn, _RowVerdicts] = {}
     rules_of: dict[HeardIn, QualityRules] = {"mains": tier, "sides": side_rules(tier)}
     for mix, rules in rules_of.items():
         parts = [each.scored[mix] for each in found if mix in each.scored]
         if parts:
             every = ScoredCandidates.all_of(parts)
-            told[mix] = dict(zip(every.onsets.tolist(), even_rows(every, rate_hz=rate_hz, tier=rules), strict=True))
+            told[mix] = _RowVerdicts(every.onsets.tolist(), even_rows(every, rate_hz=rate_hz, tier=rules))
+    near = samples_from_ms(SAME_MS, rate_hz)
     for each in found:
-        yield [_with_row_verdict(shot, told) for shot in each.shots]
+        yield [_with_row_verdict(shot, told[shot.heard_in].of(shot.onset, near)) for shot in each.shots]
 
 
 def select_shots(
@@ -204,10 +220,7 @@ def _segmented(
     return shots
 
 
-def _with_row_verdict(shot: Shot, told: dict[HeardIn, dict[int, EvenRow | None]]) -> Shot:
-    """Return a shot with what its row tells of it: that of the mix it was found in, which need not be the surer one."""
-    rows = told["sides"] if shot.heard_in == "sides" and shot.onset in told["sides"] else told["mains"]
-    row = rows.get(shot.onset)
+def _with_row_verdict(shot: Shot, row: EvenRow | None) -> Shot:
     return shot if row is None else _with_evidence(shot, even_row=row)
 
 

@@ -60,12 +60,13 @@ def merge_mixes(mains: Found, sides: Found, *, rate_hz: int, tier: QualityRules)
     A shot that both heard keeps its parts in the mains. Where they are not sure of it, it is judged by the mix that is
     surer. Where they are, nothing that begins in the sides nearer than any gun fires again is another one.
     """
-    sure = tier.verify.threshold
+    sure, least = tier.verify.threshold, tier.channels.sides_company_threshold
     near, apart = (samples_from_ms(ms, rate_hz) for ms in (SAME_MS, tier.bursts.shortest_gap_ms))
     shots, beside_it = list(mains[0]), sides[0]
     for index, shot in enumerate(shots):
         there = max(
-            (other for other in beside_it if abs(other.onset - shot.onset) <= near),
+            # below that the sides believe nothing: their verdict would only cost a shot that the mains may believe
+            (other for other in beside_it if other.confidence >= least and abs(other.onset - shot.onset) <= near),
             key=lambda other: other.confidence,
             default=None,
         )

@@ -84,7 +84,8 @@ class _OnsetEnergy:
         length = cell * round(_AROUND_MS / _CELL_MS)
         before = mix[max(0, at - length) : at]
         now, was = (_means(part, cell) for part in (mix[at : at + length], before[len(before) % cell :]))
-        constant = was.mean() if was.size else 0.0
+        # a film begins at rest, at its first level: what was before may be less than a cell, or nothing
+        constant = (before if before.size else mix[at : at + 1]).mean(dtype=np.float64)
         still = was - constant
         return cls(now - constant, float(still @ still) * len(now) / max(1, len(was)))
 
