@@ -8,7 +8,8 @@ from scipy import signal
 
 from actuator_signals import Seat, noise, recording, run_of, run_through
 from blastline.actuator import MeasuredResponse, excess_phase, identify, minimum_phase, require_running_along
-from blastline.actuator.identify import coarse_delay, welch
+from blastline.actuator.delay import coarse_delay
+from blastline.actuator.identify import welch
 from blastline.errors import SoundtrackError
 from blastline.ruleset import load_measuring
 
@@ -97,6 +98,25 @@ def test_a_periodic_excitation_has_the_nearest_delay() -> None:
     sent = np.tile(noise(1.0, rate_hz), 12)
     came = np.roll(sent, 80)
     assert coarse_delay(recording("x", sent, rate_hz), recording("y", came, rate_hz), rules=RULES) == 80
+
+
+def loop(kind: str, period_s: float, rate_hz: int) -> np.ndarray:
+    """Return one period of noise, or of a sweep."""
+    seconds = np.arange(round(period_s * rate_hz)) / rate_hz
+    return noise(period_s, rate_hz) if kind == "noise" else 0.5 * signal.chirp(seconds, 5.0, period_s, 3500.0)
+
+
+@pytest.mark.parametrize("missing_s", [0.0, 6.0, 10.0])
+@pytest.mark.parametrize("period_s", [0.5, 1.0, 1.5])
+@pytest.mark.parametrize("kind", ["sweep", "noise"])
+def test_a_period_that_was_not_recorded_shifts_no_delay(kind: str, period_s: float, missing_s: float) -> None:
+    """Silence before a run, and an end that is missing, leave less to add up at the true delay than at others."""
+    rate_hz = 8_000
+    seat = Seat(delay_s=0.012345)
+    sent = np.concatenate([np.zeros(2 * rate_hz), np.tile(loop(kind, period_s, rate_hz), round(20.0 / period_s))])
+    came = run_through(seat, sent, rate_hz)[: len(sent) - round(missing_s * rate_hz)]
+    late = coarse_delay(recording("x", sent, rate_hz), recording("y", came, rate_hz), rules=RULES)
+    assert late / rate_hz == pytest.approx(seat.delay_s, abs=0.002)
 
 
 def test_lengths_may_differ_and_silence_around_the_run_does_no_harm() -> None:

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from ..errors import SoundtrackError
 from ..model import Span
 from ..ruleset import IdentifyRules
-from .identify import INDEPENDENT, Identified, Spectrum, Values, coarse_delay, common, nearest_peak, usable_band, welch
+from .delay import coarse_delay, nearest_peak
+from .identify import INDEPENDENT, Identified, Spectrum, Values, common, usable_band, welch
 from .recording import Recording
 
 _PARTS = 8
