@@ -115,6 +115,15 @@ def test_recordings_that_tell_nothing_are_refused(run: Path, tmp_path: Path, res
     assert not (tmp_path / "out").exists()
 
 
+def test_a_recorded_excitation_that_was_clipped_is_refused(run: Path, tmp_path: Path) -> None:
+    sent, _ = soundfile.read(run / "sent.wav")
+    soundfile.write(tmp_path / "sent.wav", np.clip(sent, -0.1, 0.1), RATE_HZ, subtype="PCM_24")
+    soundfile.write(tmp_path / "came.wav", soundfile.read(run / "came.wav")[0], RATE_HZ, subtype="PCM_24")
+    ended = identify(tmp_path, "came.wav", tmp_path / "seat.toml", "--quiet")
+    assert ended.complaint.startswith(f"{tmp_path / 'sent.wav'}: is clipped: ")
+    assert not (tmp_path / "seat.toml").exists()
+
+
 def test_nothing_is_replaced_unasked_and_nothing_written_half(run: Path, tmp_path: Path) -> None:
     (tmp_path / "seat.toml").write_text("mine")
     asked = ("actuator", "fit", run / "seat.csv", "-o", tmp_path / "seat.toml", "-q")

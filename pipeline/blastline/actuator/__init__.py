@@ -5,6 +5,7 @@ CSV ─────────────────────────�
 thresholds ─► H_m = (1/T)^2 ───────────────────────────────────┘
 """
 
+from .clipping import require_unclipped_excitation
 from .fit import BandError, Fit, FittedResponse, fit, octave_errors
 from .identify import Identified, identify
 from .inverse import inversion_db, peak
@@ -43,5 +44,6 @@ __all__ = [
     "read_measured",
     "record",
     "require_running_along",
+    "require_unclipped_excitation",
     "sensitivity_db",
 ]

@@ -28,6 +28,9 @@ Spectrum = NDArray[np.complex128]
 INDEPENDENT = 0.947
 """Of Hann segments that overlap by half, the share that counts as independent (Welch 1967)."""
 
+RELATED = 1.94
+"""By so much neighbouring bins of a Hann window, correlated by 2/3 and 1/6, raise the variance of a sum over them."""
+
 _HIGHEST_OF_RATE = 0.45
 """Nearer to half the sample rate the converters' own filters are measured as well."""
 

@@ -27,6 +27,7 @@ from ..actuator import (
     read_measured,
     record,
     require_running_along,
+    require_unclipped_excitation,
 )
 from ..dsp import compensator, felt_response
 from ..errors import OutputError, SoundtrackError
@@ -128,6 +129,7 @@ def identify_actuator(
         identified = identify(*heard, rules=measuring.identify)
         modelled_hz = measuring.fit.highest_hz
         require_running_along(*heard, identified, modelled_hz=modelled_hz, rules=measuring.identify)
+        require_unclipped_excitation(*heard, identified, rules=measuring.identify)
     origin = f"measured from {response.name} against {excitation.name}"
     made = _fit_and_write(identified.measured, output, options, origin, progress, identified=identified, csv=csv)
     return replace(made, warnings=warnings)
