@@ -303,6 +303,30 @@ def test_a_band_that_the_table_does_not_hold_is_refused(run: Path, tmp_path: Pat
     assert "expected a band of the table, which runs from" in told
 
 
+def write_table(path: Path, rows: str, *columns: np.ndarray) -> Path:
+    """Write a table with a row for each value of the columns."""
+    lines = [",".join(f"{cell:.6g}" for cell in row) for row in zip(*columns, strict=True)]
+    path.write_text("\n".join([rows, *lines]), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(("coherence", "known"), [(0.0, False), (0.05, False), (0.3, True), (1.0, True)])
+def test_a_table_that_knows_nothing_by_its_own_coherence_is_refused(
+    tmp_path: Path, coherence: float, known: bool
+) -> None:
+    frequencies_hz = np.geomspace(10.0, 1000.0, 60)
+    columns = (frequencies_hz, SEAT.level_db(frequencies_hz), np.full(60, coherence))
+    path = write_table(tmp_path / "seat.csv", "frequency_hz,gain_db,coherence", *columns)
+    ended = blastline("actuator", "fit", path, "-o", tmp_path / "seat.toml", "-q")
+    if known:
+        assert ended.code == 0, ended
+        return
+    told = f"{path}: coherence = {coherence:g} at most, from 10 to 1000 Hz: nothing of the response is known to follow"
+    assert ended.complaint.startswith(told)
+    assert "expected 0.1 or more" in ended.complaint
+    assert not (tmp_path / "seat.toml").exists()
+
+
 def test_a_large_table_without_phase_is_drawn_in_little_room(tmp_path: Path) -> None:
     frequencies_hz = np.linspace(5.0, 2000.0, 20_000)
     rows = [f"{hz:.4f},{level:.3f}" for hz, level in zip(frequencies_hz, SEAT.level_db(frequencies_hz), strict=True)]

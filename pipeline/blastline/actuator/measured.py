@@ -118,6 +118,21 @@ def read_measured(path: Path) -> MeasuredResponse:
     )
 
 
+def require_coherent(measured: MeasuredResponse, path: Path, *, least: float) -> None:
+    """Raise RuleError for a table whose own coherence says that none of its gains was measured."""
+    if measured.coherence is None:
+        return
+    known = measured.within(*measured.band_hz)
+    assert known.coherence is not None
+    highest = float(np.max(known.coherence, initial=0.0))
+    if highest < least:
+        low_hz, high_hz = known.band_hz
+        raise RuleError(
+            f"{path}: coherence = {highest:g} at most, from {low_hz:g} to {high_hz:g} Hz: nothing of the response is "
+            f"known to follow the excitation; expected {least:g} or more, or a table without that column"
+        )
+
+
 def measured_csv(measured: MeasuredResponse, source: str) -> str:
     """Return the text of a CSV file that `read_measured` reads."""
     low_hz, high_hz = measured.band_hz

@@ -26,6 +26,7 @@ from ..actuator import (
     profile_text,
     read_measured,
     record,
+    require_coherent,
     require_running_along,
     require_unclipped_excitation,
 )
@@ -142,6 +143,7 @@ def fit_actuator(measured: Path, output: Path, *, options: FitOptions, progress:
     """
     _require_place(output, None, options)
     response = read_measured(measured)
+    require_coherent(response, measured, least=load_measuring(options.rules).identify.least_coherence)
     return _fit_and_write(response, output, options, f"measured in {measured.name}", progress)
 
 
