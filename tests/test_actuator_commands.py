@@ -327,6 +327,25 @@ def test_a_table_that_knows_nothing_by_its_own_coherence_is_refused(
     assert not (tmp_path / "seat.toml").exists()
 
 
+@pytest.mark.parametrize(
+    ("flat_db", "doubted"),
+    [(None, True), ((0.0, 1.3), False), ((-0.7, 0.6), False), ((0.9, 2.2), False), ((0.5, 30.0), False)],
+)
+def test_ratios_in_place_of_levels_are_doubted_and_no_flat_seat_is(
+    tmp_path: Path, flat_db: tuple[float, float] | None, doubted: bool
+) -> None:
+    frequencies_hz = np.geomspace(10.0, 1000.0, 60)
+    ratios = np.abs(SEAT.at(frequencies_hz))
+    if flat_db is not None:
+        ratios = np.interp(ratios, [np.min(ratios), np.max(ratios)], flat_db)
+    path = write_table(tmp_path / "seat.csv", "frequency_hz,gain_db", frequencies_hz, ratios)
+    ended = blastline("actuator", "fit", path, "-o", tmp_path / "seat.toml", "-q")
+    assert ended.code == 0, ended
+    told = r"^warning: \S*seat\.csv: gain_db = 0\.0\d+ to 1\.\d+: looks like plain ratios; expected levels, 20 log10"
+    assert bool(re.search(told, ended.err)) == doubted
+    assert bool(ended.err) == doubted
+
+
 def test_a_large_table_without_phase_is_drawn_in_little_room(tmp_path: Path) -> None:
     frequencies_hz = np.linspace(5.0, 2000.0, 20_000)
     rows = [f"{hz:.4f},{level:.3f}" for hz, level in zip(frequencies_hz, SEAT.level_db(frequencies_hz), strict=True)]

@@ -18,6 +18,12 @@ _FEWEST_ROWS = 8
 _LEAST_OCTAVES = 1.0
 
 
+_RATIO_SPAN = 10.0
+_LEVEL_SPAN_DB = 6.0
+"""A seat's gains differ by more than a factor of 10; levels that do all the same, within 6 dB of each other, may be
+ratios."""
+
+
 @dataclass(frozen=True, eq=False)
 class MeasuredResponse:
     """An actuator's response at ascending frequencies, shape (rows,) each.
@@ -131,6 +137,18 @@ def require_coherent(measured: MeasuredResponse, path: Path, *, least: float) ->
             f"{path}: coherence = {highest:g} at most, from {low_hz:g} to {high_hz:g} Hz: nothing of the response is "
             f"known to follow the excitation; expected {least:g} or more, or a table without that column"
         )
+
+
+def doubts(measured: MeasuredResponse, path: Path) -> tuple[str, ...]:
+    """Return what looks wrong in a table, a line each, but may be right: levels that are more like plain ratios."""
+    lowest_db, highest_db = float(np.min(measured.gain_db)), float(np.max(measured.gain_db))
+    # what is 0 dB comes back from its gain as nearly 0
+    if lowest_db < 1e-9 or highest_db < _RATIO_SPAN * lowest_db or highest_db - lowest_db > _LEVEL_SPAN_DB:
+        return ()
+    return (
+        f"{path}: gain_db = {lowest_db:.3g} to {highest_db:.3g}: looks like plain ratios; expected levels, 20 log10 of "
+        "the ratio (were they levels, this seat would be almost flat)",
+    )
 
 
 def measured_csv(measured: MeasuredResponse, source: str) -> str:

@@ -14,6 +14,7 @@ from ..actuator import (
     FittedResponse,
     Identified,
     MeasuredResponse,
+    doubts,
     excess_phase,
     fit,
     fit_target,
@@ -70,7 +71,7 @@ class MadeProfile:
 
     The felt response peaks at `peak_hz` with `peak_db`, which was `asked` for or else is as measured. `excess` is None
     where no phase was measured, `identified` where the response came from a CSV file. `warnings` tell what of the
-    recordings was damaged.
+    recordings was damaged, or looks wrong in the table.
     """
 
     profile: ActuatorProfile
@@ -144,7 +145,8 @@ def fit_actuator(measured: Path, output: Path, *, options: FitOptions, progress:
     _require_place(output, None, options)
     response = read_measured(measured)
     require_coherent(response, measured, least=load_measuring(options.rules).identify.least_coherence)
-    return _fit_and_write(response, output, options, f"measured in {measured.name}", progress)
+    made = _fit_and_write(response, output, options, f"measured in {measured.name}", progress)
+    return replace(made, warnings=doubts(response, measured))
 
 
 def _fit_and_write(
