@@ -72,6 +72,7 @@ def test_levels_alone_are_enough_and_spreadsheets_may_have_written_them(tmp_path
         ("", "the first line names nothing; expected the columns frequency_hz, gain_db, [phase_deg], [coherence]"),
         ("20,0\n30,1\n", "the first line names 20, 0; expected the columns frequency_hz, gain_db"),
         (HEAD, "holds no measurement below its line of names; expected rows of frequency_hz, gain_db"),
+        (HEAD + "20,0\n", "holds 1 row; expected at least 8"),
         (HEAD + "20,0\n30,1\n", "holds 2 rows; expected at least 8"),
         (HEAD + GOOD + "100,3\n", "line 12: frequency_hz = 100: expected more than 110 Hz, the row before"),
         (HEAD + GOOD + "110,3\n", "line 12: frequency_hz = 110: expected more than 110 Hz, the row before"),

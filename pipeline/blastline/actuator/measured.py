@@ -104,8 +104,9 @@ def read_measured(path: Path) -> MeasuredResponse:
     """
     read = read_columns(path, needed=(FREQUENCY, "gain_db"), optional=("phase_deg", "coherence"))
     frequencies_hz, gain_db = read.values[FREQUENCY], read.values["gain_db"]
-    if len(frequencies_hz) < _FEWEST_ROWS:
-        raise RuleError(f"{path}: holds {len(frequencies_hz)} rows; expected at least {_FEWEST_ROWS}")
+    rows = len(frequencies_hz)
+    if rows < _FEWEST_ROWS:
+        raise RuleError(f"{path}: holds {rows} row{'s' * (rows != 1)}; expected at least {_FEWEST_ROWS}")
     if math.log2(frequencies_hz[-1] / frequencies_hz[0]) < _LEAST_OCTAVES:
         span = f"{frequencies_hz[0]:g} to {frequencies_hz[-1]:g} Hz"
         raise RuleError(f"{path}: {FREQUENCY} runs from {span}; expected at least an octave")
