@@ -115,6 +115,15 @@ def test_recordings_that_tell_nothing_are_refused(run: Path, tmp_path: Path, res
     assert not (tmp_path / "out").exists()
 
 
+def test_a_recorded_excitation_that_was_clipped_is_refused(run: Path, tmp_path: Path) -> None:
+    sent, _ = soundfile.read(run / "sent.wav")
+    soundfile.write(tmp_path / "sent.wav", np.clip(sent, -0.1, 0.1), RATE_HZ, subtype="PCM_24")
+    soundfile.write(tmp_path / "came.wav", soundfile.read(run / "came.wav")[0], RATE_HZ, subtype="PCM_24")
+    ended = identify(tmp_path, "came.wav", tmp_path / "seat.toml", "--quiet")
+    assert ended.complaint.startswith(f"{tmp_path / 'sent.wav'}: is clipped: ")
+    assert not (tmp_path / "seat.toml").exists()
+
+
 def test_nothing_is_replaced_unasked_and_nothing_written_half(run: Path, tmp_path: Path) -> None:
     (tmp_path / "seat.toml").write_text("mine")
     asked = ("actuator", "fit", run / "seat.csv", "-o", tmp_path / "seat.toml", "-q")
@@ -292,6 +301,49 @@ def test_a_band_that_the_table_does_not_hold_is_refused(run: Path, tmp_path: Pat
     (tmp_path / "seat.csv").write_text("\n".join(wrong))
     told = blastline("actuator", "fit", tmp_path / "seat.csv", "-o", tmp_path / "seat.toml", "-q").complaint
     assert "expected a band of the table, which runs from" in told
+
+
+def write_table(path: Path, rows: str, *columns: np.ndarray) -> Path:
+    """Write a table with a row for each value of the columns."""
+    lines = [",".join(f"{cell:.6g}" for cell in row) for row in zip(*columns, strict=True)]
+    path.write_text("\n".join([rows, *lines]), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(("coherence", "known"), [(0.0, False), (0.05, False), (0.3, True), (1.0, True)])
+def test_a_table_that_knows_nothing_by_its_own_coherence_is_refused(
+    tmp_path: Path, coherence: float, known: bool
+) -> None:
+    frequencies_hz = np.geomspace(10.0, 1000.0, 60)
+    columns = (frequencies_hz, SEAT.level_db(frequencies_hz), np.full(60, coherence))
+    path = write_table(tmp_path / "seat.csv", "frequency_hz,gain_db,coherence", *columns)
+    ended = blastline("actuator", "fit", path, "-o", tmp_path / "seat.toml", "-q")
+    if known:
+        assert ended.code == 0, ended
+        return
+    told = f"{path}: coherence = {coherence:g} at most, from 10 to 1000 Hz: nothing of the response is known to follow"
+    assert ended.complaint.startswith(told)
+    assert "expected 0.1 or more" in ended.complaint
+    assert not (tmp_path / "seat.toml").exists()
+
+
+@pytest.mark.parametrize(
+    ("flat_db", "doubted"),
+    [(None, True), ((0.0, 1.3), False), ((-0.7, 0.6), False), ((0.9, 2.2), False), ((0.5, 30.0), False)],
+)
+def test_ratios_in_place_of_levels_are_doubted_and_no_flat_seat_is(
+    tmp_path: Path, flat_db: tuple[float, float] | None, doubted: bool
+) -> None:
+    frequencies_hz = np.geomspace(10.0, 1000.0, 60)
+    ratios = np.abs(SEAT.at(frequencies_hz))
+    if flat_db is not None:
+        ratios = np.interp(ratios, [np.min(ratios), np.max(ratios)], flat_db)
+    path = write_table(tmp_path / "seat.csv", "frequency_hz,gain_db", frequencies_hz, ratios)
+    ended = blastline("actuator", "fit", path, "-o", tmp_path / "seat.toml", "-q")
+    assert ended.code == 0, ended
+    told = r"^warning: \S*seat\.csv: gain_db = 0\.0\d+ to 1\.\d+: looks like plain ratios; expected levels, 20 log10"
+    assert bool(re.search(told, ended.err)) == doubted
+    assert bool(ended.err) == doubted
 
 
 def test_a_large_table_without_phase_is_drawn_in_little_room(tmp_path: Path) -> None:

@@ -7,8 +7,16 @@ import pytest
 from scipy import signal
 
 from actuator_signals import Seat, noise, recording, run_of, run_through
-from blastline.actuator import MeasuredResponse, excess_phase, identify, minimum_phase, require_running_along
-from blastline.actuator.identify import coarse_delay, welch
+from blastline.actuator import (
+    MeasuredResponse,
+    excess_phase,
+    identify,
+    minimum_phase,
+    require_running_along,
+    require_unclipped_excitation,
+)
+from blastline.actuator.delay import coarse_delay
+from blastline.actuator.identify import welch
 from blastline.errors import SoundtrackError
 from blastline.ruleset import load_measuring
 
@@ -99,6 +107,25 @@ def test_a_periodic_excitation_has_the_nearest_delay() -> None:
     assert coarse_delay(recording("x", sent, rate_hz), recording("y", came, rate_hz), rules=RULES) == 80
 
 
+def loop(kind: str, period_s: float, rate_hz: int) -> np.ndarray:
+    """Return one period of noise, or of a sweep."""
+    seconds = np.arange(round(period_s * rate_hz)) / rate_hz
+    return noise(period_s, rate_hz) if kind == "noise" else 0.5 * signal.chirp(seconds, 5.0, period_s, 3500.0)
+
+
+@pytest.mark.parametrize("missing_s", [0.0, 6.0, 10.0])
+@pytest.mark.parametrize("period_s", [0.5, 1.0, 1.5])
+@pytest.mark.parametrize("kind", ["sweep", "noise"])
+def test_a_period_that_was_not_recorded_shifts_no_delay(kind: str, period_s: float, missing_s: float) -> None:
+    """Silence before a run, and an end that is missing, leave less to add up at the true delay than at others."""
+    rate_hz = 8_000
+    seat = Seat(delay_s=0.012345)
+    sent = np.concatenate([np.zeros(2 * rate_hz), np.tile(loop(kind, period_s, rate_hz), round(20.0 / period_s))])
+    came = run_through(seat, sent, rate_hz)[: len(sent) - round(missing_s * rate_hz)]
+    late = coarse_delay(recording("x", sent, rate_hz), recording("y", came, rate_hz), rules=RULES)
+    assert late / rate_hz == pytest.approx(seat.delay_s, abs=0.002)
+
+
 def test_lengths_may_differ_and_silence_around_the_run_does_no_harm() -> None:
     rate_hz = 16_000
     seat = Seat(delay_s=0.003)
@@ -168,6 +195,54 @@ def test_what_is_cut_off_on_one_side_is_clipped_as_well(side: float, cut_off: fl
     told = rf"^y: is clipped: {100.0 * cut_off:.1f} % of its samples stand at its peaks"
     with pytest.raises(SoundtrackError, match=told):
         identify(recording("x", sent, 16_000), recording("y", one_sided, 16_000), rules=RULES)
+
+
+def require_as_sent(recorded: np.ndarray, came: np.ndarray) -> MeasuredResponse:
+    """Return the response to an excitation of which no peaks were found to be cut off after it was sent."""
+    heard = recording("x", recorded, 16_000), recording("y", came, 16_000)
+    found = identify(*heard, rules=RULES)
+    require_unclipped_excitation(*heard, found, rules=RULES)
+    return found.measured
+
+
+def pink_noise(length_s: float) -> np.ndarray:
+    spectrum = np.fft.rfft(noise(length_s, 16_000))
+    falling = np.fft.irfft(spectrum / np.sqrt(np.maximum(np.arange(len(spectrum)), 20 * length_s)))
+    return np.asarray(0.1 * falling / np.std(falling))
+
+
+@pytest.mark.parametrize("snr_db", [60.0, 20.0, 0.0])
+@pytest.mark.parametrize("source", [noise(16.0, 16_000), pink_noise(16.0)], ids=["white", "pink"])
+def test_an_excitation_that_was_clipped_later_is_refused(source: np.ndarray, snr_db: float) -> None:
+    """Bussgang: Gaussian noise clipped at its rms holds erf(1/sqrt(2)) of itself in 0.516 of its power, + 2.4 dB."""
+    came = run_through(Seat(), source, 16_000, snr_db=snr_db)
+    told = r"^x: is clipped: 3\d\.\d % of its samples stand at its peaks, up to 0\.1, but y follows higher ones: gains "
+    with pytest.raises(SoundtrackError, match=told + r"come out some [2-4]\.\d dB too strong; expected"):
+        require_as_sent(np.clip(source, -0.1, 0.1), came)
+    with pytest.raises(SoundtrackError, match=r"^x: is clipped: "):
+        require_as_sent(np.minimum(source, 0.05), came)
+    mild = np.clip(source, -0.24, 0.24)
+    assert abs(np.median(errors_db(require_as_sent(mild, came), Seat()))) < 0.3
+
+
+@pytest.mark.parametrize("snr_db", [60.0, 20.0, 0.0, -5.0])
+@pytest.mark.parametrize(
+    "sent",
+    [
+        np.clip(noise(16.0, 16_000), -0.1, 0.1),
+        np.clip(pink_noise(16.0), -0.1, 0.1),
+        np.minimum(noise(16.0, 16_000), 0.05),
+        0.1 * np.sign(noise(16.0, 16_000)),
+        0.1 * np.sign(pink_noise(16.0)),
+        np.clip(np.round(10.0 * noise(16.0, 16_000)), -2.0, 2.0),
+        0.1 * np.sign(noise(16.0, 16_000)) * np.minimum(np.arange(16 * 16_000) / 16_000.0, 1.0),
+    ],
+    ids=["clipped", "clipped-pink", "one-sided", "binary", "telegraph", "five-levels", "faded-in"],
+)
+def test_an_excitation_that_was_sent_with_its_flat_peaks_is_as_good_as_any(sent: np.ndarray, snr_db: float) -> None:
+    measured = require_as_sent(sent, run_through(Seat(), sent, 16_000, snr_db=snr_db))
+    if snr_db > 0.0:
+        assert abs(np.mean(errors_db(measured, Seat()))) < 0.1
 
 
 @pytest.mark.parametrize("samples", [np.zeros(8_000), np.full(8_000, 0.25), np.full(8_000, 1e-9)])

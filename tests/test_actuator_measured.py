@@ -72,6 +72,7 @@ def test_levels_alone_are_enough_and_spreadsheets_may_have_written_them(tmp_path
         ("", "the first line names nothing; expected the columns frequency_hz, gain_db, [phase_deg], [coherence]"),
         ("20,0\n30,1\n", "the first line names 20, 0; expected the columns frequency_hz, gain_db"),
         (HEAD, "holds no measurement below its line of names; expected rows of frequency_hz, gain_db"),
+        (HEAD + "20,0\n", "holds 1 row; expected at least 8"),
         (HEAD + "20,0\n30,1\n", "holds 2 rows; expected at least 8"),
         (HEAD + GOOD + "100,3\n", "line 12: frequency_hz = 100: expected more than 110 Hz, the row before"),
         (HEAD + GOOD + "110,3\n", "line 12: frequency_hz = 110: expected more than 110 Hz, the row before"),
@@ -110,9 +111,30 @@ def test_what_is_no_measurement_is_refused(tmp_path: Path, text: str, complaint:
 def test_files_that_cannot_be_read_are_refused(tmp_path: Path) -> None:
     with pytest.raises(RuleError, match=r"none\.csv: cannot be read: No such file"):
         read_measured(tmp_path / "none.csv")
-    (tmp_path / "other.csv").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(RuleError, match=r"other\.csv: not a CSV file: "):
-        read_measured(tmp_path / "other.csv")
+
+
+@pytest.mark.parametrize(
+    ("encoding", "place"),
+    [
+        ("utf-16", "line 1: begins as UTF-16 does"),
+        ("utf-16-le", "line 1: begins as UTF-16 does"),
+        ("utf-16-be", "line 1: begins as UTF-16 does"),
+        ("latin-1", "line 2: the byte 0xfc is not UTF-8"),
+        ("cp1252", "line 2: the byte 0xfc is not UTF-8"),
+    ],
+)
+def test_another_encoding_is_told_with_the_one_that_is_expected(tmp_path: Path, encoding: str, place: str) -> None:
+    table_text = "# averages: 9\n# Sitz: für einen\nfrequency_hz,{}\n" + GOOD
+    (tmp_path / "own.csv").write_bytes(table_text.format("gain_db").encode(encoding))
+    with pytest.raises(RuleError) as told:
+        read_measured(tmp_path / "own.csv")
+    assert str(told.value) == f"{tmp_path / 'own.csv'}: {place}; expected a CSV file in UTF-8"
+    (tmp_path / "own.csv").write_bytes(table_text.format("threshold_db").encode(encoding))
+    with pytest.raises(RuleError, match=rf"own\.csv: {place}; expected a CSV file in UTF-8"):
+        load_perception(str(tmp_path / "own.csv"))
+    (tmp_path / "own.toml").write_bytes("schema = 1\n# Sitz: für einen\n".encode(encoding))
+    with pytest.raises(RuleError, match=rf"own\.toml: {place}; expected a TOML file in UTF-8"):
+        load_perception(str(tmp_path / "own.toml"))
 
 
 def test_a_threshold_of_ones_own_is_read(tmp_path: Path) -> None:

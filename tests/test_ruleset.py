@@ -211,7 +211,7 @@ def test_a_file_with_a_byte_order_mark_is_read_as_one_without(tmp_path: Path) ->
 
 def test_a_file_that_is_no_utf_8_is_named(tmp_path: Path) -> None:
     (tmp_path / "scenes.toml").write_bytes(b"source = '\xff'\n")
-    with pytest.raises(RuleError, match=r"scenes\.toml: not a TOML file"):
+    with pytest.raises(RuleError, match=r"scenes\.toml: line 1: the byte 0xff is not UTF-8; expected a TOML file"):
         load_rules("standard", tmp_path)
 
 

@@ -5,10 +5,11 @@ CSV ─────────────────────────�
 thresholds ─► H_m = (1/T)^2 ───────────────────────────────────┘
 """
 
+from .clipping import require_unclipped_excitation
 from .fit import BandError, Fit, FittedResponse, fit, octave_errors
 from .identify import Identified, identify
 from .inverse import inversion_db, peak
-from .measured import MeasuredResponse, measured_csv, read_measured
+from .measured import MeasuredResponse, doubts, measured_csv, read_measured, require_coherent
 from .phase import ExcessPhase, excess_phase, minimum_phase
 from .profile import fitted_profile, profile_text
 from .rational import Model, analogue, level_db
@@ -28,6 +29,7 @@ __all__ = [
     "Model",
     "Recording",
     "analogue",
+    "doubts",
     "excess_phase",
     "fit",
     "fit_target",
@@ -42,6 +44,8 @@ __all__ = [
     "profile_text",
     "read_measured",
     "record",
+    "require_coherent",
     "require_running_along",
+    "require_unclipped_excitation",
     "sensitivity_db",
 ]

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ..errors import SoundtrackError
 from ..model import Span
 from ..ruleset import IdentifyRules
+from .delay import coarse_delay
 from .measured import MeasuredResponse, standard_error_db, unbiased
 from .phase import ExcessPhase, excess_phase
 from .recording import Recording
@@ -27,13 +28,11 @@ Spectrum = NDArray[np.complex128]
 INDEPENDENT = 0.947
 """Of Hann segments that overlap by half, the share that counts as independent (Welch 1967)."""
 
+RELATED = 1.94
+"""By so much neighbouring bins of a Hann window, correlated by 2/3 and 1/6, raise the variance of a sum over them."""
+
 _HIGHEST_OF_RATE = 0.45
 """Nearer to half the sample rate the converters' own filters are measured as well."""
-
-_DELAY_BLOCKS = 8
-
-_ALIKE = 0.9
-"""Peaks of the correlation that reach this share of the highest may each be that of the delay."""
 
 _LEAST_STEADY = 0.2
 """Of a sweep each frequency is heard in one or two of 30 segments and more; of noise, in the mean, in half of them."""
@@ -92,42 +91,6 @@ def common(excitation: Recording, response: Recording, lag: int) -> Span:
     """Return the part of the excitation that both recordings hold."""
     start = max(0, -lag)
     return Span(start, max(start, min(excitation.frames, response.frames - lag)))
-
-
-def coarse_delay(
-    excitation: Recording, response: Recording, *, rules: IdentifyRules, within: Span | None = None, near: int = 0
-) -> int:
-    """Return by how many samples the response is late, to within the actuator's own ringing.
-
-    It is the peak of the correlation over at most eight pieces of the recordings, or of the part `within` of the
-    excitation; of peaks alike, as a periodic excitation has them, the one nearest to a delay of `near`.
-    """
-    from scipy.fft import irfft, rfft
-
-    longest = round(rules.longest_delay_s * excitation.rate_hz)
-    heard = within or Span(0, excitation.frames)
-    piece = min(longest, len(heard))
-    last = heard.stop - piece
-    pieces = min(_DELAY_BLOCKS, 1 + math.ceil((last - heard.start) / longest))
-    starts = np.unique(np.linspace(heard.start, last, pieces).astype(np.int64))
-    size = 4 * longest
-    correlation = np.zeros(size)
-    for start in starts.tolist():
-        spectrum_in = rfft(excitation.read(start, piece), size)
-        spectrum_out = rfft(response.read(start + near - longest, 3 * longest), size)
-        spectrum_in[0] = spectrum_out[0] = 0.0
-        correlation += irfft(np.conj(spectrum_in) * spectrum_out, size)
-    heights = np.abs(correlation[: 2 * longest + 1])
-    lags = np.arange(-longest, longest + 1)
-    return near + int(lags[nearest_peak(heights, lags, reach=excitation.rate_hz // 100)])
-
-
-def nearest_peak(heights: Values, lags: NDArray[np.int64], *, reach: int) -> int:
-    """Return the index of the highest value within `reach` of the one nearest to no lag among those that are alike."""
-    alike = np.flatnonzero(heights >= _ALIKE * np.max(heights))
-    nearest = int(alike[np.argmin(np.abs(lags[alike]))])
-    begin = max(0, nearest - reach)
-    return begin + int(np.argmax(heights[begin : nearest + reach]))
 
 
 def welch(excitation: Recording, response: Recording, *, lag: int, segment: int, within: Span | None = None) -> Spectra:

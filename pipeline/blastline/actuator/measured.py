@@ -18,6 +18,12 @@ _FEWEST_ROWS = 8
 _LEAST_OCTAVES = 1.0
 
 
+_RATIO_SPAN = 10.0
+_LEVEL_SPAN_DB = 6.0
+"""A seat's gains differ by more than a factor of 10; levels that do all the same, within 6 dB of each other, may be
+ratios."""
+
+
 @dataclass(frozen=True, eq=False)
 class MeasuredResponse:
     """An actuator's response at ascending frequencies, shape (rows,) each.
@@ -98,8 +104,9 @@ def read_measured(path: Path) -> MeasuredResponse:
     """
     read = read_columns(path, needed=(FREQUENCY, "gain_db"), optional=("phase_deg", "coherence"))
     frequencies_hz, gain_db = read.values[FREQUENCY], read.values["gain_db"]
-    if len(frequencies_hz) < _FEWEST_ROWS:
-        raise RuleError(f"{path}: holds {len(frequencies_hz)} rows; expected at least {_FEWEST_ROWS}")
+    rows = len(frequencies_hz)
+    if rows < _FEWEST_ROWS:
+        raise RuleError(f"{path}: holds {rows} row{'s' * (rows != 1)}; expected at least {_FEWEST_ROWS}")
     if math.log2(frequencies_hz[-1] / frequencies_hz[0]) < _LEAST_OCTAVES:
         span = f"{frequencies_hz[0]:g} to {frequencies_hz[-1]:g} Hz"
         raise RuleError(f"{path}: {FREQUENCY} runs from {span}; expected at least an octave")
@@ -115,6 +122,33 @@ def read_measured(path: Path) -> MeasuredResponse:
         _note(path, read, "averages", least=2.0),
         _note(path, read, "delay_s", least=-math.inf) or 0.0,
         (low_hz, high_hz),
+    )
+
+
+def require_coherent(measured: MeasuredResponse, path: Path, *, least: float) -> None:
+    """Raise RuleError for a table whose own coherence says that none of its gains was measured."""
+    if measured.coherence is None:
+        return
+    known = measured.within(*measured.band_hz)
+    assert known.coherence is not None
+    highest = float(np.max(known.coherence, initial=0.0))
+    if highest < least:
+        low_hz, high_hz = known.band_hz
+        raise RuleError(
+            f"{path}: coherence = {highest:g} at most, from {low_hz:g} to {high_hz:g} Hz: nothing of the response is "
+            f"known to follow the excitation; expected {least:g} or more, or a table without that column"
+        )
+
+
+def doubts(measured: MeasuredResponse, path: Path) -> tuple[str, ...]:
+    """Return what looks wrong in a table, a line each, but may be right: levels that are more like plain ratios."""
+    lowest_db, highest_db = float(np.min(measured.gain_db)), float(np.max(measured.gain_db))
+    # what is 0 dB comes back from its gain as nearly 0
+    if lowest_db < 1e-9 or highest_db < _RATIO_SPAN * lowest_db or highest_db - lowest_db > _LEVEL_SPAN_DB:
+        return ()
+    return (
+        f"{path}: gain_db = {lowest_db:.3g} to {highest_db:.3g}: looks like plain ratios; expected levels, 20 log10 of "
+        "the ratio (were they levels, this seat would be almost flat)",
     )
 
 

@@ -18,14 +18,16 @@ _SILENCE = 1e-7
 class Recording:
     """A track that has been heard to its end.
 
-    `mean` is its constant part; `at_peak` is the share of its samples that stand at its peak above zero or at that
-    below: a stop, or an amplifier with an offset, cuts off one side alone.
+    `mean` is its constant part; `highest` and `lowest` are its peaks above zero and below, 0 where there is none;
+    `at_peak` is the share of its samples that stand at either: a stop, or an amplifier with an offset, cuts off one
+    side alone.
     """
 
     name: str
     track: SoundFile
     frames: int
-    peak: float
+    highest: float
+    lowest: float
     mean: float
     at_peak: float
 
@@ -34,6 +36,11 @@ class Recording:
         """Return the sample rate."""
         return self.track.rate_hz
 
+    @property
+    def peak(self) -> float:
+        """Return the magnitude of the higher of its peaks."""
+        return max(self.highest, -self.lowest)
+
     def read(self, start: int, frames: int) -> NDArray[np.float64]:
         """Return samples without the constant part, shape (frames,); zeros where the recording does not reach."""
         samples = np.zeros(frames)
@@ -41,6 +48,12 @@ class Recording:
         if inside:
             samples[inside.start - start : inside.stop - start] = self.track.read(inside).heard - self.mean
         return samples
+
+    def stand_at_peak(self, samples: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return which samples, as `read` returns them, stand at a peak."""
+        heard = samples + self.mean
+        high = (heard >= self.highest * (1.0 - _SAME)) & (heard > 0.0)
+        return np.asarray(high | ((heard <= self.lowest * (1.0 - _SAME)) & (heard < 0.0)))
 
 
 def record(name: str, track: SoundFile) -> Recording:
@@ -62,7 +75,8 @@ def record(name: str, track: SoundFile) -> Recording:
     deviation = float(np.sqrt(max(squares / frames - (total / frames) ** 2, 0.0)))
     if deviation <= max(_SILENCE, _SAME * peak):
         raise SoundtrackError(f"{name}: is silent; expected a recording of a measurement")
-    return Recording(name, track, frames, peak, total / frames, (upper.at_peak + lower.at_peak) / frames)
+    at_peak = (upper.at_peak + lower.at_peak) / frames
+    return Recording(name, track, frames, upper.peak, -lower.peak, total / frames, at_peak)
 
 
 @dataclass

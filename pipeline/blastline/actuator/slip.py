@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from ..errors import SoundtrackError
 from ..model import Span
 from ..ruleset import IdentifyRules
-from .identify import INDEPENDENT, Identified, Spectrum, Values, coarse_delay, common, nearest_peak, usable_band, welch
+from .delay import coarse_delay, nearest_peak
+from .identify import INDEPENDENT, RELATED, Identified, Spectrum, Values, common, usable_band, welch
 from .recording import Recording
 
 _PARTS = 8
@@ -31,9 +32,6 @@ bins of a Hann window being related. A part that tells none, a silent one, is no
 
 _LIKELY = 4.0
 """Standard errors by which chance displaces one of eight delays once in 2000 runs."""
-
-_RELATED = 1.94
-"""By so much neighbouring bins of a Hann window, correlated by 2/3 and 1/6, raise the variance of a sum over them."""
 
 _TRIED = 4096  # frequencies at which a slip is judged
 _LEAST_GAIN = 1e-3  # a gain below this is as good as none
@@ -125,5 +123,5 @@ def _delay(coherence: Spectrum, band_hz: tuple[float, float], segment: int, rate
     delay = float(lags[peak] + 0.5 * (before - after) / (before - 2.0 * at + after)) / _FINE
     turns = 2.0 * np.pi * np.arange(len(coherence)) / segment  # radians a sample
     turned = coherence * np.exp(1j * turns * delay)
-    error = np.sqrt(_RELATED * np.sum((turned.imag * turns) ** 2)) / abs(np.sum(turned.real * turns**2))
+    error = np.sqrt(RELATED * np.sum((turned.imag * turns) ** 2)) / abs(np.sum(turned.real * turns**2))
     return delay, float(error)

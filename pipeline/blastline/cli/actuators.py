@@ -220,5 +220,7 @@ def fit(
     options = run.FitOptions(perception, peak_db, largest_gain_db, name, rules, overwrite)
     with shown_progress(quiet=quiet) as progress:
         made = run.fit_actuator(measured, output, options=options, progress=progress)
+    for warning in made.warnings:
+        typer.echo(f"warning: {warning}", err=True)
     if not quiet:
         say_fitted(made)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RuleError
+from .text import read_utf_8
 
 FREQUENCY = "frequency_hz"
 
@@ -47,12 +48,7 @@ def read_columns(path: Path, *, needed: Sequence[str], optional: Sequence[str] =
 
 def _lines(path: Path) -> tuple[dict[str, str], list[tuple[int, list[str]]]]:
     """Return the notes, and the cells of every other line that is not empty with its number."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise RuleError(f"{path}: cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise RuleError(f"{path}: not a CSV file: {error.reason}") from error
+    text = read_utf_8(path, kind="a CSV file")
     notes: dict[str, str] = {}
     lines: list[tuple[int, list[str]]] = []
     for number, line in enumerate(text.splitlines(), start=1):

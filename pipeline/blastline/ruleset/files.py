@@ -27,6 +27,7 @@ from .measuring import MeasuringRules, PerceptionCurve
 from .profiles import ActuatorProfile
 from .table import Table
 from .tables import QualityRules, SceneRules
+from .text import read_utf_8
 
 SLOWEST_RAD_S = -1.0
 """The slowest decay of an actuator, as the real part of a zero or pole: filters keep all of it in memory."""
@@ -181,10 +182,8 @@ def check_rules(overlay: Path) -> Iterator[str]:
 def read_toml(path: Path) -> dict[str, Any]:
     """Return the content of a TOML file; RuleError names the file and the line that does not parse."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise RuleError(f"{path}: cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        return tomllib.loads(read_utf_8(path, kind="a TOML file"))
+    except tomllib.TOMLDecodeError as error:
         raise RuleError(f"{path}: not a TOML file: {error}") from error
     except RecursionError:
         raise RuleError(

@@ -13,7 +13,7 @@ class IdentifyRules(Table, frozen=True):
     The segments are the longest of `segments_s` of which there are `fewest_segments`. The response may be late by
     `longest_delay_s`. The usable band, `highest_hz` at most, is where the gain, averaged over a third of an octave, has
     a standard error of at most `random_error_db` and the coherence is at least `least_coherence`. A response of which
-    `clipped_ratio` stands at its peak is refused.
+    `clipped_ratio` stands at its peak is refused; so is an excitation if it was clipped after it was sent.
     """
 
     segments_s: Annotated[tuple[Annotated[float, Meta(ge=0.1, le=60.0)], ...], Meta(min_length=1)]

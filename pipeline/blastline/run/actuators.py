@@ -14,6 +14,7 @@ from ..actuator import (
     FittedResponse,
     Identified,
     MeasuredResponse,
+    doubts,
     excess_phase,
     fit,
     fit_target,
@@ -26,7 +27,9 @@ from ..actuator import (
     profile_text,
     read_measured,
     record,
+    require_coherent,
     require_running_along,
+    require_unclipped_excitation,
 )
 from ..dsp import compensator, felt_response
 from ..errors import OutputError, SoundtrackError
@@ -68,7 +71,7 @@ class MadeProfile:
 
     The felt response peaks at `peak_hz` with `peak_db`, which was `asked` for or else is as measured. `excess` is None
     where no phase was measured, `identified` where the response came from a CSV file. `warnings` tell what of the
-    recordings was damaged.
+    recordings was damaged, or looks wrong in the table.
     """
 
     profile: ActuatorProfile
@@ -128,6 +131,7 @@ def identify_actuator(
         identified = identify(*heard, rules=measuring.identify)
         modelled_hz = measuring.fit.highest_hz
         require_running_along(*heard, identified, modelled_hz=modelled_hz, rules=measuring.identify)
+        require_unclipped_excitation(*heard, identified, rules=measuring.identify)
     origin = f"measured from {response.name} against {excitation.name}"
     made = _fit_and_write(identified.measured, output, options, origin, progress, identified=identified, csv=csv)
     return replace(made, warnings=warnings)
@@ -140,7 +144,9 @@ def fit_actuator(measured: Path, output: Path, *, options: FitOptions, progress:
     """
     _require_place(output, None, options)
     response = read_measured(measured)
-    return _fit_and_write(response, output, options, f"measured in {measured.name}", progress)
+    require_coherent(response, measured, least=load_measuring(options.rules).identify.least_coherence)
+    made = _fit_and_write(response, output, options, f"measured in {measured.name}", progress)
+    return replace(made, warnings=doubts(response, measured))
 
 
 def _fit_and_write(
