@@ -24,7 +24,7 @@ import shutil, tempfile, time
 from dataclasses import replace
 from pathlib import Path
 from blastline import run
-from blastline.run.costs import open_gauge
+from blastline.run.gauge import open_gauge
 
 film, options = Path(FILM), run.RenderOptions(overwrite=True)
 figures = {}

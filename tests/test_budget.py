@@ -1,5 +1,6 @@
 """Choosing the quality by a budget: laws of the choice and of the prediction, and a budget that makes no sense."""
 
+import gc
 import tracemalloc
 from pathlib import Path
 from typing import Any, get_args
@@ -13,12 +14,13 @@ from hypothesis import strategies as st
 
 from blastline.errors import RuleError
 from blastline.model import Quality, Timeline
-from blastline.run import costs
+from blastline.run import gauge as gauges
 from blastline.run.budget import BEST_FIRST, RESERVE, Allowance, allowance, choose_quality, chosen, pick
 from blastline.run.checking import checked
 from blastline.run.costs import FilmCost
 from blastline.run.listening import HeardFilm, listen
 from blastline.run.options import RenderOptions
+from blastline.run.rendering import write_report_of
 from blastline.run.sampling import EXCERPT_FRAMES, counted_s, sample_film, timed_s
 from blastline.soundtrack import open_soundtrack
 from blastline.study.codecs import encode
@@ -104,7 +106,7 @@ def test_what_is_measured_is_checked_as_the_run_will_be(film: Path, monkeypatch:
         seen.append(timeline)
         return checked(timeline, *rest, **options)
 
-    monkeypatch.setattr(costs, "checked", spied)
+    monkeypatch.setattr(gauges, "checked", spied)
     options = RenderOptions(phase="zero", background="direct", level_db=-6.0, report=False)
     choose_quality(film, Allowance("--budget 1h", cpu_s=3600.0), options, drives=True, since_cpu_s=0.0)
     assert {(made.phase, made.background, made.level_db) for made in seen} == {("zero", "direct", -6.0)}
@@ -116,22 +118,42 @@ def test_of_a_window_with_many_shots_a_few_are_rendered(tmp_path: Path, monkeypa
     shots = [shot_at(RATE_HZ + number * 4_000, decay_ms=200.0, rate_hz=RATE_HZ) for number in range(100)]
 
     def one_window(*heard: Any) -> HeardFilm:
-        return costs.with_shots(listen(*heard), shots, heard[1])
+        return gauges.with_shots(listen(*heard), shots, heard[1])
 
     def counted(timeline: Timeline, *rest: Any, **options: Any) -> Timeline:
         seen.append(len(timeline.events))
         return checked(timeline, *rest, **options)
 
-    monkeypatch.setattr(costs, "listen", one_window)
-    monkeypatch.setattr(costs, "checked", counted)
-    monkeypatch.setattr(costs, "process_time", lambda: float(sum(seen)))  # a clock that each shot moves by a second
+    monkeypatch.setattr(gauges, "listen", one_window)
+    monkeypatch.setattr(gauges, "checked", counted)
+    monkeypatch.setattr(gauges, "process_time", lambda: float(sum(seen)))  # a clock that each shot moves by a second
     path = tmp_path / "film.wav"
     soundfile.write(path, 0.1 * np.random.default_rng(1).standard_normal(12 * RATE_HZ), RATE_HZ)
-    with costs.open_gauge(path, RenderOptions(report=False), drives=True) as gauge:
+    with gauges.open_gauge(path, RenderOptions(report=False), drives=True) as gauge:
         cost = gauge.cost("draft")
-    assert max(seen) < 2 * costs.FEW_SHOTS
+    assert max(seen) < 2 * gauges.FEW_SHOTS
     assert cost.shots_per_s * gauge.film_s == pytest.approx(100.0)
     assert cost.per_shot == pytest.approx(1.0)
+
+
+def test_pictures_are_timed_without_looking_through_what_was_there_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A full collection of garbage takes as long as two pictures: it may not fall among the three that are timed."""
+    spared: list[bool] = []
+
+    def watched(*of: Any, **options: Any) -> None:
+        spared.append(gc.get_freeze_count() > 0)
+        write_report_of(*of, **options)
+
+    monkeypatch.setattr(gauges, "write_report_of", watched)
+    path = tmp_path / "film.wav"
+    soundfile.write(path, 0.1 * np.random.default_rng(1).standard_normal(12 * RATE_HZ), RATE_HZ)
+    with gauges.open_gauge(path, RenderOptions(), drives=True) as gauge:
+        gauge.cost("draft")
+    assert len(spared) > 2
+    assert all(spared[1:])  # the first only warms up
+    assert gc.get_freeze_count() == 0
 
 
 @given(SECONDS, SECONDS, st.booleans())

@@ -1,6 +1,6 @@
 """Choosing the quality by what may be spent: the most accurate tier that fits a budget of CPU time.
 
-`--budget 2min` or `--max-cost 0.01`  ->  excerpts of the film, run through each tier (`costs`)  ->  the tier
+`--budget 2min` or `--max-cost 0.01`  ->  excerpts of the film, run through each tier (`gauge`)  ->  the tier
 """
 
 import math
@@ -13,7 +13,8 @@ from pathlib import Path
 from .. import model
 from ..errors import RuleError
 from ..model import Quality
-from .costs import FilmCost, open_gauge
+from .costs import FilmCost
+from .gauge import open_gauge
 from .options import RenderOptions
 from .progress import Progress, no_progress
 
