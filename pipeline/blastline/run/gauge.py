@@ -37,6 +37,9 @@ FEW_SHOTS, FEW_PICTURES = 6, 3
 The longer a window, the longer its picture takes: those nearest to the mean length stand for all.
 """
 
+TIMED_TIMES = 2
+"""So often what is found is found again: the first time takes a tenth more, or half where others use the machine."""
+
 
 class Gauge:
     """Predicts what each tier takes for one film."""
@@ -121,10 +124,13 @@ class Gauge:
         verifier_s = process_time() - began
         timed = shorter_sample(self._track, self._sample.stride, sides=rules.tier.channels.sides)
         rate_hz = self._track.rate_hz
-        began = process_time()
-        blocks = timed if self._meter is None else OverviewMeter(rate_hz).watch(timed)
-        find_shots(blocks, rate_hz=rate_hz, tier=rules.tier, verifier=verifier)
-        return FixedAndEach(verifier_s, (process_time() - began) / (timed[-1].span.stop / rate_hz))
+        heard_s: list[float] = []
+        for _ in range(TIMED_TIMES):
+            began = process_time()
+            blocks = timed if self._meter is None else OverviewMeter(rate_hz).watch(timed)
+            find_shots(blocks, rate_hz=rate_hz, tier=rules.tier, verifier=verifier)
+            heard_s.append(process_time() - began)
+        return FixedAndEach(verifier_s, min(heard_s) / (timed[-1].span.stop / rate_hz))
 
     def _shots(self, heard: HeardFilm, rules: Rules, most: int) -> Sequence[Shot]:
         """Return the first shots of windows from all over the sample, `most` or a few more; else its loudest moment.
