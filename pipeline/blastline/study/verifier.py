@@ -44,7 +44,7 @@ def training_tier(tier: QualityRules) -> QualityRules:
     return msgspec.structs.replace(tier, scan=msgspec.structs.replace(tier.scan, **scan))
 
 
-def _listen(tier: QualityRules, item: tuple[int, LessonFile]) -> Candidates:
+def listen(tier: QualityRules, item: tuple[int, LessonFile]) -> Candidates:
     """Return the candidates of a lesson, numbered."""
     return candidates(load_augmented(item[1]), tier, item[0])
 
@@ -107,7 +107,7 @@ def train(
 
     Its networks are of the sizes named, and see `copies` augmented copies of each lesson as well.
     """
-    listen = partial(_listen, training_tier(load_rules("reference").tier))
+    hear = partial(listen, training_tier(load_rules("reference").tier))
     seed = seeded[0].seed
     with ProcessPoolExecutor(jobs) as pool:
         lessons = [
@@ -118,9 +118,7 @@ def train(
         ]
         lessons += augmented_copies(lessons, copies, seed)
         numbered = list(enumerate(lessons))
-        training = concatenated(
-            list(pool.map(listen, [item for item in numbered if not item[1].held_out], chunksize=4))
-        )
+        training = concatenated(list(pool.map(hear, [item for item in numbered if not item[1].held_out], chunksize=4)))
         _say(f"{training.shots.size} candidates to learn from, {int(training.shots.sum())} of them shots")
         gate, screen = fit_sieves(training.taken(_as_they_are(training, lessons)), seed)
         left = sieved(training, gate, screen)
@@ -136,7 +134,7 @@ def train(
         scores = {}
         for name in {each.dataset: None for each in lessons if each.held_out}:
             held_out = [item for item in numbered if item[1].held_out and item[1].dataset == name]
-            scores[name] = score(model, concatenated(list(pool.map(listen, held_out, chunksize=4))), lessons, pool)
+            scores[name] = score(model, concatenated(list(pool.map(hear, held_out, chunksize=4))), lessons, pool)
     _say(f"held out: {scores}")
     return msgspec.structs.replace(model, training=record | {"held_out": scores})
 
