@@ -1,0 +1,144 @@
+"""Damage inside a film: what follows it is not shifted, and what is lost is told."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from blastline.errors import SoundtrackError
+from blastline.soundtrack import open_soundtrack
+from coded_films import FILM_RATE, LONG, LONG_SHOTS, damaged, read, shots_in_film
+from media import RATE_HZ, impulses, onsets, write_media
+
+
+@pytest.mark.parametrize(("codec", "kind"), [("ac3", 0xBD), ("aac", 0xC0)])
+@pytest.mark.parametrize("stamp", [2**33 - 480, 5 * 90_000])
+def test_a_wild_first_time_stamp_moves_nothing(tmp_path: Path, codec: str, kind: int, stamp: int) -> None:
+    path = tmp_path / "film.ts"
+    write_media(path, [impulses(LONG, LONG_SHOTS)], codec=codec, picture_rate=FILM_RATE, audio_delay_s=0.5)
+    data = bytearray(path.read_bytes())
+    place = data.index(bytes([0, 0, 1, kind])) + 9
+    parts = stamp >> 30 << 33 | (stamp >> 15 & 0x7FFF) << 17 | (stamp & 0x7FFF) << 1
+    data[place : place + 5] = (0x21_0001_0001 | parts).to_bytes(5, "big")  # with the marks between the parts
+    path.write_bytes(data)
+    with open_soundtrack(path) as track:
+        assert len(track.read_approximately(5.0, 1.0)) >= RATE_HZ
+    samples, source = read(path)
+    expected = [shot + 0.5 * RATE_HZ for shot in LONG_SHOTS]
+    np.testing.assert_allclose(shots_in_film(samples, source), expected, atol=48)
+    (warning,) = source.warnings
+    assert warning.endswith(" s off those that follow; these were believed")
+
+
+@pytest.mark.parametrize(("codec", "extension"), [("flac", "flac"), ("flac", "mkv"), ("flac", "mp4"), ("alac", "m4a")])
+def test_damage_does_not_shift_what_follows(tmp_path: Path, codec: str, extension: str) -> None:
+    written = impulses(LONG, LONG_SHOTS, channels=2)
+    path = write_media(tmp_path / f"film.{extension}", [written], codec=codec)
+    data = bytearray(path.read_bytes())
+    place = len(data) * 3 // 10
+    data[place : place + 100] = np.random.default_rng(5).bytes(100)
+    path.write_bytes(data)
+    samples, source = read(path, mix="0")
+    assert len(samples) == LONG
+    np.testing.assert_array_equal(samples[200_000:, 0], written[200_000:, 0])
+    changed = np.flatnonzero(samples[:, 0] != written[:, 0])
+    assert changed.size
+    assert changed[-1] - changed[0] < 10_000
+    if codec == "flac":
+        assert any("filled with silence" in warning for warning in source.warnings)
+
+
+def test_a_damaged_beginning_does_not_shift_what_follows(tmp_path: Path) -> None:
+    written = impulses(LONG, LONG_SHOTS)
+    path = write_media(tmp_path / "film.mp4", [written], codec="flac")
+    data = bytearray(path.read_bytes())
+    place = data.index(b"mdat") + 4
+    data[place : place + 100] = np.random.default_rng(5).bytes(100)
+    path.write_bytes(data)
+    samples, source = read(path)
+    assert len(samples) == LONG
+    assert not samples[:4_000].any()
+    np.testing.assert_array_equal(samples[5_000:], written[5_000:])
+    assert len(source.warnings) == 2
+
+
+@pytest.mark.parametrize(
+    ("codec", "extension"), [("flac", "mkv"), ("aac", "mkv"), ("ac3", "mkv"), ("aac", "mp4"), ("ac3", "ts")]
+)
+def test_lost_packets_do_not_shift_what_follows(tmp_path: Path, codec: str, extension: str) -> None:
+    written = impulses(LONG, LONG_SHOTS, channels=2)
+    path = tmp_path / f"film.{extension}"
+    whole, _ = read(write_media(path, [written], codec=codec, picture_rate=FILM_RATE))
+    lost = [(2.0, 2.3), (2.35, 2.4), (6.0, 6.05)]
+    samples, source = read(write_media(path, [written], codec=codec, picture_rate=FILM_RATE, lost_s=lost))
+    assert len(samples) == len(whole)
+    np.testing.assert_allclose(shots_in_film(samples, source), LONG_SHOTS, atol=48)
+    assert any("filled with silence" in warning for warning in source.warnings)
+    assert not samples[int(2.1 * RATE_HZ) : int(2.2 * RATE_HZ)].any()
+
+
+@pytest.mark.parametrize("codec", ["aac", "ac3", "eac3"])
+def test_what_damage_displaces_in_a_file_without_time_stamps_is_told(tmp_path: Path, codec: str) -> None:
+    """Nothing says how much was lost: at what was one frame, half a second may be."""
+    path = tmp_path / f"film.{codec}"
+    write_media(path, [impulses(LONG, LONG_SHOTS)], codec=codec, container_format="adts" if codec == "aac" else codec)
+    data = path.read_bytes()
+    whole = read(path)[0]
+    start, length = len(data) * 7 // 10, len(data) // 20
+    path.write_bytes(data[:start] + bytes(length) + data[start + length :])
+    samples, source = read(path)
+    displaced = onsets(whole[:, 0])[-1] - onsets(samples[:, 0])[-1]
+    assert displaced > 0.3 * RATE_HZ
+    assert any("if more is missing there, what follows plays early" in line for line in source.warnings)
+    path.write_bytes(data[:start])  # nothing follows
+    assert not any("plays early" in line for line in read(path)[1].warnings)
+
+
+@pytest.mark.parametrize("every", [1, 3])
+def test_sound_that_is_mostly_damaged_is_refused(tmp_path: Path, every: int) -> None:
+    path = write_media(tmp_path / "film.mp4", [impulses(LONG, LONG_SHOTS)], codec="flac")
+    data = path.read_bytes()
+    start, rng = data.index(b"mdat") + 4, np.random.default_rng(0)
+    stop = data.index(b"moov") - 4
+    size = (stop - start) // 100
+    damaged = bytearray(data)
+    for place in range(start, stop - size, every * size):
+        damaged[place : place + size] = rng.bytes(size)
+    path.write_bytes(damaged)
+    with pytest.raises(SoundtrackError, match=r"film\.mp4: (\d+ of \d+ packets of sound cannot|no sound could)"):
+        read(path)
+
+
+@pytest.mark.parametrize(
+    ("codec", "extension"),
+    [
+        ("ac3", "ac3"),
+        ("ac3", "mkv"),
+        ("ac3", "mp4"),
+        ("eac3", "eac3"),
+        ("eac3", "mkv"),
+        ("flac", "mkv"),
+        ("flac", "mp4"),
+        ("tta", "mkv"),
+        ("wavpack", "wv"),
+    ],
+)
+def test_frames_with_a_wrong_checksum_are_lost_and_told(tmp_path: Path, codec: str, extension: str) -> None:
+    frames = 40 * RATE_HZ if codec == "tta" else LONG  # its packets last a second
+    path = write_media(tmp_path / f"film.{extension}", [impulses(frames, LONG_SHOTS, channels=2)], codec=codec)
+    whole, intact = read(path, mix="0")
+    assert intact.warnings == ()
+    one, place_s = damaged(path, [0.35])
+    every, _ = damaged(path, np.linspace(0.0, 1.0, 1_000).tolist())
+    path.write_bytes(one)
+    samples, source = read(path, mix="0")
+    assert len(samples) == len(whole)
+    assert onsets(samples[:, 0]) == onsets(whole[:, 0])
+    failed, filled = source.warnings
+    assert re.match(r"1 of \d+ packets of sound could not be decoded .*, first at \d+\.\d+ s$", failed)
+    assert float(failed.split()[-2]) == pytest.approx(place_s, abs=0.006)  # the delay of AC-3 is cut off
+    assert filled.startswith("1 gap was filled with silence")
+    path.write_bytes(every)
+    with pytest.raises(SoundtrackError, match=r"(\d\d+) of \1 packets of sound cannot be decoded"):
+        read(path)

@@ -1,0 +1,114 @@
+"""Films that break off: noticed in every container."""
+
+import re
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+import soundfile
+
+from blastline.errors import SoundtrackError
+from blastline.soundtrack import open_soundtrack
+from coded_films import FILM_RATE, FRAMES, LONG, LONG_SHOTS, SHOTS, read
+from media import RATE_HZ, impulses, onsets, write_media
+
+BROKEN_OFF = "the file stops or breaks before its own end: the end of the sound is missing"
+
+
+@pytest.mark.parametrize(
+    ("codec", "extension", "options"),
+    [("aac", "mkv", {}), ("flac", "mkv", {}), ("flac", "flac", {}), ("aac", "mp4", {"movflags": "faststart"})],
+)
+def test_a_missing_end_is_noticed(tmp_path: Path, codec: str, extension: str, options: dict[str, str]) -> None:
+    path = tmp_path / f"film.{extension}"
+    write_media(path, [impulses(LONG, LONG_SHOTS)], codec=codec, container_options=options)
+    path.write_bytes(path.read_bytes()[: path.stat().st_size * 6 // 10])
+    samples, source = read(path)
+    assert onsets(samples[:, 0])[:2] == pytest.approx(LONG_SHOTS[:2], abs=48)
+    assert any(
+        warning.startswith("the file declares 10.0") and "the end is missing, or a part before it" in warning
+        for warning in source.warnings
+    )
+
+
+@pytest.mark.parametrize("picture_rate", [None, FILM_RATE])
+@pytest.mark.parametrize("codec", ["pcm_s16le", "ac3", "libmp3lame"])
+def test_a_missing_end_of_an_avi_is_noticed(tmp_path: Path, codec: str, picture_rate: Fraction | None) -> None:
+    path = tmp_path / "film.avi"
+    write_media(path, [impulses(LONG, LONG_SHOTS, channels=2)], codec=codec, picture_rate=picture_rate)
+    data = path.read_bytes()
+    assert read(path)[1].warnings == ()
+    path.write_bytes(data + bytes(5_000))
+    assert read(path)[1].warnings == ()
+    path.write_bytes(data[: data.rindex(b"idx1")])  # only the index is missing
+    assert read(path)[1].warnings == ()
+    path.write_bytes(data[: len(data) * 6 // 10])
+    warning = read(path)[1].warnings[-1]
+    assert warning.startswith("the file declares 10.0")
+    assert "the end is missing" in warning
+    place = data.index(b"auds") + 32
+    path.write_bytes((data[:place] + bytes(4) + data[place + 4 :])[: len(data) * 6 // 10])
+    assert BROKEN_OFF in read(path)[1].warnings
+
+
+def test_samples_that_an_avi_counts_and_does_not_have_are_told(tmp_path: Path) -> None:
+    path = tmp_path / "film.avi"
+    write_media(path, [impulses(LONG, LONG_SHOTS, channels=2)], codec="pcm_s16le", picture_rate=FILM_RATE)
+    data = bytearray(path.read_bytes())
+    place = data.index(b"01wb", len(data) // 3)
+    data[place : place + 9_000] = bytes(9_000)
+    path.write_bytes(data)
+    samples, source = read(path)
+    assert len(samples) < LONG
+    assert any("or a part before it, and what follows plays early" in warning for warning in source.warnings)
+
+
+@pytest.mark.parametrize("codec", ["libopus", "flac", "vorbis"])
+def test_a_missing_end_of_an_ogg_is_noticed(tmp_path: Path, codec: str) -> None:
+    path = tmp_path / "film.ogg"
+    written = impulses(LONG, LONG_SHOTS, channels=2)
+    if codec == "vorbis":
+        with soundfile.SoundFile(path, "w", RATE_HZ, 2, format="OGG", subtype="VORBIS") as file:
+            for start in range(0, LONG, 4_096):
+                file.write(written[start : start + 4_096])
+    else:
+        write_media(path, [written], codec=codec, container_format="ogg")
+    assert read(path)[1].warnings == ()
+    data = path.read_bytes()
+    for trailer in (b"TAG" + bytes(125), b"OggS"):
+        path.write_bytes(data + trailer)
+        assert read(path)[1].warnings == ()
+    pages = [found.start() for found in re.finditer(rb"OggS\0", data)]
+    spoilt = data[:-20] + bytes(20)  # FFmpeg drops a page whose checksum is wrong, and with it how long the sound is
+    cuts = [data[:kept] for kept in (len(data) // 2, pages[len(pages) // 2], pages[-1], len(data) - 1)]
+    for damaged in (spoilt, *cuts):
+        path.write_bytes(damaged)
+        assert BROKEN_OFF in read(path)[1].warnings
+
+
+@pytest.mark.parametrize("flags", ["frag_keyframe+empty_moov", "frag_keyframe", "dash"])
+def test_an_mp4_in_fragments_that_breaks_off_is_noticed(tmp_path: Path, flags: str) -> None:
+    """Such a film declares no length, and after a damaged fragment nothing leads to the next one: half may be gone."""
+    path = tmp_path / "film.mp4"
+    options = {"movflags": flags, "frag_duration": "500000"}
+    write_media(path, [impulses(LONG, LONG_SHOTS)], codec="aac", picture_rate=FILM_RATE, container_options=options)
+    data = path.read_bytes()
+    for padding in (b"", bytes(5_000)):
+        path.write_bytes(data + padding)
+        assert read(path)[1].warnings == ()
+    places = [found.start() - 4 for found in re.finditer(b"moof", data)]
+    middle = places[len(places) // 2]
+    lost = bytearray(data)
+    lost[middle : middle + 2_000] = bytes(2_000)
+    for damaged in (bytes(lost), data[: middle + 2_000], data[:middle] + data[middle + 1_000 :]):
+        path.write_bytes(damaged)
+        samples, source = read(path)
+        assert len(samples) < 0.7 * LONG
+        assert BROKEN_OFF in source.warnings
+
+
+def test_a_film_cut_before_its_index_is_refused(tmp_path: Path) -> None:
+    path = write_media(tmp_path / "film.mp4", [impulses(FRAMES, SHOTS)], codec="aac")
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    with pytest.raises(SoundtrackError, match="is not a sound file or film that can be read"):
+        open_soundtrack(path)
