@@ -18,6 +18,7 @@ FRAMES = 120_000
 LONG_SHOTS = [5_000, 247_000, 399_000]
 LONG = 480_000
 FILM_RATE = Fraction(24_000, 1001)
+BROKEN_OFF = "the file stops or breaks before its own end: the end of the sound is missing"
 
 
 def read(path: Path, **options: Any) -> tuple[NDArray[np.float32], Source]:

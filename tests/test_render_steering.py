@@ -13,8 +13,8 @@ from blastline.model import Phase, Quality
 from blastline.render import drive_filters, hear_window, plan_windows, render_window
 from blastline.ruleset import ActuatorProfile, RenderRules, load_rules
 from blastline.run import RenderOptions
+from checked_films import failures, film, rendered
 from render_signals import PROFILE, RATE_HZ, WINDOWS, clip, film_with_shot
-from test_align_rendered import failures, film, rendered
 
 FINEST = {"solver_rate_hz": RATE_HZ, "iterations": 60, "polish_iterations": 30, "tolerance": 1e-6}
 

@@ -9,10 +9,8 @@ import soundfile
 
 from blastline.errors import SoundtrackError
 from blastline.soundtrack import open_soundtrack
-from coded_films import FILM_RATE, FRAMES, LONG, LONG_SHOTS, SHOTS, read
+from coded_films import BROKEN_OFF, FILM_RATE, FRAMES, LONG, LONG_SHOTS, SHOTS, read
 from media import RATE_HZ, impulses, onsets, write_media
-
-BROKEN_OFF = "the file stops or breaks before its own end: the end of the sound is missing"
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,8 @@ import pytest
 
 from blastline.soundtrack import open_soundtrack
 from blastline.soundtrack.reach import Reach
+from coded_films import BROKEN_OFF, FILM_RATE, LONG, LONG_SHOTS, read
 from media import impulses, write_media
-from test_soundtrack_film import BROKEN_OFF, FILM_RATE, LONG, LONG_SHOTS, read
 
 SOUND = impulses(LONG, LONG_SHOTS, channels=2)
 

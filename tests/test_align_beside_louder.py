@@ -1,0 +1,127 @@
+"""Soft shots beside louder ones and beside the film's own sound: held to their place and their gain."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+
+from blastline import run
+from blastline.model import DriveChoice, Phase
+from blastline.run import RenderOptions
+from checked_films import RATE_HZ, Samples, failures, film, rendered
+
+BEFORE_A_LOUDER = [14_400, 17_600, 24_000]
+"""A direct drive is compared without delay, in a band that spreads what comes over what was before it."""
+
+
+WITHIN_AND_LIMITED = pytest.mark.parametrize(
+    "peaks", [[0.03, 0.03, 0.03], [0.01, 0.15, 0.01]], ids=["within the limit", "limited"]
+)
+
+
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+@WITHIN_AND_LIMITED
+@pytest.mark.parametrize("gains_db", [[0.0, 24.0, 0.0], [-24.0, 0.0, -24.0]])
+def test_a_direct_shot_before_one_that_is_asked_to_be_louder_passes(
+    tmp_path: Path, phase: Phase, peaks: list[float], gains_db: list[float]
+) -> None:
+    path = film(tmp_path / "film.wav", BEFORE_A_LOUDER, peaks, decay_s=0.03)
+    options = RenderOptions(report=False, drive="direct", phase=phase)
+    assert failures(rendered(path, BEFORE_A_LOUDER, options, gains_db)) == []
+
+
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+@WITHIN_AND_LIMITED
+def test_a_direct_shot_before_a_louder_one_is_held_to_its_place_and_its_gain(
+    tmp_path: Path, phase: Phase, peaks: list[float]
+) -> None:
+    path = film(tmp_path / "film.wav", BEFORE_A_LOUDER, peaks, decay_s=0.03)
+    options = RenderOptions(report=False, drive="direct", phase=phase)
+    made = rendered(path, BEFORE_A_LOUDER, options, [0.0, 24.0, 0.0])
+    drive, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    own = slice(made.events[0].window.start, BEFORE_A_LOUDER[1] - RATE_HZ // 1000)
+
+    def wrong_with(samples: Samples) -> set[tuple[str, str | None]]:
+        soundfile.write(tmp_path / "other.wav", samples, RATE_HZ, subtype="PCM_24")
+        checked = run.check(tmp_path / "out" / "timeline.json", audio=path, drive=tmp_path / "other.wav")
+        return {(name, event) for name, event, _ in failures(checked)}
+
+    moved, softer = drive.copy(), drive.copy()
+    moved[own] = np.roll(drive[own], -3)
+    softer[own] *= 0.8
+    assert ("drive_shift", None) in wrong_with(np.roll(drive, 1))
+    wrong = wrong_with(moved)
+    assert ("lag_as_rendered", "shot-0001") in wrong or ("drive_as_rendered", "shot-0001") in wrong
+    assert ("level_as_rendered", "shot-0001") in wrong_with(softer)
+
+
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+@pytest.mark.parametrize("gap_ms", [60, 120])
+def test_a_filtered_shot_after_one_that_is_asked_to_be_louder_passes_where_it_is_and_not_beside(
+    tmp_path: Path, phase: Phase, gap_ms: int
+) -> None:
+    """What the louder one leaves ringing has no say in how late the softer one is meant to be."""
+    onsets = [14_400 + number * gap_ms * RATE_HZ // 1000 for number in range(7)]
+    path = film(tmp_path / "film.wav", onsets, [0.1] * 7, decay_s=0.03)
+    options = RenderOptions(report=False, drive="filter", phase=phase)
+    made = rendered(path, onsets, options, [0.0, 24.0] * 3 + [0.0])
+    assert failures(made) == []
+    drive, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    own = slice(onsets[2] - RATE_HZ // 1000, onsets[3] - RATE_HZ // 1000)
+    drive[own] = np.roll(drive[own], 5)
+    soundfile.write(tmp_path / "moved.wav", drive, RATE_HZ, subtype="PCM_24")
+    checked = run.check(tmp_path / "out" / "timeline.json", audio=path, drive=tmp_path / "moved.wav")
+    assert ("lag_as_rendered", "shot-0003") in {(name, event) for name, event, _ in failures(checked)}
+
+
+def film_in_noise(path: Path, onsets: Sequence[int]) -> Path:
+    """Write blasts over noise that is heard and felt as well."""
+    samples, _ = soundfile.read(film(path, onsets, [0.5] * len(onsets)))
+    noise = 0.03 * np.random.default_rng(2).standard_normal(samples.size)
+    soundfile.write(path, np.clip(samples + noise, -1.0, 1.0 - 2.0**-23), RATE_HZ, subtype="PCM_24")
+    return path
+
+
+IN_NOISE = [14_400, 36_000, 57_600]
+
+
+@pytest.mark.parametrize("drive", ["direct", "filter", "constrained"])
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+@pytest.mark.parametrize("gain_db", [-29.0, -60.0])
+@pytest.mark.parametrize("before", [None, 0, 48])
+def test_a_soft_shot_beside_the_films_own_sound_passes_wherever_its_window_opens(
+    tmp_path: Path, drive: DriveChoice, phase: Phase, gain_db: float, before: int | None
+) -> None:
+    path = film_in_noise(tmp_path / "film.wav", IN_NOISE)
+    rows = [f"{onset},{gain_db},{'' if before is None else onset - before}" for onset in IN_NOISE]
+    path.with_suffix(".csv").write_text("\n".join(["onset_sample,gain_db,window_start_sample", *rows]))
+    options = RenderOptions(report=False, drive=drive, phase=phase, background="direct")
+    made = run.render(path, tmp_path / "out", replace(options, timeline=path.with_suffix(".csv")))
+    assert failures(made) == []
+
+
+@pytest.mark.parametrize("drive", ["direct", "filter", "constrained"])
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+def test_a_soft_shot_beside_the_films_own_sound_is_held_to_its_place_and_its_gain(
+    tmp_path: Path, drive: DriveChoice, phase: Phase
+) -> None:
+    path = film_in_noise(tmp_path / "film.wav", IN_NOISE)
+    options = RenderOptions(report=False, drive=drive, phase=phase, background="direct")
+    made = rendered(path, IN_NOISE, options, [-20.0] * 3)
+    samples, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    window = made.events[1].window
+    own = slice(window.start + window.fade_in_samples, window.stop - window.fade_out_samples)
+
+    def wrong_with(within: Samples) -> set[str]:
+        other = samples.copy()
+        other[own] = within
+        soundfile.write(tmp_path / "other.wav", other, RATE_HZ, subtype="PCM_24")
+        checked = run.check(tmp_path / "out" / "timeline.json", audio=path, drive=tmp_path / "other.wav")
+        return {name for name, event, _ in failures(checked) if event == "shot-0002"}
+
+    moved, softer = wrong_with(np.roll(samples[own], 12)), wrong_with(0.7 * samples[own])
+    assert moved & {"lag_as_rendered", "drive_as_rendered"}
+    assert "level_as_rendered" in softer

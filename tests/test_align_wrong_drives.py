@@ -1,0 +1,121 @@
+"""What somebody else did to a drive fails its checks by name, without a crash."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+
+from blastline import run
+from blastline.model import DriveChoice, Phase, Quality
+from blastline.run import RenderOptions
+from checked_films import RATE_HZ, Samples, failures, film, rendered
+
+
+@pytest.mark.parametrize("drive", ["direct", "filter", "constrained"])
+@pytest.mark.parametrize("share", [0.9, 0.5])
+def test_a_clipped_drive_fails_by_as_much_as_its_peak_lacks(tmp_path: Path, drive: DriveChoice, share: float) -> None:
+    onsets = [14_400, 26_400, 40_000]
+    path = film(tmp_path / "film.wav", onsets, [0.5, 0.3, 0.1])
+    made = rendered(path, onsets, RenderOptions(report=False, drive=drive))
+    assert failures(made) == []
+    out = tmp_path / "out"
+    samples, _ = soundfile.read(out / "drive.wav")
+    peaks = [event.drive.peak for event in made.events if event.drive]
+    limit = share * max(peaks)
+    soundfile.write(tmp_path / "clipped.wav", np.clip(samples, -limit, limit), RATE_HZ, subtype="PCM_24")
+    checked = run.check(out / "timeline.json", audio=path, drive=tmp_path / "clipped.wav")
+    measured = {check.event: check for check in checked.checks if check.name == "peak_as_rendered"}
+    for event, peak in zip(made.events, peaks, strict=True):
+        assert measured[event.id].measured == pytest.approx(20.0 * np.log10(min(1.0, limit / peak)), abs=0.01)
+        assert measured[event.id].passed == (limit >= 0.944 * peak)
+
+
+def ended(drive: Samples, since: int) -> None:
+    drive[since:] = 0.0
+
+
+def turned_over(drive: Samples, since: int) -> None:
+    drive[since:] *= -1.0
+
+
+def with_a_hole(drive: Samples, since: int) -> None:
+    drive[since : since + 240] = 0.0
+
+
+def noisy(drive: Samples, since: int) -> None:
+    drive[since:] += 0.05 * np.random.default_rng(5).standard_normal(drive[since:].size)
+
+
+def in_8_bits(drive: Samples, since: int) -> None:
+    drive[since:] = np.round(drive[since:] * 128) / 128
+
+
+@pytest.mark.parametrize(
+    ("change", "drive", "since_ms"),
+    [
+        *((change, drive, 250) for change in (ended, turned_over) for drive in ("direct", "filter", "constrained")),
+        (ended, "direct", 100),
+        *((with_a_hole, drive, 30) for drive in ("direct", "filter", "constrained")),
+        *((noisy, drive, 30) for drive in ("direct", "filter", "constrained")),
+        *((in_8_bits, drive, 30) for drive in ("direct", "filter")),
+    ],
+)
+def test_what_is_wrong_with_a_drive_after_its_attack_fails_by_name(
+    tmp_path: Path, change: Callable[[Samples, int], None], drive: DriveChoice, since_ms: int
+) -> None:
+    path = film(tmp_path / "film.wav", [14_400], [0.9], decay_s=0.15)
+    made = rendered(path, [14_400], RenderOptions(report=False, drive=drive))
+    assert failures(made) == []
+    samples, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    window = made.events[0].window
+    change(samples[: window.stop - window.fade_out_samples], 14_400 + 48 * since_ms)
+    soundfile.write(tmp_path / "wrong.wav", np.clip(samples, -1.0, 1.0), RATE_HZ, subtype="PCM_24")
+    checked = run.check(tmp_path / "out", audio=path, drive=tmp_path / "wrong.wav")
+    names = {name for name, _, _ in failures(checked)}
+    assert "drive_as_rendered" in names
+    assert names.isdisjoint({"drive_onset", "felt_onset", "drive_shift", "lag_as_rendered", "pre_echo"})
+
+
+@pytest.mark.parametrize(("frequency_hz", "amplitude"), [(3000.0, 0.2), (8000.0, 0.5)])
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+@pytest.mark.parametrize("quality", ["draft", "standard"])
+def test_a_tone_above_the_band_fails_by_name(
+    tmp_path: Path, frequency_hz: float, amplitude: float, phase: Phase, quality: Quality
+) -> None:
+    """It is hardly felt, and a drive at its limit has as much energy there by itself."""
+    path = film(tmp_path / "film.wav", [14_400], [0.9])
+    made = rendered(path, [14_400], RenderOptions(report=False, drive="constrained", phase=phase, quality=quality))
+    assert failures(made) == []
+    samples, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    window = made.events[0].window
+    inside = np.arange(window.start + window.fade_in_samples, window.stop - window.fade_out_samples)
+    samples[inside] += amplitude * np.sin(2 * np.pi * frequency_hz * inside / RATE_HZ)
+    soundfile.write(tmp_path / "wrong.wav", np.clip(samples, -1.0, 1.0), RATE_HZ, subtype="PCM_24")
+    checked = run.check(tmp_path / "out", audio=path, drive=tmp_path / "wrong.wav")
+    assert "drive_above_band" in {name for name, _, _ in failures(checked)}
+
+
+def first_half(drive: Samples) -> Samples:
+    return np.concatenate([drive[:20_000], np.zeros(drive.size - 20_000)])
+
+
+def swapped(drive: Samples) -> Samples:
+    return np.roll(drive, drive.size // 2)
+
+
+def constant(drive: Samples) -> Samples:
+    return np.full_like(drive, 0.3)
+
+
+@pytest.mark.parametrize("wrong", [first_half, swapped, constant, np.flip])
+def test_a_drive_that_is_not_this_films_fails_and_nothing_else_happens(
+    tmp_path: Path, wrong: Callable[[Samples], Samples]
+) -> None:
+    onsets = [10_000, 30_000, 50_000]
+    path = film(tmp_path / "film.wav", onsets, [0.3] * 3)
+    rendered(path, onsets, RenderOptions(report=False, drive="direct"))
+    drive, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    soundfile.write(tmp_path / "wrong.wav", wrong(drive), RATE_HZ, subtype="PCM_24")
+    assert failures(run.check(tmp_path / "out", audio=path, drive=tmp_path / "wrong.wav"))
