@@ -20,7 +20,7 @@ from .spectrogram import NEAR, WIDE
 Values = NDArray[np.float32]
 
 KERNEL = 3
-_AT_ONCE = 64  # candidates that are judged together: more take no less time each
+_AT_ONCE = 24  # candidates that are judged together: their windows stay in the cache
 FEATURE_LIMIT = 4.0
 """Features enter as deviations in spreads, no further out than this."""
 

@@ -35,7 +35,7 @@ def bands_near(samples: NDArray[np.float32], places: NDArray[np.intp], grid: Gri
 
 def _energies(samples: NDArray[np.float32], frames: NDArray[np.intp], grid: Grid) -> NDArray[np.float32]:
     """Return the band energies of some frames, shape (n, BANDS), as the scan has them."""
-    early, late = kernels(grid)
+    early, late = np.split(kernels(grid), 2, axis=1)
     still = np.zeros(grid.hop, np.float32)
     low = early[:, 0], late[:, 0]
     change = np.concatenate([still, *low]) - np.concatenate([*low, still])

@@ -157,23 +157,24 @@ def _parts(count: int) -> Iterator[slice]:
 
 def _at_rest(sample: np.float32, grid: Grid) -> PieceBefore:
     """Return what comes before a film's first sample: that sample's level for ever."""
-    early, late = (np.full((1, grid.hop), sample) @ kernel for kernel in kernels(grid))
-    return PieceBefore(sample, early[0], early[0, 0] + late[0, 0])
+    early, late = np.split(np.full(grid.hop, sample) @ kernels(grid), 2)
+    return PieceBefore(sample, early, early[0] + late[0])
 
 
 def _bands(samples: NDArray[np.float32], before: PieceBefore, grid: Grid) -> tuple[NDArray[np.float32], PieceBefore]:
-    """Return band energies, shape (hops, BANDS): a Hann-windowed DFT at a few frequencies as two matrix products.
+    """Return band energies, shape (hops, BANDS): a Hann-windowed DFT at a few frequencies as a matrix product.
 
     And what the next piece needs of this one.
     """
     hops = samples.reshape(-1, grid.hop)
-    early, parts = (np.empty((hops.shape[0], BAND_POOLING.shape[0]), np.float32) for _ in range(2))
+    products = np.empty((hops.shape[0], 2 * BAND_POOLING.shape[0]), np.float32)
     for some in _parts(hops.shape[0]):
-        for kernel, products in zip(kernels(grid), (early, parts), strict=True):
-            np.matmul(hops[some], kernel, out=products[some])
-    parts[1:] += early[:-1]
-    parts[0] += before.early
-    following = PieceBefore(samples[-1], early[-1], parts[-1, 0])
+        np.matmul(hops[some], kernels(grid), out=products[some])
+    early, late = np.split(products, 2, axis=1)
+    parts = np.empty(late.shape, np.float32)
+    np.add(late[1:], early[:-1], out=parts[1:])
+    np.add(late[0], before.early, out=parts[0])
+    following = PieceBefore(samples[-1], early[-1].copy(), parts[-1, 0])
     # the low band is a slow level, its change from frame to frame is what sounds
     parts[1:, 0] = np.diff(parts[:, 0])
     parts[0, 0] -= before.low
@@ -181,11 +182,12 @@ def _bands(samples: NDArray[np.float32], before: PieceBefore, grid: Grid) -> tup
 
 
 @cache
-def kernels(grid: Grid) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return the window times cosines and sines for the earlier and the later hop of a frame, shape (hop, parts) each.
+def kernels(grid: Grid) -> NDArray[np.float32]:
+    """Return the window times cosines and sines for the earlier and the later hop of a frame, shape (hop, 2 * parts).
 
-    Scaled so that a full-scale sine gives energy 1 in its band. Frequencies a film's sample rate cannot hold give 0.
-    What a constant would give is taken off, so that it gives 0 as well; but for the first, whose changes are heard.
+    Side by side, so that a hop is read once for both. Scaled so that a full-scale sine gives energy 1 in its band.
+    Frequencies a film's sample rate cannot hold give 0. What a constant would give is taken off, so that it gives 0 as
+    well; but for the first, whose changes are heard.
     """
     length = 2 * grid.hop
     time = np.arange(length)
@@ -198,7 +200,7 @@ def kernels(grid: Grid) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     exact = np.stack(columns, axis=1)
     exact[:, 1:] -= window[:, None] * (exact[:, 1:].sum(axis=0) / window.sum())
     matrix = exact.astype(np.float32)
-    return np.ascontiguousarray(matrix[: grid.hop]), np.ascontiguousarray(matrix[grid.hop :])
+    return np.concatenate([matrix[: grid.hop], matrix[grid.hop :]], axis=1)
 
 
 def _rechunk(blocks: Iterable[Clip], size: int) -> Iterator[tuple[NDArray[np.float32], int]]:
