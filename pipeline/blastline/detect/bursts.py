@@ -2,6 +2,8 @@
 
 from bisect import bisect_left, bisect_right, insort
 from collections.abc import Iterable, Sequence
+from itertools import pairwise, takewhile
+from statistics import median
 
 import msgspec
 import numpy as np
@@ -12,6 +14,7 @@ from ..units import ms_from_samples, samples_from_ms
 from .copies import likeness
 from .rows import runs_of
 
+_ROUNDS_HEARD = 5  # of a burst, to tell its pace by
 _SAME_ECHO_MS = 1.0  # two shots that hear an echo this close hear the same one
 
 
@@ -44,26 +47,53 @@ def without_echoes(
     """Return the shots that are no echo of an earlier one, in order of time, and the echoes.
 
     An echo lies where an earlier shot was found to repeat itself more softly, or sounds as an earlier shot does, and
-    its own peak is lower by as much. The rounds of a burst are alike, too, but about as loud, or fall evenly. An echo
-    that only its sound gives away becomes a reflection of the shot that it copies.
+    its own peak is lower by as much. The rounds of a burst are alike, too, but about as loud, or fall evenly: what
+    comes when the next round of even fire is due is none. An echo that only its sound gives away becomes a reflection
+    of the shot that it copies.
     """
     same = samples_from_ms(_SAME_ECHO_MS, rate_hz)
     kept: list[Shot] = []
     echoes: list[Rejection] = []
     due: list[tuple[int, float]] = []  # where echoes are still to come, and how high they may peak
-    for shot in sorted(shots, key=lambda s: s.onset):
+    in_order = sorted(shots, key=lambda s: s.onset)
+    for place, shot in enumerate(in_order):
         due = [(at, highest_dbfs) for at, highest_dbfs in due if at >= shot.onset - same]
         expected = any(at <= shot.onset + same and shot.peak_dbfs <= highest_dbfs for at, highest_dbfs in due)
         copied = None if expected else _copied_by(shot, kept, rate_hz=rate_hz, rules=rules)
-        if copied is not None:
-            kept[copied] = _with_echo(kept[copied], shot, rate_hz=rate_hz)
-        if expected or copied is not None:
+        later = in_order[place + 1 : place + _ROUNDS_HEARD]
+        if (expected or copied is not None) and not _is_next_round(shot, kept, later, rate_hz=rate_hz, rules=rules):
+            if copied is not None:
+                kept[copied] = _with_echo(kept[copied], shot, rate_hz=rate_hz)
             echoes.append(Rejection(shot.onset, "the echo of an earlier shot", {"probability": shot.confidence}))
             continue
         kept.append(shot)
         softer = (echo for echo in shot.reflections if echo.level_db <= -rules.echo_drop_db)
         due += [(echo.start, shot.peak_dbfs - rules.echo_drop_db) for echo in softer]
     return tuple(kept), tuple(echoes)
+
+
+def _is_next_round(
+    shot: Shot, earlier: Sequence[Shot], later: Sequence[Shot], *, rate_hz: int, rules: BurstRules
+) -> bool:
+    """Return whether a shot comes one gap of even fire after the last of the earlier ones, in order of time.
+
+    What the gap is, the rounds before it tell, or those after it that are as loud: so comes an echo only where its way
+    takes as long as the gun.
+    """
+    before = earlier[: -1 - _ROUNDS_HEARD : -1]
+    after = [shot, *(each for each in later if abs(each.peak_dbfs - shot.peak_dbfs) <= rules.echo_drop_db)]
+    if not before or not any(each.evidence and each.evidence.even_row == "fire" for each in (shot, *before)):
+        return False
+    paces = (_pace([each.onset for each in burst], rate_hz=rate_hz, rules=rules) for burst in (before, after))
+    gap = shot.onset - before[0].onset
+    return any(abs(gap - pace) <= rules.unevenness * pace for pace in paces if pace)
+
+
+def _pace(onsets: Sequence[int], *, rate_hz: int, rules: BurstRules) -> float:
+    """Return the usual gap, in samples, of a burst that the first onset and those next to it belong to; 0 for none."""
+    shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
+    gaps = takewhile(lambda gap: shortest <= gap <= longest, (abs(b - a) for a, b in pairwise(onsets)))
+    return median(list(gaps) or [0])
 
 
 def _copied_by(shot: Shot, earlier: Sequence[Shot], *, rate_hz: int, rules: BurstRules) -> int | None:
