@@ -3,9 +3,10 @@
     |   |   |   |   |      one pace, within a few percent from gap to gap, peaks within 3 dB
       .       .            what sounds between, an echo or something else, does not break the row
 
-A row is as many looks at one gun, or at one machine, so its mean odds say more than each sound's own. Somebody who
-fires shot by shot keeps a slower pace, at which steps and hammers come as well: there the networks alone are asked, and
-have to be as sure as of a single shot. The screen, which hears what is around, takes any such row for a machine.
+A row is as many looks at one gun, or at one machine, so its mean odds say more than each sound's own: all of it is fire
+or none, since a gun that fires on time skips no round. Somebody who fires shot by shot keeps a slower pace, at which
+steps and hammers come as well: there the networks alone are asked, and have to be as sure as of a single shot. The
+screen, which hears what is around, takes any such row for a machine.
 """
 
 from bisect import bisect_left, bisect_right
@@ -135,14 +136,12 @@ def _row_on(
 def even_rows(scored: ScoredCandidates, *, rate_hz: int, tier: QualityRules) -> list[EvenRow | None]:
     """Return of each candidate, ascending, whether it is a round of even fire or one of a long row that is none."""
     told: list[EvenRow | None] = [None] * scored.onsets.size
-    rounds = scored.odds.by_networks >= log_odds_of(tier.verify.round_threshold)
     for row in rows_at(scored.onsets, scored.peaks_dbfs, automatic(tier.bursts), rate_hz=rate_hz):
-        if _sounds_like_fire(scored.odds, row, tier.verify):
-            for place in row[rounds[row]].tolist():
-                told[place] = "fire"
-        elif row.size >= tier.bursts.fewest_as_one:
+        fire = _sounds_like_fire(scored.odds, row, tier.verify)
+        if fire or row.size >= tier.bursts.fewest_as_one:
             for place in row.tolist():
-                told[place] = "no fire"
+                told[place] = "fire" if fire else "no fire"
+    rounds = scored.odds.by_networks >= log_odds_of(tier.verify.round_threshold)
     for row in rows_at(scored.onsets, scored.peaks_dbfs, shot_by_shot(tier), rate_hz=rate_hz):
         if scored.odds.by_networks[row].mean() >= log_odds_of(tier.verify.threshold):
             for place in row[rounds[row]].tolist():
