@@ -1,164 +1,179 @@
-"""Windows and levels that somebody has set by hand: they are what was asked for, and joining loses nothing of them."""
+"""Ends that somebody has set, and windows of which a shot is gone."""
 
-from dataclasses import replace
-from itertools import pairwise
+import json
+import re
+from pathlib import Path
 
-import msgspec
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+import wavinfo
 
-from blastline.model import DriveModel, Shot, Span, Window
-from blastline.render import hear_window, needed_audio, plan_windows, render_window, window_between, with_gains
-from blastline.ruleset import WindowRules
-from render_signals import CAUSAL, RATE_HZ, RENDER, WINDOWS, clip, film_with_shot, shot_at
-
-RULES = WindowRules("test", fade_in_ms=5.0, guard_ms=1.0, fade_out_ms=40.0)
-FRAMES = 2000
+from blastline.export import read_timeline
+from commands import RATE_HZ, blastline
+from edited_films import FADE_IN, FRAMES, GUARD, Row, by_id, edited, edited_film, first_result, moving, rendered
 
 
-def shot(onset: int, stop: int) -> Shot:
-    return msgspec.structs.replace(shot_at(onset), blast=Span(onset, onset), span=Span(onset, stop))
+@pytest.fixture(scope="module")
+def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return edited_film(tmp_path_factory.mktemp("film"))
 
 
-def between(start: int | None, stop: int | None) -> Window:
-    """Return the window of a shot at 500 to 700 with these ends, at a sample for each millisecond."""
-    return window_between(shot(500, 700), start=start, stop=stop, frames=FRAMES, rate_hz=1000, rules=RULES)
+@pytest.fixture(scope="module")
+def result(tmp_path_factory: pytest.TempPathFactory, film: Path) -> Path:
+    return first_result(tmp_path_factory.mktemp("result"), film)
 
 
-@pytest.mark.parametrize(
-    ("start", "stop", "window"),
-    [
-        (None, None, Window(494, 740, 5, 40)),
-        (None, 600, Window(494, 600, 5, 40)),
-        (400, None, Window(400, 740, 5, 40)),
-        (497, None, Window(497, 740, 2, 40)),
-        (500, None, Window(500, 740, 0, 40)),
-        (None, 521, Window(494, 521, 5, 10)),
-        (None, 501, Window(494, 501, 5, 0)),
-        (400, 2000, Window(400, 2000, 5, 40)),
-    ],
-)
-def test_an_end_is_where_it_was_set_and_fades_shrink_to_the_room(
-    start: int | None, stop: int | None, window: Window
+@pytest.mark.parametrize("stop_ms", [8, 16, 30, 41, 70])
+def test_a_window_cut_shorter_than_a_fade_keeps_the_attack(
+    tmp_path: Path, film: Path, result: Path, stop_ms: int
 ) -> None:
-    assert between(start, stop) == window
+    """The fade-out takes half of what follows the onset, so the drive passes its checks, of which exit code 0 tells."""
+
+    def edit(rows: list[Row]) -> None:
+        for row in rows:
+            stop = int(row["onset_sample"]) + stop_ms * RATE_HZ // 1000
+            row["window_stop_sample"], row["window_stop_s"] = str(stop), ""
+
+    ended, after, _ = rendered(film, edited(result, tmp_path, edit))
+    assert re.search(r"checks: (\d+) of \1 passed", ended.err), ended
+    for event in after.events:
+        room = stop_ms * RATE_HZ // 1000
+        assert event.window.stop - event.onset_sample == room
+        assert event.window.fade_out_samples <= room // 2
+        assert event.drive is not None
+        assert event.drive.fidelity > 0.9
 
 
-@pytest.mark.parametrize(("start", "stop"), [(501, None), (None, 500), (None, 2001)])
-def test_an_end_beside_its_onset_or_film_is_refused(start: int | None, stop: int | None) -> None:
-    with pytest.raises(ValueError, match="does not hold the onset at 500"):
-        between(start, stop)
+def test_a_window_that_is_rounded_to_just_past_the_end_ends_with_the_film(
+    tmp_path: Path, film: Path, result: Path
+) -> None:
+    plain = json.loads((result / "timeline.json").read_text())
+    for event in plain["events"][2:]:
+        event["window"]["stop_sample"] = FRAMES + RATE_HZ // 1000 - 1
+    file = tmp_path / "edited.json"
+    file.write_text(json.dumps(plain))
+    _, after, drive = rendered(film, file)
+    assert [event.window.stop for event in after.events[2:]] == [FRAMES, FRAMES]
+    moving(drive, sorted({(event.window.start, event.window.stop) for event in after.events}))
 
 
-@given(st.data())
-def test_any_given_windows_are_joined_without_losing_a_sample_or_an_attack(data: st.DataObject) -> None:
-    onsets = data.draw(st.lists(st.integers(0, FRAMES - 1), min_size=1, max_size=6, unique=True))
-    shots = [shot(onset, min(FRAMES, onset + data.draw(st.integers(1, 300)))) for onset in sorted(onsets)]
-    given_windows = {}
-    for index, each in enumerate(shots):
-        if data.draw(st.booleans()):
-            start = data.draw(st.none() | st.integers(max(0, each.onset - 200), each.onset))
-            stop = data.draw(st.none() | st.integers(each.onset + 1, FRAMES))
-            given_windows[index] = window_between(
-                each, start=start, stop=stop, frames=FRAMES, rate_hz=1000, rules=RULES
-            )
-    planned = plan_windows(shots, frames=FRAMES, rate_hz=1000, rules=RULES, given=given_windows)
-    alone = plan_windows(shots, frames=FRAMES, rate_hz=1000, rules=RULES)
-    assert sorted(index for each in planned for index in each.shots) == list(range(len(shots)))
-    for first, second in pairwise(planned):
-        assert first.window.stop < second.window.start
-    for joined in planned:
-        own = [shots[index] for index in joined.shots]
-        assert [one.onset for one in own] == sorted(one.onset for one in own)
-        assert joined.core.start <= own[0].onset
-        assert own[-1].onset < joined.core.stop <= joined.window.stop <= FRAMES
-        for index in joined.shots:
-            window = given_windows.get(index)
-            assert window is None or window.span | joined.window.span == joined.window.span
-    if not given_windows:
-        assert planned == alone
+def test_a_shot_that_is_deleted_leaves_the_window_that_it_shared(tmp_path: Path, film: Path, result: Path) -> None:
+    before = by_id(read_timeline(result / "timeline.json"))
+    assert before["shot-0003"].window == before["shot-0004"].window
+    _, after, drive = rendered(film, edited(result, tmp_path, lambda rows: rows.pop(2)))
+    assert by_id(after)["shot-0004"].window.start == 196_800 - GUARD - FADE_IN
+    assert not np.any(drive[round(3.9 * RATE_HZ) : 196_800 - GUARD - FADE_IN])
 
 
-@pytest.mark.parametrize("model", ["direct", "filter", "constrained"])
-def test_a_gain_scales_what_its_shot_drives_and_nothing_before_it(model: DriveModel) -> None:
-    film, first = film_with_shot(peak=0.02)
-    film = np.concatenate([film, film])
-    shots = [first, msgspec.structs.replace(first, onset=first.onset + len(film) // 2)]
-    shots = [
-        msgspec.structs.replace(shots[0], span=Span(first.onset, shots[1].onset)),
-        msgspec.structs.replace(shots[1], span=Span(shots[1].onset, len(film))),
-    ]
-    [planned] = plan_windows(shots, frames=len(film), rate_hz=RATE_HZ, rules=WINDOWS)
-
-    def drive(*gains_db: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-        [asked] = with_gains([planned], shots, gains_db)
-        audio = clip(film).slice(needed_audio(asked, frames=len(film), filters=CAUSAL, rules=RENDER))
-        heard = hear_window(audio, asked, filters=CAUSAL, rules=RENDER)
-        done = render_window(heard, shots, model=model, reason="", background="mute")
-        return np.asarray(done.clip.samples[:, 0], np.float64)
-
-    usual, louder = drive(0.0, 0.0), drive(0.0, 6.0)
-    turn = shots[1].onset - planned.window.start
-    lead = RATE_HZ // 1000
-    np.testing.assert_array_equal(louder[: turn - 10 * lead], usual[: turn - 10 * lead])
-    after = slice(turn, turn + RATE_HZ // 20)
-    ratio = np.linalg.norm(louder[after]) / np.linalg.norm(usual[after])
-    assert ratio == pytest.approx(10.0**0.3, rel=0.02)
-    whole = np.linalg.norm(drive(-6.0, -6.0)) / np.linalg.norm(usual)
-    assert whole == pytest.approx(10.0**-0.3, rel=0.02)
+def test_the_last_shot_of_a_window_is_gone_where_it_is_deleted(tmp_path: Path, film: Path, result: Path) -> None:
+    """What is measured as the decay of the shot before holds the one that was deleted."""
+    before = by_id(read_timeline(result / "timeline.json"))
+    assert before["shot-0003"].window.stop > 196_800
+    ended, after, drive = rendered(film, edited(result, tmp_path, lambda rows: rows.pop(3)))
+    assert "3 kept, 1 deleted" in ended.err
+    assert by_id(after)["shot-0003"].window.stop == 196_800
+    assert np.any(drive[192_000:196_000])
+    assert not np.any(drive[196_800:])
+    assert by_id(after)["shot-0001"].window == before["shot-0001"].window
 
 
-def test_a_shot_wanted_softer_is_softer_though_the_window_is_scaled_to_the_limit() -> None:
-    """The compensator of this one needs five times the limit: its gain is not what brings it back to it."""
-    film, only = film_with_shot(peak=0.9)
-    [planned] = plan_windows([only], frames=len(film), rate_hz=RATE_HZ, rules=WINDOWS)
-
-    def drive(gain_db: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-        [asked] = with_gains([planned], [only], [gain_db])
-        heard = hear_window(clip(film), asked, filters=CAUSAL, rules=RENDER)
-        done = render_window(heard, [only], model="filter", reason="", background="mute")
-        return np.asarray(done.clip.samples[:, 0], np.float64)
-
-    usual = drive(0.0)
-    assert np.max(np.abs(usual)) == 1.0
-    for gain_db in (-1.0, -6.0, -20.0):
-        np.testing.assert_allclose(drive(gain_db), 10.0 ** (gain_db / 20.0) * usual, rtol=1e-9, atol=1e-12)
-    np.testing.assert_allclose(drive(6.0), usual, rtol=1e-9, atol=1e-12, err_msg="louder than the limit it cannot be")
+def test_a_shot_in_the_middle_of_a_window_is_gone_where_it_is_deleted(tmp_path: Path, film: Path) -> None:
+    onsets = (192_000, 194_400, 196_800)
+    (tmp_path / "three.csv").write_text("onset_sample\n" + "".join(f"{onset}\n" for onset in onsets))
+    three = tmp_path / "three"
+    asked = ("render", film, "-o", three, "--timeline", tmp_path / "three.csv", "--no-report")
+    assert blastline(*asked).code == 0
+    (tmp_path / "edit").mkdir()
+    _, after, drive = rendered(film, edited(three, tmp_path / "edit", lambda rows: rows.pop(1)))
+    assert [event.onset_sample for event in after.events] == [192_000, 196_800]
+    assert not np.any(drive[194_400 : 196_800 - GUARD - FADE_IN])
+    assert np.any(drive[192_000:194_000])
+    assert np.any(drive[196_800:198_000])
 
 
-@pytest.mark.parametrize("gains_db", [(0.0, 6.0), (-12.0, 6.0), (12.0, -6.0)])
-def test_a_gain_is_reached_over_the_lead_and_without_a_step(gains_db: tuple[float, float]) -> None:
-    film, first = film_with_shot(peak=0.1)
-    shots = [first, shot_at(first.onset + RATE_HZ // 10)]
-    [planned] = with_gains(plan_windows(shots, frames=len(film), rate_hz=RATE_HZ, rules=WINDOWS), shots, gains_db)
-    gains = hear_window(clip(film), planned, filters=CAUSAL, rules=RENDER).gains
-    before, after = (10.0 ** (gain_db / 20.0) for gain_db in gains_db)
-    onset, lead = shots[1].onset - planned.window.start, RATE_HZ // 1000
-    np.testing.assert_allclose(gains[: onset - lead], before, rtol=1e-12)
-    np.testing.assert_allclose(gains[onset:], after, rtol=1e-12)
-    assert np.max(np.abs(np.diff(gains))) <= abs(after - before) / lead * (1.0 + 1e-9)
+def test_an_end_that_is_set_of_a_bursts_last_shot_is_the_windows(tmp_path: Path, film: Path, result: Path) -> None:
+    def shorter(rows: list[Row]) -> None:
+        rows[3]["window_stop_s"] = "4.2"
+        rows[3]["window_stop_sample"] = ""
+
+    ended, after, drive = rendered(film, edited(result, tmp_path, shorter))
+    assert "3 kept, 1 changed" in ended.err
+    found = by_id(after)
+    assert found["shot-0003"].window == found["shot-0004"].window
+    assert found["shot-0004"].window.stop == round(4.2 * RATE_HZ)
+    assert not np.any(drive[round(4.2 * RATE_HZ) :])
+
+
+def test_a_shot_that_is_dragged_with_its_end_ends_no_later_one(tmp_path: Path, film: Path, result: Path) -> None:
+    """A label that is dragged takes its end along: over the next shot, which was left alone, that decides nothing."""
+    labels = ("1.0\t1.0\tshot-0001", "2.5\t2.5\tshot-0002", "4.02\t4.15\tshot-0003", "4.1\t4.1\tshot-0004")
+    (tmp_path / "labels.txt").write_text("".join(f"{label}\n" for label in labels))
+    _, after, drive = rendered(film, tmp_path / "labels.txt", "--original", result / "timeline.json")
+    assert by_id(after)["shot-0003"].onset_sample == round(4.02 * RATE_HZ)
+    assert by_id(after)["shot-0004"].window.stop > round(4.2 * RATE_HZ)
+    assert np.any(drive[round(4.16 * RATE_HZ) : round(4.2 * RATE_HZ)])
+
+
+def test_what_is_deleted_within_a_shot_leaves_it_whole(tmp_path: Path, film: Path) -> None:
+    """Two marks of one bang: without the second the first has its decay, not 20 ms."""
+    (tmp_path / "two.csv").write_text("onset_sample\n192000\n192960\n")
+    two = tmp_path / "two"
+    assert blastline("render", film, "-o", two, "--timeline", tmp_path / "two.csv", "--no-report").code == 0
+    (tmp_path / "edit").mkdir()
+    _, after, _ = rendered(film, edited(two, tmp_path / "edit", lambda rows: rows.pop(1)))
+    assert after.events[0].window.stop > 196_800
+
+
+def test_a_marker_of_the_drive_lasts_to_the_end_that_was_set(tmp_path: Path, film: Path, result: Path) -> None:
+    file = edited(result, tmp_path, lambda rows: rows[0].update(window_stop_s="1.7", window_stop_sample=""))
+    _, after, _ = rendered(film, file)
+    cues = wavinfo.WavInfoReader(str(tmp_path / "out" / "drive.wav")).cues
+    assert cues is not None
+    lengths = [cues.range(cue.name) for cue in cues.cues]
+    last_two = [196_800 - 192_000, after.events[3].window.stop - 196_800]
+    assert lengths == [33_600, after.events[1].window.stop - 120_000, *last_two]
+
+
+def test_the_end_of_a_label_is_the_end_of_its_window(tmp_path: Path, film: Path, result: Path) -> None:
+    lines = (result / "timeline.audacity.txt").read_text().splitlines(keepends=True)
+    lines[0] = "1.000000\t1.150000\tshot-0001 1.00\n"
+    lines.append("5.500000\t5.700000\tanother\n")
+    file = tmp_path / "labels.txt"
+    file.write_text("".join(lines))
+    ended, after, drive = rendered(film, file, "--original", result / "timeline.json")
+    assert "edits: labels.txt: 3 kept, 1 changed, 1 added" in ended.err
+    found = by_id(after)
+    assert (found["shot-0001"].window.stop, found["shot-0005"].window.stop) == (55_200, 273_600)
+    assert not np.any(drive[55_200:110_000])
+    assert np.any(drive[270_000:273_600])
 
 
 @pytest.mark.parametrize(
-    ("later", "fade_out"),
+    ("shot", "end", "at_s", "told"),
     [
-        (shot(980, 985), 15),  # it has died away before half of the room is over
-        (shot(980, 1100), 10),
-        (shot(959, 1100), 20),  # one sample before the fade-out would begin, which would leave it that sample
-        (shot(940, 950), 40),
+        (3, "start", 4.09, "the start that was set of shot-0004: the shared window begins with its first shot"),
+        (2, "stop", 4.105, "the end that was set of shot-0003: the shared window ends with a later shot"),
     ],
 )
-def test_a_fade_out_leaves_a_later_shot_its_sound_or_half_of_the_room(later: Shot, fade_out: int) -> None:
-    """The window that was set for the first shot fades out from 960 to 1000; the later one's ends before it."""
-    settled = {0: Window(494, 1000, 5, 40), 1: Window(934, 995, 5, 5)}
-    [joined] = plan_windows([shot(500, 700), later], frames=FRAMES, rate_hz=1000, rules=RULES, given=settled)
-    assert joined.window == Window(494, 1000, 5, fade_out)
+def test_an_end_inside_a_window_that_is_shared_is_told_and_changes_nothing(
+    tmp_path: Path, film: Path, result: Path, shot: int, end: str, at_s: float, told: str
+) -> None:
+    def edit(rows: list[Row]) -> None:
+        rows[shot][f"window_{end}_s"], rows[shot][f"window_{end}_sample"] = str(at_s), ""
+
+    before = by_id(read_timeline(result / "timeline.json"))
+    ended, after, _ = rendered(film, edited(result, tmp_path, edit))
+    assert f"note: not used: {told}\n" in ended.err
+    assert {event.window for event in after.events[2:]} == {before["shot-0003"].window}
 
 
-def test_windows_without_a_gain_stay_as_they_are() -> None:
-    shots = [shot(100, 300), shot(900, 1000)]
-    planned = plan_windows(shots, frames=FRAMES, rate_hz=1000, rules=RULES)
-    assert with_gains(planned, shots, [0.0, 0.0]) == planned
-    assert with_gains(planned, shots, [0.0, 3.0]) == (planned[0], replace(planned[1], gains=((900, 3.0),)))
+def test_ends_of_a_window_of_ones_own_are_used_and_nothing_is_told(tmp_path: Path, film: Path, result: Path) -> None:
+    def edit(rows: list[Row]) -> None:
+        rows[0].update(window_start_s="0.9", window_start_sample="", window_stop_s="1.2", window_stop_sample="")
+        rows[2].update(window_start_s="3.9", window_start_sample="")
+
+    ended, after, _ = rendered(film, edited(result, tmp_path, edit))
+    assert "not used" not in ended.err
+    windows = [event.window for event in after.events]
+    assert (windows[0].start, windows[0].stop) == (round(0.9 * RATE_HZ), round(1.2 * RATE_HZ))
+    assert windows[2].start == windows[3].start == round(3.9 * RATE_HZ)

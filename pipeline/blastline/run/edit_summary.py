@@ -1,10 +1,11 @@
 """What somebody has edited of a timeline, counted and in words."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import islice
 
 from ..export.edits import EditedFile, Wanted, Wish
 from ..model import Edits, Event
+from ..render import PlannedWindow
 from . import names
 
 _MOST_NAMED = 10
@@ -18,10 +19,13 @@ _INSTEAD = {
 """What does what somebody may have meant who edited a table's column, or a JSON's key, that is not read."""
 
 
-def summarise_edits(edited: EditedFile, wanted: Wanted, *, has_original: bool, is_named: bool) -> Edits:
+def summarise_edits(
+    edited: EditedFile, wanted: Wanted, windows: Sequence[PlannedWindow], *, has_original: bool, is_named: bool
+) -> Edits:
     """Return how many events an edited file keeps, moves, changes, adds and deletes, with what a user has to know.
 
-    `has_original` says whether the original timeline is known, `is_named` whether anything names the film.
+    `windows` are those of the wishes. `has_original` says whether the original timeline is known, `is_named` whether
+    anything names the film.
     """
     notes = list(edited.notes)
     if not is_named:
@@ -37,6 +41,7 @@ def summarise_edits(edited: EditedFile, wanted: Wanted, *, has_original: bool, i
         )
         notes += _gaps(edited)
     notes += _unheeded(edited, wanted)
+    notes += _overruled_ends(wanted.wishes, windows)
     if not wanted.wishes:
         notes.append("no events: the drive is silent")
     told = {edit.place for edit in edited.edits if edit.blast_start is not None}
@@ -68,8 +73,29 @@ def _unheeded(edited: EditedFile, wanted: Wanted) -> Iterator[str]:
         ]
         other = [identity for identity, now, before in told if before is not None and now != before]
         if other and (len(other) < len(told) or len(told) == 1):
-            more = f" and {len(other) - _MOST_NAMED} more" if len(other) > _MOST_NAMED else ""
-            yield f"not used: the {name} of {', '.join(other[:_MOST_NAMED])}{more}, which was edited; {instead}"
+            yield f"not used: the {name} of {_listed(other)}, which was edited; {instead}"
+
+
+def _overruled_ends(wishes: Sequence[Wish], windows: Sequence[PlannedWindow]) -> Iterator[str]:
+    """Yield a note for the ends that were set of shots in the midst of a window, which others begin or end."""
+    starts, stops = [], []
+    for planned in windows:
+        for wish in (wishes[index] for index in planned.shots):
+            was = wish.was.window if wish.was is not None else None
+            if wish.start not in (None, planned.window.start, was and was.start):
+                starts.append(wish.id)
+            if wish.stop not in (None, planned.window.stop, was and was.stop):
+                stops.append(wish.id)
+    if starts:
+        yield f"not used: the start that was set of {_listed(starts)}: the shared window begins with its first shot"
+    if stops:
+        yield f"not used: the end that was set of {_listed(stops)}: the shared window ends with a later shot"
+
+
+def _listed(ids: Sequence[str]) -> str:
+    """Return some ids, and how many more there are."""
+    more = f" and {len(ids) - _MOST_NAMED} more" if len(ids) > _MOST_NAMED else ""
+    return f"{', '.join(ids[:_MOST_NAMED])}{more}"
 
 
 def _exported(event: Event, name: str) -> str | None:

@@ -1,0 +1,193 @@
+"""What the command says it understood of edits, what it could not use, and what it refuses."""
+
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+
+from commands import blastline, write_film
+from edited_films import FRAMES, SHOTS_S, Row, edited, edited_film, first_result, rendered
+
+
+@pytest.fixture(scope="module")
+def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return edited_film(tmp_path_factory.mktemp("film"))
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory: pytest.TempPathFactory, film: Path) -> Path:
+    return first_result(tmp_path_factory.mktemp("result"), film)
+
+
+def test_a_found_shot_that_is_moved_says_so(tmp_path: Path, film: Path, result: Path) -> None:
+    plain = json.loads((result / "timeline.json").read_text())
+    for event in plain["events"]:
+        event["origin"] = "found"
+    plain["events"][0]["onset_sample"] = 52_800
+    file = tmp_path / "edited.json"
+    file.write_text(json.dumps(plain))
+    ended, after, _ = rendered(film, file)
+    assert "edits: edited.json: 3 kept, 1 moved" in ended.err
+    assert [event.origin for event in after.events] == ["moved", "found", "found", "found"]
+
+
+def test_a_folder_without_a_timeline_is_told_by_the_file_that_is_missing(tmp_path: Path, film: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    ended = blastline("render", film, "-o", tmp_path / "out", "--timeline", tmp_path / "empty")
+    assert ended.complaint.startswith(f"{tmp_path / 'empty' / 'timeline.json'}: no such file; expected ")
+
+
+def test_a_json_without_its_original_says_what_it_cannot_tell(tmp_path: Path, film: Path, result: Path) -> None:
+    plain = json.loads((result / "timeline.json").read_text())
+    plain["events"][1]["gain_db"] = -12.0
+    (tmp_path / "alone.json").write_text(json.dumps(plain))
+    ended, after, _ = rendered(film, tmp_path / "alone.json")
+    assert "if gains, ends or confidences were changed, they hold as they stand and count as kept" in ended.err
+    assert after.events[1].gain_db == -12.0
+
+
+def test_a_json_that_is_named_as_its_own_original_keeps_its_edits(tmp_path: Path, film: Path, result: Path) -> None:
+    plain = json.loads((result / "timeline.json").read_text())
+    plain["events"][0]["onset_sample"] = 52_800
+    file = tmp_path / "timeline.json"
+    file.write_text(json.dumps(plain))
+    ended, after, _ = rendered(film, file, "--original", tmp_path / "." / "timeline.json")
+    assert "3 kept, 1 moved" in ended.err
+    assert after.events[0].onset_sample == 52_800
+    (tmp_path / "linked.json").symlink_to(file)
+    assert "3 kept, 1 moved" in rendered(film, file, "--original", tmp_path / "linked.json")[0].err
+
+
+def test_an_end_that_cannot_be_is_told_as_it_stands(tmp_path: Path, film: Path, result: Path) -> None:
+    (tmp_path / "edited.csv").write_text("onset_s,window_start_s\n2.5,2.6\n")
+    ended = blastline("render", film, "-o", tmp_path / "out", "--timeline", tmp_path / "edited.csv")
+    assert ended.complaint.endswith("window_start_s = 2.6: expected at most 2.5, the onset")
+
+
+@pytest.mark.parametrize("name", ["audacity", "reaper"])
+def test_without_its_original_no_shot_is_said_to_be_kept_or_moved(
+    tmp_path: Path, film: Path, result: Path, name: str
+) -> None:
+    """A label tells where its shot is, and not where it was: "4 kept" would be a guess, and wrong of the second."""
+    assert blastline("export", result, "--format", name, "-o", tmp_path / "cues").code == 0
+    (file,) = (tmp_path / "cues").iterdir()
+    moved = file.read_text().replace("2.500000000", "2.600000000")
+    assert moved != file.read_text()
+    alone = tmp_path / file.name
+    alone.write_text(moved)
+    ended, after, _ = rendered(film, alone)
+    assert f"edits: {file.name}: 4 as given\n" in ended.err
+    assert after.edits is not None
+    assert (after.edits.kept, after.edits.moved, after.edits.as_given) == (0, 0, 4)
+    assert f"edits: {file.name}: 3 kept, 1 moved\n" in rendered(film, alone, "--original", result)[0].err
+
+
+def test_a_row_that_tells_where_its_onset_was_is_kept_or_moved_without_an_original(
+    tmp_path: Path, film: Path, result: Path
+) -> None:
+    file = edited(result, tmp_path, lambda rows: rows[1].update(onset_s="2.6", onset_sample="", origin="found"))
+    (tmp_path / "timeline.json").unlink()
+    rows = file.read_text().replace(",added,", ",found,")
+    file.write_text(rows)
+    assert "edits: edited.csv: 3 kept, 1 moved\n" in rendered(film, file)[0].err
+
+
+def test_an_edit_in_a_column_that_is_not_read_is_told(tmp_path: Path, film: Path, result: Path) -> None:
+    def edit(rows: list[Row]) -> None:
+        rows[0]["timecode"], rows[1]["drive_model"] = "00:00:01.100", "filter"
+        rows[2].update(timecode="00:00:04.005", onset_s="4.005")  # moved, and its timecode with it
+
+    ended, after, _ = rendered(film, edited(result, tmp_path, edit))
+    assert "edits: edited.csv: 3 kept, 1 moved" in ended.err
+    notes = [
+        "not used: the timecode of shot-0001, which was edited; onset_s or onset_sample moves a shot",
+        "not used: the drive_model of shot-0002, which was edited; --drive chooses it, for all shots",
+    ]
+    assert [line for line in ended.err.splitlines() if "not used" in line] == [f"note: {note}" for note in notes]
+    assert after.edits is not None
+    assert list(after.edits.notes) == notes
+
+
+def test_an_edit_in_a_key_that_is_not_read_is_told(tmp_path: Path, film: Path, result: Path) -> None:
+    plain = json.loads((result / "timeline.json").read_text())
+    plain["events"][0]["timecode"] = "00:00:01.100"
+    plain["events"][1]["drive"]["model"] = "filter"
+    (tmp_path / "edited.json").write_text(json.dumps(plain))
+    ended, _, _ = rendered(film, tmp_path / "edited.json", "--original", result / "timeline.json")
+    assert [line for line in ended.err.splitlines() if "not used" in line] == [
+        "note: not used: the timecode of shot-0001, which was edited; onset_s or onset_sample moves a shot",
+        "note: not used: the drive.model of shot-0002, which was edited; --drive chooses it, for all shots",
+    ]
+
+
+def test_columns_that_are_not_read_are_others_where_the_options_were(tmp_path: Path, film: Path, result: Path) -> None:
+    def edit(rows: list[Row]) -> None:
+        for row in rows:
+            row["timecode"], row["drive_model"] = f"01:{row['timecode'][3:]}", "filter"
+
+    assert "not used" not in rendered(film, edited(result, tmp_path, edit))[0].err
+
+
+@pytest.mark.parametrize(
+    ("edit", "complaint"),
+    [
+        (lambda r: r[1].update(onset_s="7.5"), "line 3: onset at sample 360000, 7.5 s: expected a time in the film"),
+        (
+            lambda r: r[1].update(onset_sample="336000"),
+            "line 3: onset at sample 336000, 7 s: expected a time in the film",
+        ),
+        (lambda r: r[1].update(window_stop_s="7.1"), "line 3: window ends at sample 340800, 7.1 s: expected a time in"),
+        (lambda r: r[1].update(id="shot-0001"), "line 3: id = 'shot-0001': line 2 has it too; expected each once"),
+        (lambda r: r[1].update(onset_s="-1"), "line 3: onset_s = '-1': expected a time from 0"),
+        (lambda r: r[1].update(onset_s="3", onset_sample="5"), "line 3: onset_sample = 5 and onset_s = 3 contradict"),
+    ],
+)
+def test_edits_that_cannot_be_rendered_are_one_line_and_nothing_is_written(
+    tmp_path: Path, film: Path, result: Path, edit: Callable[[list[Row]], object], complaint: str
+) -> None:
+    file = edited(result, tmp_path, edit)
+    out = tmp_path / "out"
+    line = blastline("render", film, "-o", out, "--timeline", file, "--quiet").complaint
+    assert line.startswith(f"{file}: {complaint}")
+    assert not out.exists()
+
+
+def test_another_film_is_refused_by_both_names(tmp_path: Path, film: Path, result: Path) -> None:
+    file = edited(result, tmp_path, lambda rows: None)
+    other = write_film(tmp_path / "recut.wav", length_s=6.0, shots_s=SHOTS_S)
+    line = blastline("render", other, "-o", tmp_path / "out", "--timeline", file, "--quiet").complaint
+    assert line.startswith(f"{tmp_path / 'timeline.json'}: is of film.wav (sha256 ")
+    assert f"{FRAMES} frames at 48000 Hz), but the film is recut.wav (sha256 " in line
+    assert "blastline conform" in line
+    soundfile.write(tmp_path / "slow.wav", np.zeros(44_100), 44_100)
+    line = blastline("render", tmp_path / "slow.wav", "-o", tmp_path / "out", "--timeline", file, "--quiet").complaint
+    assert "is of film.wav" in line
+    assert "44100 Hz" in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_another_sound_stream_is_refused(tmp_path: Path, film: Path, result: Path) -> None:
+    plain = json.loads((result / "timeline.json").read_text())
+    plain["source"]["stream"] = 1
+    file = tmp_path / "edited.json"
+    file.write_text(json.dumps(plain))
+    line = blastline("render", film, "-o", tmp_path / "out", "--timeline", file, "--quiet").complaint
+    assert line == f"{file}: is of sound stream 1 of film.wav, not 0; give --stream 1"
+
+
+def test_an_original_without_an_edited_timeline_is_refused(tmp_path: Path, film: Path, result: Path) -> None:
+    line = blastline("render", film, "-o", tmp_path / "out", "--original", result / "timeline.json").complaint
+    assert line.endswith("there is no edited timeline; give one with --timeline")
+
+
+def test_an_original_of_another_film_is_refused(tmp_path: Path, film: Path, result: Path) -> None:
+    plain = json.loads((result / "timeline.json").read_text())
+    plain["source"]["sha256"] = "ab" * 32
+    file = tmp_path / "edited.json"
+    file.write_text(json.dumps(plain))
+    line = blastline("render", film, "-o", tmp_path / "out", "--timeline", file, "--original", result / "timeline.json")
+    assert re.search(r"edited.json: is of film.wav .*, but its original .* of film.wav .*--original", line.complaint)
