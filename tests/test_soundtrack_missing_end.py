@@ -105,6 +105,28 @@ def test_an_mp4_in_fragments_that_breaks_off_is_noticed(tmp_path: Path, flags: s
         assert BROKEN_OFF in source.warnings
 
 
+@pytest.mark.parametrize("codec", ["pcm_s16le", "libmp3lame"])
+def test_a_missing_end_of_a_nut_is_noticed(tmp_path: Path, codec: str) -> None:
+    path = write_media(tmp_path / "film.nut", [impulses(LONG, LONG_SHOTS)], codec=codec, container_format="nut")
+    data = path.read_bytes()
+    assert read(path)[1].warnings == ()
+    for kept in (len(data) * 6 // 10, len(data) - 1):
+        path.write_bytes(data[:kept])
+        assert BROKEN_OFF in read(path)[1].warnings
+
+
+def test_a_nut_from_a_pipe_has_no_index_to_lack(tmp_path: Path) -> None:
+    options = {"syncpoints": "none", "strict": "experimental"}
+    path = write_media(
+        tmp_path / "film.nut",
+        [impulses(LONG, LONG_SHOTS)],
+        codec="flac",
+        container_format="nut",
+        container_options=options,
+    )
+    assert read(path)[1].warnings == ()
+
+
 def test_a_film_cut_before_its_index_is_refused(tmp_path: Path) -> None:
     path = write_media(tmp_path / "film.mp4", [impulses(FRAMES, SHOTS)], codec="aac")
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])

@@ -204,6 +204,26 @@ def test_a_clock_that_was_made_a_drop_frame_timecode_is_said_again() -> None:
     assert recalled(AS_FILMED, own, BROADCAST).start_timecode is None
 
 
+def test_a_clock_alone_is_counted_as_the_film_or_the_timeline_was() -> None:
+    """Drop-frame is how a film counts, and not a part of where it starts: without it an hour is 3.6 s off."""
+    said = parse_timebase("01:00:00.250", None)
+    spoken = parse_timebase("01:00:00.250", "29.97df")
+    earlier = with_timebase(SOUND, parse_timebase("10:00:00;00", "29.97df"))
+    assert with_timebase(SOUND, recalled(said, earlier, SOUND)) == with_timebase(SOUND, spoken)
+    assert with_timebase(earlier, said) == with_timebase(earlier, spoken)
+    even = with_timebase(SOUND, parse_timebase("10:00:00:00", "29.97"))
+    for start in (said, parse_timebase("01:00:00:00", None)):
+        assert recalled(start, even, SOUND).drop_frame is None
+    assert recalled(parse_timebase("01:00:00:00", None), earlier, SOUND).drop_frame is None  # its colon says it
+
+
+def test_a_rate_without_drop_frame_names_the_start_that_was_said_earlier() -> None:
+    earlier = with_timebase(SOUND, parse_timebase("10:00:00;00", "29.97df"))
+    with pytest.raises(RuleError, match=r"--frame-rate 25: .* the start '10:00:00;00' of the timeline that was edited"):
+        recalled(parse_timebase(None, "25"), earlier, SOUND)
+    assert recalled(parse_timebase("10:00:00:00", "25"), earlier, SOUND).start_timecode == "10:00:00:00"
+
+
 @pytest.mark.parametrize("text", ["01:00:00", "10:75:00.5", "1:99:99", "１０:00:00:00", "100:00:00.5", "01:00:00."])
 def test_a_start_that_is_no_timecode_is_not_taken_for_a_clock(text: str) -> None:
     with pytest.raises(RuleError, match=r"expected HH:MM:SS:FF, .* or HH:MM:SS\.mmm of a clock"):

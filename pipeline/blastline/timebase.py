@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import msgspec
@@ -92,7 +92,7 @@ def with_timebase(source: Source, timebase: Timebase) -> Source:
             raise RuleError(f"--start-timecode {start!r}: the film has no frame rate; give --frame-rate as well")
         return msgspec.structs.replace(source, start_timecode=start, frame_rate=rate)
     moved = msgspec.structs.replace(source, start_timecode=start, frame_rate=rate)
-    return _counted(moved, known, timebase)
+    return _counted(moved, known, replace(timebase, drop_frame=_drop_frame(timebase, source)))
 
 
 def uncounted(source: Source) -> tuple[str, ...]:
@@ -110,14 +110,36 @@ def uncounted(source: Source) -> tuple[str, ...]:
 def recalled(said: Timebase, earlier: Source, filmed: Source) -> Timebase:
     """Return what the user says about a film, and where they say nothing what they said when `earlier` was made of it.
 
-    `filmed` is the film's own word, from which `earlier` differs where a user said something.
+    `filmed` is the film's own word, from which `earlier` differs where a user said something. Raises RuleError for a
+    rate that does not go with the start that was said earlier.
     """
     before = _said_before(earlier, filmed)
+    if said.start_timecode is None and said.frame_rate is not None and before.start_timecode is not None:
+        _require_countable(before.start_timecode, said.frame_rate)
     return Timebase(
         said.start_timecode or before.start_timecode,
         said.frame_rate or before.frame_rate,
-        before.drop_frame if said == AS_FILMED else said.drop_frame,
+        before.drop_frame if said == AS_FILMED else _drop_frame(said, earlier),
     )
+
+
+def _require_countable(start: str, rate: Fraction) -> None:
+    """Raise RuleError for a start that was said earlier and counts drop-frame, at a rate that has none."""
+    counts = LABEL.fullmatch(start)
+    if counts is not None and counts[4] != ":" and rate not in DROP_FRAME_RATES:
+        raise RuleError(
+            f"--frame-rate {rate_text(rate)}: has no drop-frame, which the start {start!r} of the timeline that was "
+            "edited counts; give --start-timecode as well"
+        )
+
+
+def _drop_frame(said: Timebase, source: Source) -> bool | None:
+    """Return whether drop-frame is asked for: where somebody says a clock and no more, as it was counted before."""
+    is_clock = said.start_timecode is not None and bool(CLOCK.fullmatch(said.start_timecode))
+    if said.drop_frame is not None or said.frame_rate is not None or not is_clock:
+        return said.drop_frame
+    scale = frame_scale(source)
+    return True if scale is not None and scale.drop_frame else None
 
 
 def retimed(timeline: Timeline, timebase: Timebase) -> Timeline:

@@ -8,7 +8,7 @@ A cheap scan over the whole film (`tracks`, `scan`) names candidates; everything
 from .bursts import drop_claimed_reflections, group_bursts
 from .direction import with_azimuths
 from .find import LATENCY_S, Detection, find_shots
-from .given import audio_around, shot_at
+from .given import audio_around, shot_at, shot_in_clearer_mix
 from .sides import side_as_main
 from .verify import Verifier, load_verifier, read_model
 
@@ -23,6 +23,7 @@ __all__ = [
     "load_verifier",
     "read_model",
     "shot_at",
+    "shot_in_clearer_mix",
     "side_as_main",
     "with_azimuths",
 ]

@@ -17,7 +17,6 @@ from ..conform import (
     Film,
     Lost,
     Placed,
-    Retimed,
     find_segments,
     hear,
     measured,
@@ -32,16 +31,15 @@ from ..conform import (
 from ..detect import group_bursts
 from ..errors import OutputError, SoundtrackError, TimelineError
 from ..export import read_timeline
-from ..model import Event, Rejection, Source, Timeline, Window, encode
-from ..render import plan_windows, window_between
-from ..ruleset import ConformRules, Rules, WindowRules, load_conform, load_rules
+from ..model import Event, Rejection, Source, Timeline, encode
+from ..ruleset import ConformRules, Rules, load_conform, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack
 from ..staging import staged
 from ..streams import Streams
 from ..timebase import AS_FILMED, Timebase
-from ..timecode import timecode_at
-from ..units import samples_from_ms, samples_from_s
+from ..units import samples_from_s
 from . import names
+from .conforming_events import as_played, begun_by_hand, moved_events
 from .exports import files_of_results
 from .listening import BLOCK
 from .progress import Progress, no_progress, report_progress
@@ -97,10 +95,11 @@ def conform(
             new, stream=stream, mix=mix or read.source.mix, spool_folder=hidden, timebase=timebase
         ) as new_track,
     ):
-        before = _heard(old_track, old, "old film", progress)
+        beside = any(event.heard_in == "sides" for event in read.events)
+        before = _heard(old_track, old, "old film", progress, kept_sides=beside)
         _require_same_film(old, old_track.source(), timeline, read.source)
-        after = _heard(new_track, new, "new film", progress)
-        done = _conformed(read, before, after, new_track.source(), known, hearing, progress)
+        after = _heard(new_track, new, "new film", progress, kept_sides=beside)
+        done = _conformed(read, before, after, (old_track, new_track), known, hearing, progress)
         if not done.courses:
             raise SoundtrackError(f"{new}: nothing of {old} was found in it; expected a cut of the same film")
         (hidden / names.TIMELINE).write_bytes(encode(done.timeline))
@@ -117,9 +116,10 @@ def _place(folder: Path, timeline: Path, *, films: Collection[Path], overwrite: 
     )
 
 
-def _heard(track: Soundtrack, path: Path, stage: str, progress: Progress) -> Film:
+def _heard(track: Soundtrack, path: Path, stage: str, progress: Progress, *, kept_sides: bool) -> Film:
     """Decode a film once. Raises SoundtrackError where there is too little to recognise it by."""
-    film = hear(track, report_progress(track.blocks(BLOCK, sides=True), progress, track.expected_frames, stage=stage))
+    blocks = track.blocks(BLOCK, sides=True, kept_sides=kept_sides)
+    film = hear(track, report_progress(blocks, progress, track.expected_frames, stage=stage))
     if film.duration_s < _SHORTEST_S:
         raise SoundtrackError(f"{path}: lasts {film.duration_s:.3f} s; expected at least {_SHORTEST_S:g} s of film")
     if not film.fingerprint.frames.any():
@@ -139,8 +139,16 @@ def _require_same_film(path: Path, found: Source, timeline: Path, expected: Sour
 
 
 def _conformed(
-    timeline: Timeline, old: Film, new: Film, source: Source, rules: Rules, hearing: ConformRules, progress: Progress
+    timeline: Timeline,
+    old: Film,
+    new: Film,
+    tracks: tuple[Soundtrack, Soundtrack],
+    rules: Rules,
+    hearing: ConformRules,
+    progress: Progress,
 ) -> Conformed:
+    """Return the timeline of the new film; `tracks` are the old film's and the new one's."""
+
     def tell(done: int, total: int) -> None:
         progress("matching", done, total)
 
@@ -155,6 +163,8 @@ def _conformed(
         if isinstance(each, Placed)
     ]
     shots.sort(key=lambda pair: pair[1].shot.onset)
+    source = tracks[1].source()
+    shots = as_played(shots, tracks[1], source, alike=_are_alike(*tracks), tier=rules.tier)
     bursts = group_bursts([each.shot for _, each in shots], rate_hz=new.rate_hz, rules=rules.tier.bursts)
     shots = [(event, replace(each, shot=shot)) for (event, each), shot in zip(shots, bursts, strict=True)]
     rejections = (*_rejections(timeline, courses, old, new), *_missing(events, places, new))
@@ -164,7 +174,7 @@ def _conformed(
         rules_digest=rules.digest,
         source=source,
         actuator=None,
-        events=_events(shots, _begun_by_hand(events, old.rate_hz, rules.tier.windows), source, rules),
+        events=moved_events(shots, begun_by_hand(events, old.rate_hz, rules.tier.windows), source, rules),
         rejections=tuple(sorted(rejections, key=lambda each: each.at_sample)),
         checks=(),
         edits=None,
@@ -173,64 +183,10 @@ def _conformed(
     return Conformed(made, events, tuple(places), tuple(courses))
 
 
-def _events(
-    shots: Sequence[tuple[Event, Retimed]], begun: Collection[str], source: Source, rules: Rules
-) -> tuple[Event, ...]:
-    """Return the shots as events of the new film, each under its old id, in windows that are planned anew."""
-    planned = plan_windows(
-        [each.shot for _, each in shots],
-        frames=source.frames,
-        rate_hz=source.sample_rate_hz,
-        rules=rules.tier.windows,
-        given=_kept_ends(shots, begun, source, rules.tier.windows),
-    )
-    window_of = {index: each.window for each in planned for index in each.shots}
-    return tuple(
-        msgspec.structs.replace(
-            event,
-            onset_sample=shot.onset,
-            onset_s=shot.onset / source.sample_rate_hz,
-            timecode=timecode_at(source, shot.onset),
-            burst=shot.burst,
-            shot_in_burst=shot.shot_in_burst,
-            decisions=tuple(each for each in event.decisions if each.about != "window"),
-            peak_dbfs=shot.peak_dbfs,
-            blast=shot.blast,
-            reflections=shot.reflections,
-            window=window_of[index],
-            drive=None,
-        )
-        for index, (event, shot) in enumerate((event, each.shot) for event, each in shots)
-    )
-
-
-def _kept_ends(
-    shots: Sequence[tuple[Event, Retimed]], begun: Collection[str], source: Source, rules: WindowRules
-) -> dict[int, Window]:
-    """Return the windows, by the shot's index, that somebody has `begun` elsewhere or that would end later than before.
-
-    Somebody has set their ends, or their fade-outs are shorter than those of the rules.
-    """
-    rate_hz = source.sample_rate_hz
-    fade_out = samples_from_ms(rules.fade_out_ms, rate_hz)
-    given = {}
-    for index, (event, each) in enumerate(shots):
-        start = each.start if event.id in begun else None
-        stop = each.stop if each.stop < min(each.shot.span.stop + fade_out, source.frames) else None
-        if start is not None or stop is not None:
-            given[index] = window_between(
-                each.shot, start=start, stop=stop, frames=source.frames, rate_hz=rate_hz, rules=rules
-            )
-    return given
-
-
-def _begun_by_hand(events: Sequence[Event], rate_hz: int, rules: WindowRules) -> set[str]:
-    """Return the ids of the events, in order of time, that are first in a window which begins as no rule plans it."""
-    lead = samples_from_ms(rules.guard_ms, rate_hz) + samples_from_ms(rules.fade_in_ms, rate_hz)
-    first: dict[Window, Event] = {}
-    for event in events:
-        first.setdefault(event.window, event)
-    return {each.id for each in first.values() if each.window.start != max(0, each.onset_sample - lead)}
+def _are_alike(one: Soundtrack, other: Soundtrack) -> bool:
+    """Return whether the channels of two films play from the same places."""
+    here, there = one.channels_in_space, other.channels_in_space
+    return here is not None and there is not None and here.azimuths_deg == there.azimuths_deg
 
 
 def _rejections(timeline: Timeline, courses: Sequence[Course], old: Film, new: Film) -> Iterator[Rejection]:

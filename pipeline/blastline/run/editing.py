@@ -15,16 +15,17 @@ from ..detect import (
     drop_claimed_reflections,
     group_bursts,
     shot_at,
+    shot_in_clearer_mix,
     side_as_main,
     with_azimuths,
 )
 from ..errors import TimelineError
 from ..export import read_timeline
 from ..export.edits import EditedFile, Wanted, Wish, match, read_edits
-from ..model import Clip, Decision, Edits, Event, HeardIn, Rejection, Shot, Source
+from ..model import Decision, Edits, Event, Rejection, Shot, Source
 from ..render import is_lacking, plan_windows, with_gains
 from ..report import OverviewMeter
-from ..ruleset import Rules
+from ..ruleset import QualityRules, Rules
 from ..soundtrack import Soundtrack, heard_mix, open_soundtrack
 from ..streams import Streams, streams_text
 from ..timebase import Timebase, recalled
@@ -167,14 +168,7 @@ def _inside(wish: Wish, source: Source, path: Path) -> Wish:
 def _shots(wishes: Sequence[Wish], track: Soundtrack, source: Source, rules: Rules) -> tuple[Shot, ...]:
     """Return each wish as a shot: as its mix sounds in the film, or as it was where it was not moved."""
     tier, rate_hz = rules.tier, source.sample_rate_hz
-    heard = []
-    for wish in wishes:
-        span = audio_around(wish.onset, frames=source.frames, rate_hz=rate_hz, tier=tier)
-        confidence = _SURE if wish.confidence is None else wish.confidence
-        clip = track.read(span, sides=True)
-        mix = _mix_of(wish, clip)
-        shot = shot_at(wish.onset, side_as_main(clip) if mix == "sides" else clip, confidence=confidence, tier=tier)
-        heard.append(msgspec.structs.replace(shot, heard_in=mix))
+    heard = [_heard(wish, track, source, rules.tier) for wish in wishes]
     toward = with_azimuths(heard, track.channels_in_space, rate_hz=rate_hz, rules=tier.channels)
     parted = drop_claimed_reflections(toward, rate_hz=rate_hz, rules=tier.bursts)
     kept = [
@@ -184,11 +178,23 @@ def _shots(wishes: Sequence[Wish], track: Soundtrack, source: Source, rules: Rul
     return group_bursts(kept, rate_hz=rate_hz, rules=tier.bursts)
 
 
-def _mix_of(wish: Wish, clip: Clip) -> HeardIn:
-    """Return the mix in which a shot is heard: its own, but for one set by hand where two channels cancel."""
-    if wish.was is not None and (wish.unmoved or wish.was.heard_in == "sides"):
-        return wish.was.heard_in
-    return "sides" if is_lacking(clip, wish.onset) else "mains"
+def _heard(wish: Wish, track: Soundtrack, source: Source, tier: QualityRules) -> Shot:
+    """Return a wish as a shot of the mix in which it is heard.
+
+    That is its own mix, where it was not moved. What is moved from the sides is heard where it stands out more, all
+    else in the mains, or in the sides where two channels cancel in those.
+    """
+    span = audio_around(wish.onset, frames=source.frames, rate_hz=source.sample_rate_hz, tier=tier)
+    clip = track.read(span, sides=True)
+    confidence = _SURE if wish.confidence is None else wish.confidence
+    if wish.was is not None and wish.unmoved:
+        mix = wish.was.heard_in
+    elif wish.was is not None and wish.was.heard_in == "sides":
+        return shot_in_clearer_mix(wish.onset, clip, confidence=confidence, tier=tier)
+    else:
+        mix = "sides" if is_lacking(clip, wish.onset) else "mains"
+    shot = shot_at(wish.onset, side_as_main(clip) if mix == "sides" else clip, confidence=confidence, tier=tier)
+    return msgspec.structs.replace(shot, heard_in=mix)
 
 
 def _decided(wish: Wish) -> tuple[Decision, ...]:

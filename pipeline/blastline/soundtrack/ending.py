@@ -1,12 +1,13 @@
 """Whether a file stops before its own end, where FFmpeg takes what is there for the whole.
 
-Ogg, AVI, MP4 in fragments, and MPEG transport and program streams:
+Ogg, AVI, MP4 in fragments, MPEG transport and program streams, and NUT:
 
 Ogg   [page][page] ... [page, marked as the last of its stream]
 AVI   [RIFF, size, ...][RIFF, size, ...] ...    the further ones only beyond 1 GiB
 MP4   [size, moov, ...][size, moof, ...][size, mdat, ...][size, moof, ...] ...    no moof where it is in one piece
 TS    [0x47, ...][0x47, ...][0x47, ...] ...    all of 188 bytes, with 4 more before or 16 more behind each
 PS    [pack][PES, length, ...][PES, length, ...][pack] ...
+NUT   [syncpoint][frame][frame] ... [syncpoint][frame] ... [index, ..., its length, checksum]
 """
 
 import struct
@@ -34,6 +35,10 @@ _TS_BYTES, _TS_DISTANCES, _TS_COMPARED = 188, (188, 192, 204), 8
 
 _LONGEST_PES_BYTES = 6 + 65_535
 
+_SYNCPOINT, _INDEX = b"NK\xe4\xad\xee\xca\x45\x69", b"NX\xdd\x67\x2f\x23\xe6\x4e"
+_SYNCPOINTS_APART_BYTES = 1 << 20
+"""How far apart syncpoints of a NUT file are at most, with a frame that is longer than usual."""
+
 _ODD_BYTES = 16
 """Some programs count the head of a chunk as a part of it."""
 
@@ -48,6 +53,8 @@ def stops_early(path: Path, container_format: str) -> bool:
         return _is_cut_in_a_packet(path)
     if container_format == "mpeg":
         return _is_cut_in_a_pack(path)
+    if container_format == "nut":
+        return _lacks_its_index(path)
     return container_format == "avi" and _is_cut_avi(path)
 
 
@@ -160,3 +167,12 @@ def _packet_bytes(head: bytes) -> int:
     if code == b"\xb9":
         return 4
     return 6 + int.from_bytes(head[4:6], "big") if code > b"\xba" or not code else 0
+
+
+def _lacks_its_index(path: Path) -> bool:
+    """Return whether a NUT file has syncpoints, and no index of them at its end; a pipe's has neither."""
+    tail = _tail(path, _SYNCPOINTS_APART_BYTES)
+    index_bytes = int.from_bytes(tail[-12:-4], "big")
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - index_bytes))
+        return file.read(len(_INDEX)) != _INDEX and _SYNCPOINT in tail
