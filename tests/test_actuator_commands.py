@@ -14,7 +14,7 @@ from scipy.signal import chirp
 from actuator_signals import Seat, noise, run_through
 from blastline.dsp import felt_response
 from blastline.report import BodeCurve
-from blastline.ruleset import ActuatorProfile, load_actuator, load_perception
+from blastline.ruleset import ActuatorProfile, load_actuator, load_perception, rules_path
 from blastline.run import draw_bode
 from commands import BELIEVE, Ended, blastline, write_film
 
@@ -355,3 +355,21 @@ def test_a_large_table_without_phase_is_drawn_in_little_room(tmp_path: Path) -> 
     _, most = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert most < 200e6
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "complaint"),
+    [
+        ("gain", "1e-300", "expected 1e-06 to 1e+06"),
+        ("gain", "1e300", "expected 1e-06 to 1e+06"),
+        ("poles_rad_s", "[[-1e7, 0.0], [-2e7, 0.0]]", "Hz: expected below 192000 Hz"),
+    ],
+)
+def test_a_profile_that_no_drive_can_be_made_for_is_not_shown(
+    tmp_path: Path, key: str, value: str, complaint: str
+) -> None:
+    text = rules_path("actuators/crowson-t108sm.toml", None).read_text("utf-8")
+    changed = re.sub(rf"(?m)^{key} = .*$", f"{key} = {value}", text)
+    assert changed != text
+    (tmp_path / "seat.toml").write_text(changed, "utf-8")
+    assert complaint in blastline("actuator", "show", tmp_path / "seat.toml").complaint

@@ -46,7 +46,7 @@ def test_a_right_drive_passes(phase: Phase, background: Background, rate_hz: int
 
 
 @pytest.mark.parametrize("phase", ["causal", "zero"])
-@pytest.mark.parametrize("offset", [0.02, -0.1])
+@pytest.mark.parametrize("offset", [0.02, -0.1, 0.9])
 def test_a_film_that_stands_off_zero_passes(offset: float, phase: Phase) -> None:
     """The drive has nothing of a constant, which the band leaves out; nor must what it is compared with."""
     peaks = (0.05, 0.06, 0.05, 0.07, 0.06)
@@ -179,6 +179,15 @@ def test_a_clipped_gain_fails_by_its_level() -> None:
         "felt_lag",
     }
     assert figure(checks, "level_as_rendered", "shot-0001") == pytest.approx(20 * np.log10(3.0), abs=0.6)
+
+
+def test_a_drive_that_is_raised_against_the_limit_fails_by_its_level() -> None:
+    """Its peaks were at the limit before, and stay there: by them alone nobody tells that all else is louder."""
+    right = make_film(peaks=(0.5, 0.9, 0.7, 0.8, 0.6))
+    assert failed(checks_of(right)) == set()
+    for gain in (1.15, 1.2):
+        checks = checks_of(right.with_drive(np.clip(gain * right.drive.samples, -1.0, 1.0)))
+        assert "level_as_rendered" in failed(checks)
 
 
 @pytest.mark.parametrize("gain", [1.3, 2.0, 3.0])

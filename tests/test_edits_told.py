@@ -86,6 +86,14 @@ def test_without_its_original_no_shot_is_said_to_be_kept_or_moved(
     assert f"edits: {file.name}: 3 kept, 1 moved\n" in rendered(film, alone, "--original", result)[0].err
 
 
+def test_labels_that_are_ids_alone_are_as_given_without_their_original(tmp_path: Path, film: Path) -> None:
+    """Somebody has taken the confidence away, or written another name behind the id: it is no new shot by that."""
+    (tmp_path / "labels.txt").write_text("1.0\t1.0\tshot-0001\n2.5\t2.5\tshot-0002 door?\n4.0\t4.0\tboom\n")
+    ended, after, _ = rendered(film, tmp_path / "labels.txt")
+    assert "edits: labels.txt: 1 added, 2 as given\n" in ended.err
+    assert [event.origin for event in after.events] == ["found", "found", "added"]
+
+
 def test_a_row_that_tells_where_its_onset_was_is_kept_or_moved_without_an_original(
     tmp_path: Path, film: Path, result: Path
 ) -> None:

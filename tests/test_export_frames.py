@@ -16,7 +16,7 @@ import pycmx
 import pytest
 
 from blastline.errors import RuleError
-from blastline.export import export_timeline, require_frame_rate
+from blastline.export import export_timeline, require_begin, require_frame_rate
 from blastline.export.frames import FRAME_FORMATS, frame_markers
 from blastline.model import Timeline, Window
 from films import COUNTINGS, HOSTILE, ONSETS, Counting, film
@@ -407,12 +407,26 @@ def test_a_shot_before_midnight_is_written_or_refused_in_one_line(tmp_path: Path
     timeline = film(counting, onsets=[0, 480_000])
     early = msgspec.structs.replace(timeline, source=msgspec.structs.replace(timeline.source, start_offset_s=-2.0))
     if name in ("fcp7", "fcpxml", "otio"):
-        line = f"--format {name}: film.mkv: shot-0001 is 24 frames before 00:00:00:00; this format begins there"
+        line = f"--format {name}: film.mkv: shot-0001 is 24 frames before 00:00:00:00; this format begins there: give"
         with pytest.raises(RuleError, match=re.escape(line)):
             export_timeline(early, tmp_path, formats=[name])
         assert not list(tmp_path.iterdir())
     else:
         assert written(early, tmp_path, name).stat().st_size > 0
+
+
+@pytest.mark.parametrize("name", sorted(FRAME_FORMATS))
+@pytest.mark.parametrize(("late_s", "is_too_early"), [(-1.021, False), (-2.0, True), (-9.0, True)])
+def test_sound_that_begins_before_midnight_is_refused_before_the_work(
+    name: str, late_s: float, is_too_early: bool
+) -> None:
+    """But a codec's lead-in, in which no shot lies."""
+    source = msgspec.structs.replace(film(Counting("24", "00:00:01:00"), onsets=[]).source, start_offset_s=late_s)
+    if is_too_early and name in ("fcp7", "fcpxml", "otio"):
+        with pytest.raises(RuleError, match=rf"its sound begins {-1.0 - late_s:.3f} s before 00:00:00:00"):
+            require_begin([name], source)
+    else:
+        require_begin([name], source)
 
 
 @pytest.mark.parametrize("name", sorted(FRAME_FORMATS))

@@ -151,6 +151,8 @@ def test_a_field_that_does_not_fit_is_named(tmp_path: Path, edit: Edit, complain
         (encode(timeline())[:-20], "not JSON: it ends too early"),
         (b'{"schema": 1,\n "e": \xc3\xa9 12,5}', "line 2, column 7: not JSON: invalid character"),
         (b'{"schema": NaN}', "not JSON"),
+        (b'{"events": [{"onset_s": 1.5,}]}', "line 1, column 29: not JSON: "),
+        (b'[{"onset_sample": 4800}, ', "not JSON: it ends too early"),
         (b"[" * 100_000, "not JSON"),
         (b"[]", "JSON without schema"),
         (b"3", "JSON without schema"),

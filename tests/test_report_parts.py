@@ -193,7 +193,7 @@ def test_frames_are_told_as_a_difference(excess: int, told: str) -> None:
     ("name", "unit", "limit", "text"),
     [
         ("lag_as_rendered", "ms", 0.1, "up to 0.1 ms either way"),
-        ("level_as_rendered", "dB", 1.5, "up to 1.5 dB either way"),
+        ("level_as_rendered", "dB", 0.5, "up to 0.5 dB either way"),
         ("peak_as_rendered", "dB", 0.5, "up to 0.5 dB either way"),
         ("drive_shift", "samples", 0.5, "up to 0.5 samples either way"),
         ("felt_lag", "ms", 0.5, "up to 0.5 ms either way"),

@@ -139,8 +139,20 @@ def _wanted(
         wet = relative * audio
         following = _without_delay(shared, _as_driven(shared, event, part, wet, background, span))
         return wet, following, following
-    wet, undelayed = relative * shared.compensated(audio), relative * _without_delay(shared, audio)
-    return wet, undelayed, relative * dsp.run_filter(shared.band, audio) if shared.phase == "causal" else undelayed
+    rested = _from_rest(shared, audio, span)
+    wet, undelayed = relative * shared.compensated(rested), relative * _without_delay(shared, rested)
+    return wet, undelayed, relative * dsp.run_filter(shared.band, rested) if shared.phase == "causal" else undelayed
+
+
+def _from_rest(shared: Comparison, audio: Samples, span: Span) -> Samples:
+    """Return sound less what it stands off zero by where the filters settle, as rendering hears it.
+
+    A film that begins within the span begins in silence; beside the film are zeros.
+    """
+    if span.start <= 0 or not audio[0]:
+        return audio
+    ended = max(0, shared.audio.frames - span.start)
+    return np.concatenate([audio[:ended] - audio[: shared.settle].mean(), audio[ended:]])
 
 
 def _expected(

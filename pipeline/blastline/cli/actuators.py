@@ -116,7 +116,7 @@ def show(
 
     if picture is None and (measured is not None or perception != "none"):
         raise typer.BadParameter("--measured and --perception are drawn: expected --picture FILE as well")
-    profile, digest = load_actuator(name, rules)
+    profile, digest = run.usable_actuator(name, rules)
     if picture is not None:
         run.draw_bode(name, picture, measured=measured, perception=perception, rules=rules, overwrite=overwrite)
     low, high = profile.lowpass, profile.highpass

@@ -18,6 +18,11 @@ CLIP_FORMATS = frozenset({"fcp7", "otio", "fcpxml"})
 
 _FCP7_MOST_FRAMES = 60
 
+_LEAD_IN_S = 1
+"""What begins less before the picture is a codec's lead-in, in which no shot lies."""
+
+_BEGINS_THERE = "this format begins there: give a later --start-timecode, or leave it out"
+
 
 @dataclass(frozen=True)
 class Marker:
@@ -66,7 +71,7 @@ def frame_markers(timeline: Timeline, *, format_name: str) -> FrameMarkers:
     if format_name in CLIP_FORMATS and start < 0:
         early = min(markers, key=lambda marker: marker.frame).event
         where = f"{early.id} is {-start} frames before 00:00:00:00"
-        raise RuleError(f"--format {format_name}: {source.name}: {where}; this format begins there")
+        raise RuleError(f"--format {format_name}: {source.name}: {where}; {_BEGINS_THERE}")
     end = frame_time(source, source.frames, scale).frame
     stop = max([start + 1, end, *(marker.frame + marker.frames for marker in markers)])
     return FrameMarkers(scale, start, stop, tuple(markers))
@@ -78,6 +83,17 @@ def scale_in(format_name: str, source: Source) -> FrameScale | None:
     if scale is None or format_name not in CLIP_FORMATS:
         return scale
     return replace(scale, start=Fraction(scale.first_frame))
+
+
+def require_begin(formats: Iterable[str], source: Source) -> None:
+    """Raise RuleError where one of the formats cannot hold a film's beginning, of which more than a codec's lead-in."""
+    for name in formats:
+        scale = scale_in(name, source) if name in CLIP_FORMATS else None
+        if scale is not None:
+            early_s = -frame_time(source, 0, scale).frame / scale.rate
+            if early_s >= _LEAD_IN_S:
+                where = f"its sound begins {float(early_s):.3f} s before 00:00:00:00"
+                raise RuleError(f"--format {name}: {source.name}: {where}; {_BEGINS_THERE}")
 
 
 def require_frame_rate(formats: Iterable[str], source: Source) -> None:

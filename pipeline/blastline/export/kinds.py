@@ -33,7 +33,7 @@ _TEXTS = (
 _LABELS = re.compile(r"-?\d+[.,]\d+\t-?\d+[.,]\d+")
 _TABLES = (
     (re.compile(r'"?#"?[,;\t]'), "REAPER's markers and regions"),
-    (re.compile(r"[^\n]*\bonset_s(ample)?\b"), "a table of shots"),
+    (re.compile(r"(?![{\[])[^\n]*\bonset_s(ample)?\b"), "a table of shots"),
     (_LABELS, "an Audacity label track"),
 )
 """What only `render` reads, of an edited timeline."""

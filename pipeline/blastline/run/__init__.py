@@ -9,6 +9,7 @@ from .actuators import (
     actuator_table,
     fit_actuator,
     identify_actuator,
+    usable_actuator,
 )
 from .bode_plots import draw_bode
 from .budget import Allowance, allowance, choose_quality
@@ -50,4 +51,5 @@ __all__ = [
     "synthesise",
     "told_failures",
     "told_passes",
+    "usable_actuator",
 ]

@@ -33,6 +33,7 @@ from ..actuator import (
 )
 from ..dsp import compensator, felt_response
 from ..errors import OutputError, SoundtrackError
+from ..render import require_renderable
 from ..ruleset import (
     ActuatorProfile,
     FitRules,
@@ -47,6 +48,8 @@ from .bode_plots import NO_PERCEPTION, perception_curve
 from .progress import Progress, no_progress
 
 _TABLE_HZ = (1.0, 3.18, 10.0, 20.0, 31.5, 50.0, 80.0, 100.0, 150.0, 200.0, 292.0, 400.0, 500.0, 700.0, 1000.0, 2000.0)
+
+_HIGHEST_RATE_HZ = 384_000
 
 
 @dataclass(frozen=True)
@@ -85,6 +88,13 @@ class MadeProfile:
     excess: ExcessPhase | None
     identified: Identified | None = None
     warnings: tuple[str, ...] = ()
+
+
+def usable_actuator(name: str, rules: Path | None = None) -> tuple[ActuatorProfile, str]:
+    """Return a profile and its digest; RuleError for one of which no drive can be made at any rate that films have."""
+    profile, digest = load_actuator(name, rules)
+    require_renderable(profile, _HIGHEST_RATE_HZ)
+    return profile, digest
 
 
 def actuator_table(name: str, rules: Path | None = None) -> list[tuple[float, float, float, float]]:

@@ -23,6 +23,11 @@ BEST_FIRST: tuple[Quality, ...] = ("reference", "standard", "draft")
 RESERVE = 1.1
 """What a tier is predicted to take, times this, has to fit: predictions are off either way; see docs/scene.md."""
 
+_LARGEST = 1e9
+"""More CPU time than that, 32 years, or so much for a second of film, is a slip of the keyboard."""
+
+_TOLD = 40  # characters of an option that a message repeats
+
 _UNITS_S = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0}
 
 
@@ -60,16 +65,21 @@ def allowance(*, budget: str | None, max_cost: float | None, quality: Quality | 
         raise RuleError(f"--quality {quality} and {given[0]}: expected one of them; a budget chooses the quality")
     if budget is not None:
         return Allowance(f"--budget {budget}", cpu_s=_seconds(budget))
-    if max_cost is None or not (math.isfinite(max_cost) and max_cost > 0.0):
-        raise RuleError(f"--max-cost {max_cost:g}: expected CPU seconds per second of film, more than 0, such as 0.01")
+    if max_cost is None or not 0.0 < max_cost <= _LARGEST:
+        raise RuleError(
+            f"--max-cost {max_cost:g}: expected CPU seconds per second of film, more than 0, up to {_LARGEST:g}, "
+            "such as 0.01"
+        )
     return Allowance(f"--max-cost {max_cost:g}", cpu_per_s=max_cost)
 
 
 def _seconds(text: str) -> float:
     found = re.fullmatch(r"\s*(\d+\.?\d*|\.\d+)\s*(s|min|h|)\s*", text, re.ASCII)
     seconds = float(found[1]) * _UNITS_S[found[2]] if found else 0.0
-    if not (math.isfinite(seconds) and seconds > 0.0):
-        raise RuleError(f"--budget {text}: expected a CPU time of more than 0, such as 90s, 2min or 1.5h")
+    if not 0.0 < seconds <= _LARGEST:
+        raise RuleError(
+            f"--budget {text[:_TOLD]}: expected a CPU time of more than 0, up to {_LARGEST:g} s, such as 90s or 1.5h"
+        )
     return seconds
 
 

@@ -33,6 +33,7 @@ def signal_rows(folder: Path) -> Iterator[Bar]:
     yield Bar("compensator's gain at DC", float(abs(at_dc)), 1e-9)
     constant = dsp.run_filter(filters.compensator, np.ones(3 * RATE_HZ))
     yield Bar("compensator after 3 s of full-scale DC", float(np.max(np.abs(constant[-100:]))), 1e-9)
+    yield from _offset_rows(filters)
 
 
 def shot_film(*, frames: int = _FRAMES, onset: int = _ONSET, scale: float = 1.0, rate_hz: int = RATE_HZ) -> Samples:
@@ -68,6 +69,14 @@ def drive_of(
     drive = np.zeros(len(film))
     drive[done.clip.start : done.clip.span.stop] = done.clip.driving
     return drive
+
+
+def _offset_rows(filters: DriveFilters) -> Iterator[Bar]:
+    """Yield what a constant under a film changes of its drive, later in it than the filters take to settle."""
+    film = shot_film(frames=2 * RATE_HZ, onset=RATE_HZ, scale=0.1)
+    for model in ("filter", "constrained"):
+        off, plain = (drive_of(each, RATE_HZ, model, filters) for each in (film + 0.9, film))
+        yield Bar(f"{model} drive over 0.9 of DC beside the one over none", float(np.max(np.abs(off - plain))), 1e-9)
 
 
 def _scale_rows(filters: DriveFilters) -> Iterator[Bar]:

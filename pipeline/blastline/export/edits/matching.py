@@ -163,8 +163,8 @@ def _origin(pair: Pair, *, moved: bool, known: bool) -> Origin:
         return "added"
     said = edit.origin if was is None else was.origin
     if said is None:
-        rated = edit.confidence is not None or WITH_CONFIDENCE.match(edit.text)
-        said = "found" if rated and pair.id is not None else "added"
+        exported = edit.confidence is not None or WITH_CONFIDENCE.match(edit.text) or _OWN_ID.match(edit.text)
+        said = "found" if exported and pair.id is not None else "added"
     return "moved" if moved and said == "found" else said
 
 

@@ -1,0 +1,44 @@
+"""A film that stands off zero is driven as one that does not: the band has nothing of a constant."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import soundfile
+
+from blastline import run
+from blastline.model import DriveModel, Phase
+from blastline.render import drive_filters
+from blastline.ruleset import load_actuator
+from blastline.run import RenderOptions
+from blastline.study.stability_signals import drive_of, shot_film
+from commands import RATE_HZ
+
+PROFILE, _ = load_actuator("crowson-t108sm")
+ONSET = 60_000  # later than the filters take to settle
+
+
+@pytest.mark.parametrize("rate_hz", [8_000, 48_000, 192_000])
+@pytest.mark.parametrize("model", ["filter", "constrained"])
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+def test_a_constant_under_the_film_changes_nothing_of_its_drive(rate_hz: int, model: DriveModel, phase: Phase) -> None:
+    filters = drive_filters(PROFILE, rate_hz, phase)
+    onset = ONSET * rate_hz // RATE_HZ
+    film = shot_film(frames=2 * onset, onset=onset, scale=0.1, rate_hz=rate_hz)
+    film += 1e-4 * np.random.default_rng(5).standard_normal(film.size)
+    length = rate_hz // 10
+    plain = drive_of(film, onset, model, filters, length=length)
+    assert np.max(np.abs(plain)) > 0.1
+    for offset in (0.8, -0.5):
+        shifted = drive_of(film + offset, onset, model, filters, length=length)
+        np.testing.assert_allclose(shifted, plain, rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+def test_a_faint_film_on_a_large_constant_passes_its_checks(tmp_path: Path, phase: Phase) -> None:
+    film = 0.01 * shot_film(frames=3 * RATE_HZ, onset=ONSET) + 0.9
+    soundfile.write(tmp_path / "film.wav", film, RATE_HZ, subtype="FLOAT")
+    (tmp_path / "shots.csv").write_text(f"id,onset_sample,origin\nshot-0001,{ONSET},found\n")
+    options = RenderOptions(report=False, timeline=tmp_path / "shots.csv", phase=phase)
+    made = run.render(tmp_path / "film.wav", tmp_path / "out", options)
+    assert [check.name for check in made.checks if not check.passed] == []
