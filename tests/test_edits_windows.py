@@ -164,6 +164,7 @@ def test_an_end_inside_a_window_that_is_shared_is_told_and_changes_nothing(
     before = by_id(read_timeline(result / "timeline.json"))
     ended, after, _ = rendered(film, edited(result, tmp_path, edit))
     assert f"note: not used: {told}\n" in ended.err
+    assert "edits: edited.csv: 4 kept\n" in ended.err
     assert {event.window for event in after.events[2:]} == {before["shot-0003"].window}
 
 

@@ -1,6 +1,7 @@
 """What somebody has edited of a timeline, counted and in words."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
 from itertools import islice
 
 from ..export.edits import EditedFile, Wanted, Wish
@@ -41,12 +42,14 @@ def summarise_edits(
         )
         notes += _gaps(edited)
     notes += _unheeded(edited, wanted)
-    notes += _overruled_ends(wanted.wishes, windows)
+    starts, stops = _overruled(wanted.wishes, windows)
+    notes += _overruled_ends(starts, stops)
     if not wanted.wishes:
         notes.append("no events: the drive is silent")
     told = {edit.place for edit in edited.edits if edit.blast_start is not None}
     known = has_original or bool(edited.own)
-    ways = [_way(wish, known=known, tells_onset=wish.place in told) for wish in wanted.wishes]
+    used = [_as_used(wish, starts, stops) for wish in wanted.wishes]
+    ways = [_way(wish, known=known, tells_onset=wish.place in told) for wish in used]
     return Edits(
         file=edited.path.name,
         kept=ways.count("kept"),
@@ -76,26 +79,36 @@ def _unheeded(edited: EditedFile, wanted: Wanted) -> Iterator[str]:
             yield f"not used: the {name} of {_listed(other)}, which was edited; {instead}"
 
 
-def _overruled_ends(wishes: Sequence[Wish], windows: Sequence[PlannedWindow]) -> Iterator[str]:
-    """Yield a note for the ends that were set of shots in the midst of a window, which others begin or end."""
-    starts, stops = [], []
+def _overruled(wishes: Sequence[Wish], windows: Sequence[PlannedWindow]) -> tuple[frozenset[str], frozenset[str]]:
+    """Return the ids of the wishes whose start, and whose end, is in the midst of a window that others begin or end."""
+    starts, stops = set(), set()
     for planned in windows:
         for wish in (wishes[index] for index in planned.shots):
             was = wish.was.window if wish.was is not None else None
             if wish.start not in (None, planned.window.start, was and was.start):
-                starts.append(wish.id)
+                starts.add(wish.id)
             if wish.stop not in (None, planned.window.stop, was and was.stop):
-                stops.append(wish.id)
+                stops.add(wish.id)
+    return frozenset(starts), frozenset(stops)
+
+
+def _overruled_ends(starts: Collection[str], stops: Collection[str]) -> Iterator[str]:
+    """Yield a note for the ends that were set and are not used."""
     if starts:
         yield f"not used: the start that was set of {_listed(starts)}: the shared window begins with its first shot"
     if stops:
         yield f"not used: the end that was set of {_listed(stops)}: the shared window ends with a later shot"
 
 
-def _listed(ids: Sequence[str]) -> str:
+def _as_used(wish: Wish, starts: Collection[str], stops: Collection[str]) -> Wish:
+    """Return a wish without the ends that are not used."""
+    return replace(wish, start=None if wish.id in starts else wish.start, stop=None if wish.id in stops else wish.stop)
+
+
+def _listed(ids: Collection[str]) -> str:
     """Return some ids, and how many more there are."""
     more = f" and {len(ids) - _MOST_NAMED} more" if len(ids) > _MOST_NAMED else ""
-    return f"{', '.join(ids[:_MOST_NAMED])}{more}"
+    return f"{', '.join(sorted(ids)[:_MOST_NAMED])}{more}"
 
 
 def _exported(event: Event, name: str) -> str | None:
