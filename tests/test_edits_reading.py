@@ -388,6 +388,7 @@ def test_an_edited_table_is_told_where_it_can_be_read(tmp_path: Path, name: str)
         ),
         (lambda t: t["events"][1].update(onset_s=-1.0), "events[1].onset_s = -1.0: expected a number, 0 or more"),
         (lambda t: t["events"][1].update(onset_sample="2"), "events[1].onset_sample = '2': expected a whole number"),
+        (lambda t: t["events"][1].update(id="a\0b"), "events[1].id = 'a\\x00b': expected a text without NUL"),
         (lambda t: t["events"][1].update(id="shot-0001"), "events[1]: id = 'shot-0001': events[0] has it too"),
         (
             lambda t: t["events"][1]["window"].update(stop_sample=5),

@@ -98,6 +98,8 @@ def _edit(event: _Event, aside: Mapping[str, str], index: int, path: Path) -> Ed
     place = f"events[{index}]"
     if event.onset_sample is None and event.onset_s is None:
         raise TimelineError(f"{path}: {place}: no onset; expected onset_sample or onset_s")
+    if event.id is not None and "\0" in event.id:
+        raise TimelineError(f"{path}: {place}.id = {event.id!r}: expected a text without NUL, which no table can hold")
     window = event.window or _Window()
     seconds = None if event.onset_s is None else Decimal(repr(event.onset_s))
     return Edit(
