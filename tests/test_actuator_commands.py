@@ -115,6 +115,15 @@ def test_recordings_that_tell_nothing_are_refused(run: Path, tmp_path: Path, res
     assert not (tmp_path / "out").exists()
 
 
+def test_a_recording_of_hardly_any_steps_is_to_be_louder(run: Path, tmp_path: Path) -> None:
+    felt, _ = soundfile.read(run / "came.wav")
+    soundfile.write(tmp_path / "faint.wav", felt * (4e-5 / np.abs(felt).max()), RATE_HZ, subtype="PCM_16")
+    asked = ("actuator", "identify", "--excitation", run / "sent.wav", "--response", tmp_path / "faint.wav")
+    complaint = blastline(*asked, "-o", tmp_path / "seat.toml").complaint
+    assert "has few steps: " in complaint
+    assert complaint.endswith("record it at a higher level")
+
+
 def test_a_recorded_excitation_that_was_clipped_is_refused(run: Path, tmp_path: Path) -> None:
     sent, _ = soundfile.read(run / "sent.wav")
     soundfile.write(tmp_path / "sent.wav", np.clip(sent, -0.1, 0.1), RATE_HZ, subtype="PCM_24")

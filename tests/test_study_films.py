@@ -249,3 +249,10 @@ def test_a_study_that_is_broken_off_waits_for_no_film() -> None:
     began_s = time.monotonic()
     del done
     assert time.monotonic() - began_s < 30.0
+
+
+def test_a_film_that_cannot_be_measured_is_told_by_its_error_alone(capfd: pytest.CaptureFixture[str]) -> None:
+    """What waits behind it is given up without a word, and without a traceback of the pool."""
+    with pytest.raises(ValueError, match="must be non-negative"):
+        list(each_of(time.sleep, [-1.0, *[0.2] * 8], jobs=2))
+    assert capfd.readouterr().err == ""

@@ -37,6 +37,9 @@ _HIGHEST_OF_RATE = 0.45
 _LEAST_STEADY = 0.2
 """Of a sweep each frequency is heard in one or two of 30 segments and more; of noise, in the mean, in half of them."""
 
+_FAINT = 1e-3
+"""A recording that peaks lower has 33 steps of 16 bits at most: many of its samples stand at its peaks."""
+
 _TOLERATED_SHIFT = 0.005
 """A response that lies this share of a segment late is measured 0.04 dB too weak."""
 
@@ -137,7 +140,8 @@ def usable_band(
         return np.asarray(total[high] - total[low], dtype=np.float64)
 
     mean = summed(coherence) / (high - low)
-    together_db = 1.0 / np.sqrt(summed(1.0 / np.maximum(error_db, 1e-6) ** 2))
+    weight = np.maximum(summed(1.0 / np.maximum(error_db, 1e-6) ** 2), 1e-12)  # rounding may leave 0 of the faintest
+    together_db = 1.0 / np.sqrt(weight)
     good = (mean >= rules.least_coherence) & (together_db <= rules.random_error_db)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], good, [False]]).astype(np.int8)))
     runs = [(float(frequencies_hz[a]), float(frequencies_hz[b - 1])) for a, b in edges.reshape(-1, 2)]
@@ -192,9 +196,10 @@ def _check(excitation: Recording, response: Recording, rules: IdentifyRules) -> 
             f"as {excitation.name} has"
         )
     if response.at_peak > rules.clipped_ratio:
+        what, level = ("has few steps", "higher") if response.peak < _FAINT else ("is clipped", "lower")
         raise SoundtrackError(
-            f"{response.name}: is clipped: {100.0 * response.at_peak:.1f} % of its samples stand at its peaks, up to "
-            f"{response.peak:.3g}; expected at most {100.0 * rules.clipped_ratio:g} %: record it at a lower level"
+            f"{response.name}: {what}: {100.0 * response.at_peak:.1f} % of its samples stand at its peaks, up to "
+            f"{response.peak:.3g}; expected at most {100.0 * rules.clipped_ratio:g} %: record it at a {level} level"
         )
 
 

@@ -27,6 +27,15 @@ _TILT = 0.002
 _LEAST_REST_S = 3.0
 """What lies before or after all anchors of a course, and lasts so long, may have a course of its own."""
 
+_LEAST_TAKEN = 0.03
+"""A course takes such a share of its segment at least, before the rest is measured as it is."""
+
+_LEAST_KEPT_S, _FEWEST_KEPT = 4.0, 4
+"""What kept its pitch lasts so long, and so many anchors and half of all agree: within 30 ms a few do by chance."""
+
+_LEAST_HALVED_S = 30.0
+"""A segment that lasts so long and is on no single course is measured in halves."""
+
 _PULLS = (1.0, 1001.0 / 1000.0, 1000.0 / 1001.0)
 """By so much a copy may run faster besides, where pictures are counted at 23.976 for 24, or the other way round."""
 
@@ -74,17 +83,19 @@ def _measured(segment: MatchedSegment, old: Film, new: Film) -> list[_Anchored]:
     tell.
     """
     best = _best(segment, old, new)
-    if best is None or best.course.keeps_pitch:
-        return [] if best is None else [best]
+    if best is None:
+        return _measured_in_halves(segment, old, new)
+    if best.course.keeps_pitch:
+        return [best]
     own = best.course.segment
     before: list[_Anchored] = []
     after: list[_Anchored] = []
     if best.first_s - own.start_s >= _LEAST_REST_S:
-        before = _measured(replace(own, stop_s=best.first_s), old, new)
+        before = _rest(replace(own, stop_s=best.first_s), own, old, new)
     while before and _goes_on(before[-1].course.segment, own):
         before.pop()
     if own.stop_s - best.last_s >= _LEAST_REST_S:
-        after = _measured(replace(own, start_s=best.last_s), old, new)
+        after = _rest(replace(own, start_s=best.last_s), own, old, new)
     while after and _goes_on(own, after[0].course.segment):
         after.pop(0)
     own = replace(
@@ -93,6 +104,42 @@ def _measured(segment: MatchedSegment, old: Film, new: Film) -> list[_Anchored]:
         stop_s=after[0].first_s if after else own.stop_s,
     )
     return [*before, replace(best, course=replace(best.course, segment=own)), *after]
+
+
+def _rest(rest: MatchedSegment, whole: MatchedSegment, old: Film, new: Film) -> list[_Anchored]:
+    """Return the courses of what a course leaves of a segment; where that is nearly all, of its halves.
+
+    Else a course of one anchor at an end would be found again and again.
+    """
+    shorter_s = (whole.stop_s - whole.start_s) - (rest.stop_s - rest.start_s)
+    if shorter_s < _LEAST_TAKEN * (whole.stop_s - whole.start_s):
+        return _measured_in_halves(rest, old, new)
+    return _measured(rest, old, new)
+
+
+def _measured_in_halves(segment: MatchedSegment, old: Film, new: Film) -> list[_Anchored]:
+    """Return the courses of a segment of which no quarter is on one: a copy that lacks single frames in many places.
+
+    The courses on either side of the middle share the film between their anchors, as neighbours do.
+    """
+    if segment.stop_s - segment.start_s < _LEAST_HALVED_S:
+        return []
+    middle_s = 0.5 * (segment.start_s + segment.stop_s)
+    left = _measured(replace(segment, stop_s=middle_s), old, new)
+    right = _measured(replace(segment, start_s=middle_s), old, new)
+    if left and right:
+        left[-1], right[0] = _until(left[-1], right[0].first_s), _from(right[0], left[-1].last_s)
+    return [*left, *right]
+
+
+def _until(anchored: _Anchored, stop_s: float) -> _Anchored:
+    course = anchored.course
+    return replace(anchored, course=replace(course, segment=replace(course.segment, stop_s=stop_s)))
+
+
+def _from(anchored: _Anchored, start_s: float) -> _Anchored:
+    course = anchored.course
+    return replace(anchored, course=replace(course, segment=replace(course.segment, start_s=start_s)))
 
 
 def _best(segment: MatchedSegment, old: Film, new: Film) -> _Anchored | None:
@@ -109,7 +156,9 @@ def _best(segment: MatchedSegment, old: Film, new: Film) -> _Anchored | None:
             if course.anchors >= 0.5 * len(times) and course.agree_s <= SHARP_S and beside <= _BESIDE:
                 break
     best = max(found, key=lambda each: each[0])[1] if found else None
-    if (best is None or best.course.anchors < len(times) // 3) and abs(segment.line.scale - 1.0) > 1e-3:
+    lasts_s = segment.stop_s - segment.start_s
+    may_be_kept = abs(segment.line.scale - 1.0) > _TILT and lasts_s >= _LEAST_KEPT_S
+    if (best is None or best.course.anchors < len(times) // 3) and may_be_kept:
         kept = _through_anchors(segment, times, old, new, pitch_scale=1.0)
         if kept is not None and (best is None or kept.course.anchors > best.course.anchors):
             return kept
@@ -131,7 +180,7 @@ def _at_near_speeds(segment: MatchedSegment) -> Iterator[MatchedSegment]:
 def _through_anchors(
     segment: MatchedSegment, times: Sequence[float], old: Film, new: Film, *, pitch_scale: float
 ) -> _Anchored | None:
-    """Return the course that most anchors lie on; None where fewer than a quarter, or than two, agree."""
+    """Return the course that most anchors lie on; None where too few agree: a quarter and two, or half and four."""
     line = segment.line
     kept_pitch = abs(pitch_scale / line.scale - 1.0) > 1e-3
     anchors = find_anchors(
@@ -142,7 +191,8 @@ def _through_anchors(
     agree_s = _AGREE_STRETCHED_S if kept_pitch else _AGREE_S
     found = consensus(anchors, agree_s)
     count = int(found.near.sum())
-    if count < 2 or count < len(times) / 4:
+    fewest = max(_FEWEST_KEPT, len(times) / 2) if kept_pitch else max(2, len(times) / 4)
+    if count < fewest:
         return None
     beside_s = float(np.median(found.beside_s(anchors)[found.near]))
     if beside_s > agree_s:

@@ -30,7 +30,7 @@ def with_exact_ends(courses: Sequence[Course], old: Film, new: Film) -> list[Cou
     more alike. What keeps its pitch has no waveform to compare, and keeps its coarse ends.
     """
     exact = [_between(course, *_edges(course, old, new)) for course in courses]
-    by_old = sorted(_real(exact), key=lambda each: each.segment.start_s)
+    by_old = sorted(_without_contained(_real(exact)), key=lambda each: each.segment.start_s)
     for one, other in itertools.pairwise(range(len(by_old))):
         by_old[one], by_old[other] = _apart(by_old[one], by_old[other], old, new, in_old=True)
     by_new = sorted(_real(by_old), key=lambda each: each.segment.new_span_s)
@@ -41,6 +41,16 @@ def with_exact_ends(courses: Sequence[Course], old: Film, new: Film) -> list[Cou
 
 def _real(courses: Sequence[Course]) -> list[Course]:
     return [course for course in courses if course.segment.start_s < course.segment.stop_s]
+
+
+def _without_contained(courses: Sequence[Course]) -> list[Course]:
+    """Return the courses but those that lie within one that more anchors are on: nothing is left for them there."""
+    kept: list[Course] = []
+    for course in sorted(courses, key=lambda each: -each.anchors):
+        own = course.segment
+        if not any(other.segment.start_s <= own.start_s and own.stop_s <= other.segment.stop_s for other in kept):
+            kept.append(course)
+    return kept
 
 
 def _between(course: Course, start_s: float, stop_s: float) -> Course:

@@ -62,13 +62,18 @@ class Line:
         return (new_s - self.offset_s) / self.scale
 
 
-def find_lines(old: Fingerprint, new: Fingerprint, tell: Callable[[int, int], None] | None = None) -> list[Line]:
-    """Return every line that segments of the old film give reason for, in no order."""
+def find_lines(
+    old: Fingerprint, new: Fingerprint, tell: Callable[[int, int], None] | None = None, *, any_speed: bool = False
+) -> list[Line]:
+    """Return every line that segments of the old film give reason for, in no order.
+
+    Unusual speeds are tried where the usual ones find too little, or where `any_speed` says so.
+    """
     longest_s = max(length for length, _ in _SEGMENTS_S)
     hay = Haystack(new, longest_s * 1.1 + 0.1)
     speeds: tuple[float, ...] = SPEEDS
     hits = _hits(old, new, hay, _segments(old, *_SEGMENTS_S[0]), _SEGMENTS_S[0][0], speeds, tell)
-    if _share(hits, old) < _SETTLED_SHARE:
+    if any_speed or _share(hits, old) < _SETTLED_SHARE:
         length_s = _SEGMENTS_S[0][0]
         probes = [at for at in _segments(old, length_s, length_s) if _lively(old, at, length_s)]
         probes = probes[:: max(1, len(probes) // _PROBE_COUNT)]

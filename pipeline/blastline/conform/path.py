@@ -33,13 +33,14 @@ _FORBIDDEN = -10.0
 
 
 def find_segments(
-    old: Fingerprint, new: Fingerprint, tell: Callable[[int, int], None] | None = None
+    old: Fingerprint, new: Fingerprint, tell: Callable[[int, int], None] | None = None, *, any_speed: bool = False
 ) -> list[MatchedSegment]:
     """Return the segments of the old film that the new one has, in the old film's order.
 
-    `tell` hears how many seconds of how many have been looked for.
+    `tell` hears how many seconds of how many have been looked for. With `any_speed`, unusual speeds are tried even
+    where the usual ones seem to do.
     """
-    return find_path(old, new, find_lines(old, new, tell))
+    return find_path(old, new, find_lines(old, new, tell, any_speed=any_speed))
 
 
 def find_path(old: Fingerprint, new: Fingerprint, lines: Sequence[Line]) -> list[MatchedSegment]:

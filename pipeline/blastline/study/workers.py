@@ -34,7 +34,9 @@ def each_of(
         ProcessPoolExecutor(jobs, spawned, initializer=_take, initargs=(work, compiled)) as pool,
     ):
         try:
-            yield from zip(every, pool.map(_done, every), strict=True)
+            # not mapped: what that cancels where one fails, the pool's own thread trips over when its workers end
+            waiting = [pool.submit(_done, item) for item in every]
+            yield from ((item, each.result()) for item, each in zip(every, waiting, strict=True))
         except BaseException:  # or else the pool waits until each worker is done with its film
             for worker in active_children():
                 worker.terminate()
