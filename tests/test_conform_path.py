@@ -3,7 +3,18 @@
 import numpy as np
 import pytest
 
-from blastline.conform import Course, Film, Loss, Lost, Placed, find_segments, measured, place, with_exact_ends
+from blastline.conform import (
+    Course,
+    Film,
+    Loss,
+    Lost,
+    Placed,
+    find_courses,
+    find_segments,
+    measured,
+    place,
+    with_exact_ends,
+)
 from blastline.conform.lines import Line
 from blastline.conform.overlaps import Yielded, yielded
 from blastline.conform.segments import MatchedSegment
@@ -16,7 +27,7 @@ OLD = film(60.0, ONSETS_S, seed=20)
 
 
 def courses(old: Film, new: Film) -> list[Course]:
-    return with_exact_ends(measured(find_segments(old.fingerprint, new.fingerprint), old, new), old, new)
+    return find_courses(old, new)
 
 
 def conformed(old: Samples, new: Samples, onsets_s: tuple[float, ...] = ONSETS_S) -> list[float | None]:

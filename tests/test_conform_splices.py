@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from blastline.conform import Placed, find_segments, measured, place, with_exact_ends
+from blastline.conform import Placed, find_courses, place
 from blastline.ruleset import load_conform
 from conform_films import RATE_HZ, Samples, bang, film, heard, murmur, put, seconds
 
@@ -15,8 +15,7 @@ FRAME_S = round(RATE_HZ / 24.0) / RATE_HZ
 def conformed(old: Samples, new: Samples, onsets_s: list[float]) -> list[float | None]:
     """Return each onset's time in the new film, None where it was not placed."""
     one, other = heard(old), heard(new)
-    courses = measured(find_segments(one.fingerprint, other.fingerprint), one, other)
-    found = place(onsets_s, with_exact_ends(courses, one, other), one, other, load_conform())
+    found = place(onsets_s, find_courses(one, other), one, other, load_conform())
     return [each.new_s if isinstance(each, Placed) else None for each in found]
 
 

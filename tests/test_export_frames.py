@@ -16,7 +16,7 @@ import pycmx
 import pytest
 
 from blastline.errors import RuleError
-from blastline.export import export_timeline, require_begin, require_frame_rate
+from blastline.export import export_timeline, require_frame_rate, require_late_enough
 from blastline.export.frames import FRAME_FORMATS, frame_markers
 from blastline.model import Timeline, Window
 from films import COUNTINGS, HOSTILE, ONSETS, Counting, film
@@ -424,9 +424,9 @@ def test_sound_that_begins_before_midnight_is_refused_before_the_work(
     source = msgspec.structs.replace(film(Counting("24", "00:00:01:00"), onsets=[]).source, start_offset_s=late_s)
     if is_too_early and name in ("fcp7", "fcpxml", "otio"):
         with pytest.raises(RuleError, match=rf"its sound begins {-1.0 - late_s:.3f} s before 00:00:00:00"):
-            require_begin([name], source)
+            require_late_enough([name], source)
     else:
-        require_begin([name], source)
+        require_late_enough([name], source)
 
 
 @pytest.mark.parametrize("name", sorted(FRAME_FORMATS))

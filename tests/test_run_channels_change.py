@@ -6,37 +6,18 @@ import msgspec
 import numpy as np
 import pytest
 import soundfile
-from numpy.typing import NDArray
 
 from blastline import run
 from blastline.export import read_timeline
 from blastline.model import Event, encode
 from blastline.run import RenderOptions
-from blastline.synth import Scene, render_scene
 from media import write_media
-
-RATE_HZ = 48_000
-AT_S = (2.0, 5.5, 9.0)
-SCENE = {
-    "schema": 1,
-    "rate_hz": RATE_HZ,
-    "duration_s": 12.0,
-    "seed": 15,
-    "layout": "mono",
-    "beds": [{"kind": "ambience", "level_dbfs": -60.0}],
-    "shots": [
-        {"at_s": at_s, "weapon": weapon, "environment": "street", "distance_m": 12.0, "snr_db": 34.0}
-        for at_s, weapon in zip(AT_S, ("rifle", "pistol", "shotgun"), strict=True)
-    ],
-}
-Samples = NDArray[np.float64]
+from sides_films import RATE_HZ, Samples, three_shots, written
 
 
 @pytest.fixture(scope="module")
 def scene() -> Samples:
-    audio = render_scene(msgspec.convert(SCENE, Scene))
-    samples = np.asarray(audio.read(0, audio.frames)[:, 0], np.float64)
-    return np.asarray(samples * (0.4 / np.abs(samples).max()))
+    return three_shots()
 
 
 @pytest.fixture(scope="module")
@@ -56,8 +37,7 @@ def voice(scene: Samples) -> Samples:
 
 def write(path: Path, *, left: Samples, centre: Samples) -> Path:
     none = np.zeros_like(left)
-    soundfile.write(path, np.stack([left, none, centre, none, none, none], axis=1), RATE_HZ, subtype="PCM_24")
-    return path
+    return written(path, [left, none, centre, none, none, none])
 
 
 def events_of(folder: Path) -> tuple[Event, ...]:

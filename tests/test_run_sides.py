@@ -7,7 +7,6 @@ import msgspec
 import numpy as np
 import pytest
 import soundfile
-from numpy.typing import NDArray
 
 from blastline import run
 from blastline.detect import find_shots, load_verifier
@@ -17,32 +16,15 @@ from blastline.render import choose_made_of
 from blastline.ruleset import load_rules, rules_path
 from blastline.run import RenderOptions
 from blastline.soundtrack import open_soundtrack
-from blastline.synth import Scene, render_scene
 from media import write_media
+from sides_films import RATE_HZ, Samples, three_shots, written
 
-RATE_HZ = 48_000
 RULES = load_rules("standard")
-SCENE = {
-    "schema": 1,
-    "rate_hz": RATE_HZ,
-    "duration_s": 12.0,
-    "seed": 15,
-    "layout": "mono",
-    "beds": [{"kind": "ambience", "level_dbfs": -60.0}],
-    "shots": [
-        {"at_s": at_s, "weapon": weapon, "environment": "street", "distance_m": 12.0, "snr_db": 34.0}
-        for at_s, weapon in ((2.0, "rifle"), (5.5, "pistol"), (9.0, "shotgun"))
-    ],
-}
-
-Samples = NDArray[np.float64]
 
 
 @pytest.fixture(scope="module")
 def shots() -> Samples:
-    audio = render_scene(msgspec.convert(SCENE, Scene))
-    samples = np.asarray(audio.read(0, audio.frames)[:, 0], np.float64)
-    return np.asarray(samples * (0.4 / np.abs(samples).max()))
+    return three_shots()
 
 
 @pytest.fixture(scope="module")
@@ -53,11 +35,6 @@ def beyond(shots: Samples, tmp_path_factory: pytest.TempPathFactory) -> Path:
     written(folder / "film.wav", [middle + shots, middle - shots])
     run.render(folder / "film.wav", folder / "out", RenderOptions(report=False))
     return folder
-
-
-def written(path: Path, channels: Sequence[Samples]) -> Path:
-    soundfile.write(path, np.stack(channels, axis=1), RATE_HZ, subtype="PCM_24")
-    return path
 
 
 def timeline_of(folder: Path) -> Timeline:

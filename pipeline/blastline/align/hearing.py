@@ -139,20 +139,17 @@ def _wanted(
         wet = relative * audio
         following = _without_delay(shared, _as_driven(shared, event, part, wet, background, span))
         return wet, following, following
-    rested = _from_rest(shared, audio, span)
-    wet, undelayed = relative * shared.compensated(rested), relative * _without_delay(shared, rested)
-    return wet, undelayed, relative * dsp.run_filter(shared.band, rested) if shared.phase == "causal" else undelayed
+    centred = _centred(shared, audio, span)
+    wet, undelayed = relative * shared.compensated(centred), relative * _without_delay(shared, centred)
+    return wet, undelayed, relative * dsp.run_filter(shared.band, centred) if shared.phase == "causal" else undelayed
 
 
-def _from_rest(shared: Comparison, audio: Samples, span: Span) -> Samples:
-    """Return sound less what it stands off zero by where the filters settle, as rendering hears it.
-
-    A film that begins within the span begins in silence; beside the film are zeros.
-    """
-    if span.start <= 0 or not audio[0]:
+def _centred(shared: Comparison, audio: Samples, span: Span) -> Samples:
+    """Return the sound of a span without what it stands off zero; a film begins in silence, beside it are zeros."""
+    if span.start <= 0:
         return audio
     ended = max(0, shared.audio.frames - span.start)
-    return np.concatenate([audio[:ended] - audio[: shared.settle].mean(), audio[ended:]])
+    return np.concatenate([dsp.without_offset(audio[:ended], shared.settle), audio[ended:]])
 
 
 def _expected(

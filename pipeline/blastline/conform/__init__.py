@@ -8,6 +8,7 @@ new film ──► fingerprint ──┘
 from .courses import Course, measured
 from .ends import with_exact_ends
 from .film import Film, hear
+from .find import find_courses
 from .path import find_segments
 from .place import Loss, Lost, Placed, moment, place
 from .report import new_timecode, write_events, write_segments
@@ -20,6 +21,7 @@ __all__ = [
     "Lost",
     "Placed",
     "Retimed",
+    "find_courses",
     "find_segments",
     "hear",
     "measured",

@@ -58,6 +58,10 @@ class Course:
         """Return whether the speed changed without the pitch."""
         return abs(self.pitch_scale / self.segment.line.scale - 1.0) > 1e-3
 
+    def between(self, start_s: float, stop_s: float) -> "Course":
+        """Return the course from one moment of the old film to another."""
+        return replace(self, segment=replace(self.segment, start_s=start_s, stop_s=stop_s))
+
 
 @dataclass(frozen=True)
 class _Anchored:
@@ -98,12 +102,9 @@ def _measured(segment: MatchedSegment, old: Film, new: Film) -> list[_Anchored]:
         after = _rest(replace(own, start_s=best.last_s), own, old, new)
     while after and _goes_on(own, after[0].course.segment):
         after.pop(0)
-    own = replace(
-        own,
-        start_s=before[-1].last_s if before else own.start_s,
-        stop_s=after[0].first_s if after else own.stop_s,
-    )
-    return [*before, replace(best, course=replace(best.course, segment=own)), *after]
+    start_s = before[-1].last_s if before else own.start_s
+    stop_s = after[0].first_s if after else own.stop_s
+    return [*before, replace(best, course=best.course.between(start_s, stop_s)), *after]
 
 
 def _rest(rest: MatchedSegment, whole: MatchedSegment, old: Film, new: Film) -> list[_Anchored]:
@@ -128,18 +129,10 @@ def _measured_in_halves(segment: MatchedSegment, old: Film, new: Film) -> list[_
     left = _measured(replace(segment, stop_s=middle_s), old, new)
     right = _measured(replace(segment, start_s=middle_s), old, new)
     if left and right:
-        left[-1], right[0] = _until(left[-1], right[0].first_s), _from(right[0], left[-1].last_s)
+        last, first = left[-1], right[0]
+        left[-1] = replace(last, course=last.course.between(last.course.segment.start_s, first.first_s))
+        right[0] = replace(first, course=first.course.between(last.last_s, first.course.segment.stop_s))
     return [*left, *right]
-
-
-def _until(anchored: _Anchored, stop_s: float) -> _Anchored:
-    course = anchored.course
-    return replace(anchored, course=replace(course, segment=replace(course.segment, stop_s=stop_s)))
-
-
-def _from(anchored: _Anchored, start_s: float) -> _Anchored:
-    course = anchored.course
-    return replace(anchored, course=replace(course, segment=replace(course.segment, start_s=start_s)))
 
 
 def _best(segment: MatchedSegment, old: Film, new: Film) -> _Anchored | None:

@@ -7,7 +7,6 @@ line 2             ▂▃▆▇▇▇▇▇▇▇▇▇▇▇
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +28,7 @@ def with_exact_ends(courses: Sequence[Course], old: Film, new: Film) -> list[Cou
     Where two claim the same moment of one of the films, as in a burst of one sample, each keeps the side on which it is
     more alike. What keeps its pitch has no waveform to compare, and keeps its coarse ends.
     """
-    exact = [_between(course, *_edges(course, old, new)) for course in courses]
+    exact = [course.between(*_edges(course, old, new)) for course in courses]
     by_old = sorted(_without_contained(_real(exact)), key=lambda each: each.segment.start_s)
     for one, other in itertools.pairwise(range(len(by_old))):
         by_old[one], by_old[other] = _apart(by_old[one], by_old[other], old, new, in_old=True)
@@ -51,10 +50,6 @@ def _without_contained(courses: Sequence[Course]) -> list[Course]:
         if not any(other.segment.start_s <= own.start_s and own.stop_s <= other.segment.stop_s for other in kept):
             kept.append(course)
     return kept
-
-
-def _between(course: Course, start_s: float, stop_s: float) -> Course:
-    return replace(course, segment=replace(course.segment, start_s=start_s, stop_s=stop_s))
 
 
 def _edges(course: Course, old: Film, new: Film) -> tuple[float, float]:
@@ -106,7 +101,7 @@ def _apart(one: Course, other: Course, old: Film, new: Film, *, in_old: bool) ->
     at_s = low_s + int(np.argmax(left - right)) / count * (high_s - low_s)
     stop_s, start_s = (at_s, at_s) if in_old else (first.line.back(at_s), second.line.back(at_s))
     stop_s, start_s = max(stop_s, first.start_s), min(start_s, second.stop_s)
-    return _between(one, first.start_s, stop_s), _between(other, start_s, second.stop_s)
+    return one.between(first.start_s, stop_s), other.between(start_s, second.stop_s)
 
 
 def _likeness(course: Course, low_s: float, high_s: float, old: Film, new: Film) -> NDArray[np.float64]:

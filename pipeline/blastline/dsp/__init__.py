@@ -4,7 +4,7 @@ from .analogue import Analogue, band, butterworth, compensator, felt_response, h
 from .digital import discretise, run_filter
 from .fades import cross_fade, fade
 from .phase import band_sections, compensator_sections, run_backwards, run_both_ways
-from .settled import Settling, settled_state, settling
+from .settled import Settling, settled_state, settling, without_offset
 
 __all__ = [
     "Analogue",
@@ -26,4 +26,5 @@ __all__ = [
     "settle_s",
     "settled_state",
     "settling",
+    "without_offset",
 ]

@@ -69,3 +69,11 @@ def _transition(sections: NDArray[np.float64]) -> NDArray[np.float64]:
     silence = np.zeros(_BLOCK)
     units = np.eye(2 * len(sections)).reshape(-1, len(sections), 2)
     return np.stack([sosfilt(sections, silence, zi=unit)[1].ravel() for unit in units], axis=1)
+
+
+def without_offset(samples: NDArray[np.float64], before: int) -> NDArray[np.float64]:
+    """Return samples less the mean of the first `before`, in which filters settle; those that begin in silence as is.
+
+    From rest, a filter hears a constant as a step, and rings with that still when its pre-roll is over.
+    """
+    return samples - samples[:before].mean() if before and samples[:1].any() else samples

@@ -1,7 +1,7 @@
 """The timeline as files: a writer for each tool that opens it, a reader of `timeline.json`; `edits` reads them back."""
 
 from .formats import FORMATS, Format, export_timeline, known_formats, needs_drive
-from .frames import require_begin, require_frame_rate
+from .frames import require_frame_rate, require_late_enough
 from .haptics import HAPTIC_FORMATS, DriveReader, HapticFormat, HapticTrack, Rounding, haptic_track
 from .reading import read_timeline
 from .rounding import resolution, rounding
@@ -19,8 +19,8 @@ __all__ = [
     "known_formats",
     "needs_drive",
     "read_timeline",
-    "require_begin",
     "require_frame_rate",
+    "require_late_enough",
     "resolution",
     "rounding",
 ]

@@ -19,7 +19,7 @@ CLIP_FORMATS = frozenset({"fcp7", "otio", "fcpxml"})
 _FCP7_MOST_FRAMES = 60
 
 _LEAD_IN_S = 1
-"""What begins less before the picture is a codec's lead-in, in which no shot lies."""
+"""What begins less before 00:00:00:00 may be a codec's lead-in: only a shot in it is refused."""
 
 _BEGINS_THERE = "this format begins there: give a later --start-timecode, or leave it out"
 
@@ -85,8 +85,8 @@ def scale_in(format_name: str, source: Source) -> FrameScale | None:
     return replace(scale, start=Fraction(scale.first_frame))
 
 
-def require_begin(formats: Iterable[str], source: Source) -> None:
-    """Raise RuleError where one of the formats cannot hold a film's beginning, of which more than a codec's lead-in."""
+def require_late_enough(formats: Iterable[str], source: Source) -> None:
+    """Raise RuleError where a film begins long before 00:00:00:00, and one of the formats there."""
     for name in formats:
         scale = scale_in(name, source) if name in CLIP_FORMATS else None
         if scale is not None:

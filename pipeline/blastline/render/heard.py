@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .. import dsp
 from ..model import Clip, MadeOf
 from ..ruleset import RenderRules
 from ..units import gain_from_db, samples_from_ms
@@ -46,8 +47,7 @@ def hear_window(
     before = planned.window.start - clip.start
     inside = slice(before, before + len(planned.window.span))
     sound = np.asarray(clip.driving_of(made_of), dtype=np.float64)
-    # a film begins in silence; before a later pre-roll that does not, it stood off zero by as much as it does there
-    settled = sound - sound[:before].mean() if before and clip.start > 0 and sound[0] else sound
+    centred = sound if clip.start == 0 else dsp.without_offset(sound, before)  # a film begins in silence
     gains = _gains(planned, filters, rules)
     gain = gain_from_db(rules.level_db) * gains
     return HeardWindow(
@@ -57,8 +57,8 @@ def hear_window(
         sound[inside],
         gains,
         asked=gain * sound[inside],
-        target=gain * settled_band(settled, inside, filters, rules),
-        unlimited=gain * settled_compensated(settled, inside, filters, rules),
+        target=gain * settled_band(centred, inside, filters, rules),
+        unlimited=gain * settled_compensated(centred, inside, filters, rules),
         background=np.asarray(clip.driving, dtype=np.float64)[inside],
         made_of=made_of,
     )

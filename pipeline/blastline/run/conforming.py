@@ -17,14 +17,12 @@ from ..conform import (
     Film,
     Lost,
     Placed,
-    find_segments,
+    find_courses,
     hear,
-    measured,
     moment,
     new_timecode,
     place,
     retimed,
-    with_exact_ends,
     write_events,
     write_segments,
 )
@@ -152,13 +150,8 @@ def _conformed(
     def tell(done: int, total: int) -> None:
         progress("matching", done, total)
 
-    found: list[Course] = []
-    for any_speed in (False, True):  # what is alike at a speed beside its own may have no course at all
-        segments = find_segments(old.fingerprint, new.fingerprint, tell, any_speed=any_speed)
-        if found := measured(segments, old, new):
-            break
+    courses = find_courses(old, new, tell)
     progress("placing", 0, None)
-    courses = with_exact_ends(found, old, new)
     events = tuple(sorted(timeline.events, key=lambda event: event.onset_sample))
     places = place([event.onset_sample / old.rate_hz for event in events], courses, old, new, hearing)
     shots = [

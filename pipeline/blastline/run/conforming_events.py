@@ -55,9 +55,7 @@ def _with_azimuth_of(event: Event, shot: Shot) -> Shot:
     return msgspec.structs.replace(shot, azimuth_deg=event.azimuth_deg, azimuth_focus=event.azimuth_focus)
 
 
-def moved_events(
-    shots: Sequence[tuple[Event, Retimed]], begun: Collection[str], source: Source, rules: Rules
-) -> tuple[Event, ...]:
+def moved_events(shots: Sequence[MovedShot], begun: Collection[str], source: Source, rules: Rules) -> tuple[Event, ...]:
     """Return the shots as events of the new film, each under its old id, in windows that are planned anew.
 
     `begun` has the ids of those whose windows begin where somebody has set it.
@@ -93,7 +91,7 @@ def moved_events(
 
 
 def _kept_ends(
-    shots: Sequence[tuple[Event, Retimed]], begun: Collection[str], source: Source, rules: WindowRules
+    shots: Sequence[MovedShot], begun: Collection[str], source: Source, rules: WindowRules
 ) -> dict[int, Window]:
     """Return the windows, by the shot's index, that somebody has `begun` elsewhere or that would end later than before.
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import msgspec
 
 from ..errors import RuleError
-from ..export import export_timeline, known_formats, needs_drive, require_begin, require_frame_rate, rounding
+from ..export import export_timeline, known_formats, needs_drive, require_frame_rate, require_late_enough, rounding
 from ..model import DriveInfo, Edits, Timeline
 from ..render import require_renderable
 from ..report import OverviewMeter, typeset, write_report
@@ -52,7 +52,7 @@ def render(
         open_soundtrack(film, stream=options.stream, mix=options.mix, spool_folder=hidden, timebase=timebase) as track,
     ):
         require_frame_rate(options.formats, track.describe())
-        require_begin(options.formats, track.describe())
+        require_late_enough(options.formats, track.describe())
         _require_seat(setup, track.rate_hz)
         meter = OverviewMeter(track.rate_hz) if options.report else None
         timeline = _driven(track, hidden, setup, editing, meter)

@@ -7,7 +7,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from ..conform import Film, Lost, Placed, find_segments, hear, measured, place, with_exact_ends
+from ..conform import Film, Lost, Placed, find_courses, hear, place
 from ..ruleset import load_conform
 from ..soundtrack import open_soundtrack
 from ..synth import film_scene, write_scene
@@ -80,7 +80,7 @@ def score_one(name: str, old: OldFilm, folder: Path) -> ConformScore:
 
 def scored(name: str, made: Recut, onsets_s: Sequence[float], old: Film, new: Film) -> ConformScore:
     """Return what conforming makes of the shots of a recut film."""
-    courses = with_exact_ends(measured(find_segments(old.fingerprint, new.fingerprint), old, new), old, new)
+    courses = find_courses(old, new)
     found = place(onsets_s, courses, old, new, load_conform())
     errors_ms: list[float] = []
     lost_s: list[float] = []
