@@ -186,12 +186,13 @@ def test_every_shipped_file_is_sound() -> None:
         ),
         ("align.toml", "correlation = 1.5\n", "correlation = 1.5: expected a number, 1 or less"),
         ("scenes.toml", "[scan]\n", "scan: no such key"),
+        ("measuring.toml", "[fit]\nrumble_hz = 2000.0\n", "fit: rumble_hz = 2000.0: expected less than band_hz = "),
     ],
 )
 def test_a_rule_that_does_not_fit_is_named(tmp_path: Path, file: str, text: str, complaint: str) -> None:
     written(tmp_path, file, text)
     with pytest.raises(RuleError, match=re.escape(f"{tmp_path / file}: {complaint}")) as raised:
-        load_rules("standard", tmp_path)
+        list(check_rules(tmp_path))
     assert "\n" not in str(raised.value)
 
 
@@ -219,7 +220,8 @@ def test_a_folder_and_a_verifier_that_do_not_exist_are_named(tmp_path: Path) -> 
     with pytest.raises(RuleError, match=r"none: not a folder; expected one with rule files"):
         load_rules("standard", tmp_path / "none")
     written(tmp_path, "quality/standard.toml", "[verify]\nmodel = 'own.json'\n")
-    with pytest.raises(RuleError, match=r"no such file; \[verify\] model = 'own.json' expects it under verifier/"):
+    told = f"{tmp_path / 'quality/standard.toml'}: verify.model = 'own.json': expected the name of a file in "
+    with pytest.raises(RuleError, match=re.escape(f"{told}{tmp_path / 'verifier'} or {BUILTIN / 'verifier'}")):
         load_rules("standard", tmp_path)
 
 

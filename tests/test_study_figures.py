@@ -296,6 +296,12 @@ def test_a_table_that_says_what_cannot_be_is_refused(tmp_path: Path, line: str, 
     assert str(tmp_path) in str(told.value)
 
 
+def test_a_column_that_is_there_twice_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "annotations.csv").write_text(f"{ROWS[0]},path\n{ROWS[1]},b.wav")
+    with pytest.raises(RuleError, match=r"annotations\.csv: line 1: column 'path' is there twice; expected each once"):
+        read_corpus([tmp_path])
+
+
 @pytest.mark.parametrize("data", [b"", "\n".join(ROWS).encode("utf-16"), "pf\u00e4d".encode("latin-1")])
 def test_a_table_that_is_none_is_refused(tmp_path: Path, data: bytes) -> None:
     (tmp_path / "annotations.csv").write_bytes(data)

@@ -11,7 +11,7 @@ import soundfile
 
 from blastline.errors import RuleError
 from blastline.study.cases import GUN_FREE_EVERY, Case, random_films, scenes
-from blastline.study.corpus import read_corpus
+from blastline.study.corpus import load_sound, read_corpus
 from blastline.study.datasets import FOLD_SEED, FOLDS, by_fold
 from blastline.study.detection import study_detection
 from blastline.study.filmlike import CLIP_S, film_mixes, one_shot_clips, stock
@@ -235,6 +235,17 @@ def test_onsets_after_the_end_of_their_sound_are_refused(tmp_path: Path) -> None
         (tmp_path / str(source.mix)).mkdir()
         with pytest.raises(RuleError, match=told):
             study_detection(source, tmp_path / str(source.mix), "draft")
+
+
+def test_a_shot_of_which_nothing_is_heard_is_refused(tmp_path: Path) -> None:
+    silent = bang(4_800, 24_000, 1)
+    silent[12_000:] = 0.0
+    soundfile.write(tmp_path / "short.wav", silent, RATE_HZ)
+    rows = ["path,source,label,sub_label,duration_s,onsets_s,notes", "short.wav,one,gunshot,rifle,0.5,0.1;0.3,"]
+    (tmp_path / "annotations.csv").write_text("\n".join(rows))
+    (recording,) = read_corpus([tmp_path])
+    with pytest.raises(RuleError, match=r"short\.wav: onsets_s = 0\.3 in .*: expected a shot; the 50 ms after it are"):
+        load_sound(recording, RATE_HZ)
 
 
 def test_clips_and_mixes_are_not_asked_for_together(corpus: Path, tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """The tables of `study rendering`, `study detection` and `study segmentation`."""
 
+import math
 from typing import TYPE_CHECKING, Final, get_args
 
 from ..model import Phase
@@ -124,4 +125,6 @@ def segmentation_table(score: "SegmentationScore") -> str:
         "",
         f"{score.echoes_as_shots} of {score.echoes_heard} echoes are among the {score.found_shots} found shots",
     ]
+    if any(math.isnan(bar.measured) for bar in score.bars):
+        lines.append("nan: there is nothing that it could be measured on")
     return "\n".join([*lines, "", *(str(bar) for bar in score.bars)])

@@ -71,7 +71,9 @@ def load_rules(quality: Quality, overlay: Path | None = None) -> Rules:
     align = merged("align.toml", AlignRules, overlay)
     model = rules_path(f"verifier/{tier.verify.model}", overlay)
     if not model.is_file():
-        raise RuleError(f"{model}: no such file; [verify] model = {tier.verify.model!r} expects it under verifier/")
+        where = rules_path(f"quality/{quality}.toml", overlay)
+        folders = " or ".join(str(folder / "verifier") for folder in (overlay, builtin()) if folder)
+        raise RuleError(f"{where}: verify.model = {tier.verify.model!r}: expected the name of a file in {folders}")
     digest = hashlib.sha256(msgspec.json.encode([tier, scenes, align]))
     digest.update(model.read_bytes())
     return Rules(quality, tier, scenes, align, digest.hexdigest(), overlay)

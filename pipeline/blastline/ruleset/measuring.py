@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from .table import Count, Positive, Ratio, Table
+from .table import Count, Positive, Ratio, Table, ascending
 
 
 class IdentifyRules(Table, frozen=True):
@@ -40,6 +40,11 @@ class FitRules(Table, frozen=True):
     highest_hz: Positive
     band_hz: Positive
     rumble_hz: Annotated[float, Meta(ge=0.1)]
+
+    def __post_init__(self) -> None:
+        """Refuse a high-pass that leaves nothing of the band below the low-pass, or above what is fitted."""
+        ascending(self, "rumble_hz", "band_hz")
+        ascending(self, "rumble_hz", "highest_hz")
 
 
 class MeasuringRules(Table, frozen=True):

@@ -99,7 +99,10 @@ def conform(
         after = _heard(new_track, new, "new film", progress, kept_sides=beside)
         done = _conformed(read, before, after, (old_track, new_track), known, hearing, progress)
         if not done.courses:
-            raise SoundtrackError(f"{new}: nothing of {old} was found in it; expected a cut of the same film")
+            raise SoundtrackError(
+                f"{new}: nothing of {old} was found in it; expected a cut of the same film "
+                "(where its channels cancel in the mix, --mix 0 hears the first alone)"
+            )
         (hidden / names.TIMELINE).write_bytes(encode(done.timeline))
         write_events(hidden / names.EVENTS, done.events, done.places, source=done.timeline.source)
         write_segments(hidden / names.STRETCHES, done.courses)

@@ -18,10 +18,14 @@ from numpy.typing import NDArray
 
 from ..errors import RuleError
 from ..soundtrack import open_soundtrack
+from ..units import samples_from_ms
 
 # Too like a gunshot to be a lesson in either direction: what an explosion is to a designer is not this model's to say.
 AMBIGUOUS = frozenset({"explosion", "cannon", "fire_gun", "game_battle_sfx", "cave_boom"})
 GUNSHOT, NEGATIVE = "gunshot", "negative"
+HEARD_MS = 50.0
+"""How soon after its onset something of a shot has to be heard."""
+
 _COLUMNS = ("path", "source", "label", "sub_label", "duration_s", "onsets_s", "notes")
 
 
@@ -68,14 +72,21 @@ def load_sound(recording: Recording, rate_hz: int) -> NDArray[np.float32]:
     with open_soundtrack(recording.path) as track:
         samples = np.concatenate([clip.heard for clip in track.blocks()])
         ratio = Fraction(rate_hz, track.rate_hz)
-    if recording.onsets_s and recording.onsets_s[-1] * track.rate_hz >= samples.size:
-        raise RuleError(
-            f"{recording.path}: onsets_s = {recording.onsets_s[-1]:g} in its annotations.csv: "
-            f"expected seconds before the end of the sound, at {samples.size / track.rate_hz:g} s"
-        )
+    _require_sound(recording, samples, track.rate_hz)
     if ratio != 1:
         samples = resample_poly(samples, ratio.numerator, ratio.denominator)
     return np.asarray(samples, np.float32)
+
+
+def _require_sound(recording: Recording, samples: NDArray[np.float32], rate_hz: int) -> None:
+    """Raise RuleError where nothing is heard from an onset on: no detector could be asked for that shot."""
+    for onset_s in recording.onsets_s:
+        onset = round(onset_s * rate_hz)
+        fault = f"{recording.path}: onsets_s = {onset_s:g} in its annotations.csv"
+        if onset >= samples.size:
+            raise RuleError(f"{fault}: expected seconds before the end of the sound, at {samples.size / rate_hz:g} s")
+        if not np.any(samples[onset + 1 : onset + 1 + samples_from_ms(HEARD_MS, rate_hz)]):
+            raise RuleError(f"{fault}: expected a shot; the {HEARD_MS:g} ms after it are silent or past the end")
 
 
 def _read_folder(folder: Path) -> list[Recording]:
@@ -89,6 +100,9 @@ def _read_folder(folder: Path) -> list[Recording]:
             missing = [column for column in _COLUMNS if column not in names]
             if missing:
                 raise RuleError(f"{path}: column {missing[0]!r} is missing; expected {', '.join(_COLUMNS)}")
+            twice = [column for column in _COLUMNS if names.count(column) > 1]
+            if twice:
+                raise RuleError(f"{path}: line 1: column {twice[0]!r} is there twice; expected each once")
             rows = [_Row(path, table.line_num, names, cells).recording() for cells in table if cells]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise RuleError(f"{path}: not a table of annotations, CSV in UTF-8: {error}") from error

@@ -32,7 +32,7 @@ def drawn(groups: list[list[Recording]], rng: np.random.Generator) -> Recording:
 def recorded_sound(recording: Recording, rng: np.random.Generator) -> Sound:
     """Return a recording as it is, six seconds of it where it has no shot."""
     samples = load_sound(recording, RATE_HZ).astype(np.float64)
-    onsets = tuple(round(onset * RATE_HZ) for onset in recording.onsets_s if onset * RATE_HZ < samples.size - 1)
+    onsets = tuple(round(onset * RATE_HZ) for onset in recording.onsets_s)
     longest = int(LONGEST_S * RATE_HZ)
     if not onsets and samples.size > longest:
         start = int(rng.integers(samples.size - longest))

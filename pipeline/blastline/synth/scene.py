@@ -157,8 +157,9 @@ def _check_times(scene: Scene, path: Path) -> None:
             where = f"{path}: {name}[{index}]"
             if (item.snr_db is None) == (item.peak_dbfs is None):
                 raise RuleError(f"{where}: expected one of snr_db and peak_dbfs, not both and not neither")
-            if item.at_s >= scene.duration_s:
-                raise RuleError(f"{where}.at_s = {item.at_s}: expected less than duration_s = {scene.duration_s}")
+            if round(item.at_s * scene.rate_hz) >= scene.frames:
+                wanted = f"less than duration_s = {scene.duration_s} by a sample or more"
+                raise RuleError(f"{where}.at_s = {item.at_s}: expected {wanted}")
     if scene.frames < 1:
         raise RuleError(f"{path}: duration_s = {scene.duration_s}: expected at least a sample of {scene.rate_hz} Hz")
     for index, bed in enumerate(scene.beds):
