@@ -359,6 +359,15 @@ def test_a_copied_row_with_another_onset_is_added(tmp_path: Path, identity: str,
     assert (copy.id, copy.onset, copy.was, copy.origin) == (identity or "shot-0002", onset, None, "added")
 
 
+@pytest.mark.parametrize("seconds", ["12.4", "12.400"])
+def test_a_rounded_time_that_is_there_twice_is_refused(tmp_path: Path, seconds: str) -> None:
+    """The first row is the original event, a sample later; the second is no shot a sample beside it."""
+    event = msgspec.structs.replace(SHOT, onset_sample=round(12.4 * RATE_HZ) + 1)
+    (tmp_path / "edited.csv").write_text(f"onset_s\n{seconds}\n{seconds}\n")
+    with pytest.raises(TimelineError, match=r"edited\.csv: line 3: onset_s = 12\.4\d*: line 2 has it too, at 12\.4"):
+        match(read_edits(tmp_path / "edited.csv"), {event.id: event}, rate_hz=RATE_HZ)
+
+
 def test_a_new_id_takes_no_event_that_another_row_names(tmp_path: Path) -> None:
     wanted = table(tmp_path, "id,onset_s\nmine,1.00002\nshot-0001,3.0\nother,1.20002\n", EVENT, MATE)
     assert [(wish.id, wish.was) for wish in wanted.wishes] == [("mine", None), ("other", MATE), ("shot-0001", EVENT)]

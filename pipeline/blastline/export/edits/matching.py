@@ -8,6 +8,7 @@ import re
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 
 from ...errors import TimelineError
@@ -76,6 +77,7 @@ def match(edited: EditedFile, originals: Mapping[str, Event] | None, *, rate_hz:
     told = originals is not None or bool(known)
     wishes = [_wish(edited, pair, next(fresh) if pair.id is None else pair.id, rate_hz, known=told) for pair in pairs]
     _refuse_repeats(edited.path, ((wish.place, wish.onset) for wish in wishes), "onset_sample")
+    _refuse_rounded_repeats(edited.path, pairs, wishes, rate_hz)
     taken = {wish.was.id for wish in wishes if wish.was is not None}
     deleted = tuple(event for event in known.values() if event.id not in taken)
     kept = _with_whole_windows(wishes, known.values())
@@ -129,6 +131,19 @@ def _refuse_repeats(path: Path, values: Iterable[tuple[str, object]], name: str)
         if value in first:
             raise TimelineError(f"{path}: {place}: {name} = {value!r}: {first[value]} has it too; expected each once")
         first[value] = place
+
+
+def _refuse_rounded_repeats(path: Path, pairs: Iterable[Pair], wishes: Iterable[Wish], rate_hz: int) -> None:
+    """Raise TimelineError for a row that is no original, but as far as its digits tell at the onset of another."""
+    by_onset = sorted(zip(pairs, wishes, strict=True), key=lambda row: row[1].onset)
+    for before, after in pairwise(by_onset):
+        for (pair, wish), (_, other) in ((before, after), (after, before)):
+            if wish.was is None and pair.edit.onset.may_be(other.onset, rate_hz):
+                said = f"onset_s = {float(pair.edit.onset.exact_s(rate_hz)):.9g}"
+                raise TimelineError(
+                    f"{path}: {wish.place}: {said}: {other.place} has it too, at {other.onset / rate_hz:.9g} s; "
+                    "expected each once"
+                )
 
 
 def _wish(edited: EditedFile, pair: Pair, identity: str, rate_hz: int, *, known: bool) -> Wish:
