@@ -22,7 +22,7 @@ from film import made_of
 from numpy.typing import NDArray
 
 from blastline import scene
-from blastline.detect import Verifier, find_shots, fire, load_verifier
+from blastline.detect import Verifier, find_shots, fire, verifier_of
 from blastline.detect.candidates import Passes, candidate_places, describe_candidates, let_all_pass
 from blastline.detect.chunks import chunks
 from blastline.detect.contrast import contrasts
@@ -36,7 +36,7 @@ from blastline.detect.verify import Sieve, Verdicts, combined_log_odds, log_odds
 from blastline.model import DriveChoice, DriveModel, Shot, ShotEvidence, Span
 from blastline.render import drive_filters, hear_window, measure, needed_audio, plan_windows, render_window
 from blastline.render.filters import felt
-from blastline.ruleset import Rules, load_actuator, load_rules, rules_path
+from blastline.ruleset import Rules, load_actuator, load_rules
 from blastline.soundtrack import Soundtrack, open_soundtrack
 from blastline.study.matching import Counts, count
 from blastline.study.truth import synthesised
@@ -179,8 +179,7 @@ def rendered(track: Soundtrack, shots: Sequence[Shot], rules: Rules, choice: Dri
 
 def compared(films: Iterator[tuple[Path, Truth]], rules: Rules) -> tuple[Way, Way, Way, list[SeenFilm]]:
     """Return a set's films worked by choice, with every window constrained, and with everything done; what was seen."""
-    verify = rules.tier.verify
-    verifier = load_verifier(rules_path(f"verifier/{verify.model}"), networks=verify.networks)
+    verifier = verifier_of(rules.tier)
     chosen, constrained, everything, seen = Way(), Way(), Way(), []
     for path, truth in films:
         scanning_s = scan_s(path, rules)

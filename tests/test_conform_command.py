@@ -10,7 +10,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from blastline.conform import Course, Placed, write_events, write_segments
+from blastline.conform import Course, Placed, write_events, write_stretches
 from blastline.conform.lines import Line
 from blastline.conform.segments import MatchedSegment
 from blastline.export import read_timeline
@@ -160,7 +160,7 @@ def test_a_film_without_shots_gets_an_empty_timeline_and_its_stretches(
 
 def test_what_rounds_to_nothing_has_no_sign_in_the_tables(tmp_path: Path) -> None:
     course = Course(MatchedSegment(Line(1.0, -1e-9, 0.0, 9.0), 0.0, 9.0, 0.9), 1.0, 0.0, 6)
-    write_segments(tmp_path / "stretches.csv", [course])
+    write_stretches(tmp_path / "stretches.csv", [course])
     write_events(
         tmp_path / "conform.csv",
         [event(1, 2.0)],

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from blastline.detect import find_shots, load_verifier
+from blastline.detect import find_shots, verifier_of
 from blastline.detect.bursts import drop_claimed_reflections, without_echoes
 from blastline.detect.copies import attack, likeness
 from blastline.model import Clip, EvenRow, Reflection, Shot, ShotEvidence, Span
-from blastline.ruleset import load_rules, rules_path
+from blastline.ruleset import load_rules
 from blastline.synth import plain_shot
 
 RATE_HZ = 48_000
@@ -160,7 +160,7 @@ def test_draft_takes_few_clear_echoes_in_a_quiet_place_for_shots() -> None:
     """It looks for no reflections, but hears softer copies; they cost it no shot."""
     tier = load_rules("draft").tier
     deaf = msgspec.structs.replace(tier, bursts=msgspec.structs.replace(tier.bursts, copy_likeness=1.0))
-    verifier = load_verifier(rules_path(f"verifier/{tier.verify.model}"), networks=tier.verify.networks)
+    verifier = verifier_of(tier)
     onsets, film = _quiet_film()
     heard = []
     for each in (deaf, tier):

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from blastline.detect import Detection, find_shots, load_verifier
+from blastline.detect import Detection, find_shots, load_verifier, verifier_of
 from blastline.detect.candidates import CandidateFeatures, describe_candidates, let_all_pass, well_apart
 from blastline.detect.chunks import CORE_PIECES, Chunk, chunks
 from blastline.detect.features import feature_names
@@ -33,12 +33,12 @@ from blastline.detect.verify import (
 )
 from blastline.errors import RuleError
 from blastline.model import Clip, Shot
-from blastline.ruleset import load_rules, rules_path
+from blastline.ruleset import load_rules, verifier_path
 from blastline.synth import Scene, Truth, render_scene, truth_of
 
 RATE_HZ = 48_000
 RULES = load_rules("standard")
-VERIFIER = load_verifier(rules_path(f"verifier/{RULES.tier.verify.model}"), networks=RULES.tier.verify.networks)
+VERIFIER = verifier_of(RULES.tier)
 SCENE = {
     "schema": 1,
     "rate_hz": RATE_HZ,
@@ -243,7 +243,7 @@ def test_the_runtime_walks_the_trees_as_scikit_learn_does() -> None:
 def test_a_second_opinion_is_asked_where_there_is_doubt_and_changes_no_clear_verdict(
     film: tuple[NDArray[np.float32], Truth],
 ) -> None:
-    both = load_verifier(rules_path(f"verifier/{RULES.tier.verify.model}"), networks=2)
+    both = load_verifier(verifier_path(RULES.tier), networks=2)
     first, second = (Verifier(both.gate, both.screen, (network,)) for network in both.networks)
     for chunk in chunks(pieces([Clip(film[0][:, None], RATE_HZ)], RATE_HZ)):
         found = _sieved(chunk, both)
@@ -260,7 +260,7 @@ def test_a_second_opinion_is_asked_where_there_is_doubt_and_changes_no_clear_ver
 def test_further_looks_count_where_every_network_doubts_and_nowhere_else(
     film: tuple[NDArray[np.float32], Truth],
 ) -> None:
-    verifier = load_verifier(rules_path(f"verifier/{RULES.tier.verify.model}"), networks=2)
+    verifier = load_verifier(verifier_path(RULES.tier), networks=2)
     asked: list[int] = []
 
     def look(chunk: Chunk, found: CandidateFeatures, speed: float, which: NDArray[np.intp]) -> Spectrograms:
@@ -298,7 +298,7 @@ def test_a_model_of_other_features_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_network_for_other_spectrograms_is_refused_by_its_number(tmp_path: Path) -> None:
-    shipped = msgspec.json.decode(rules_path(f"verifier/{RULES.tier.verify.model}").read_bytes(), type=ModelFile)
+    shipped = msgspec.json.decode(verifier_path(RULES.tier).read_bytes(), type=ModelFile)
     narrower = msgspec.structs.replace(shipped.networks[1], wide=shipped.networks[1].wide[1:])
     path = tmp_path / "narrower.json"
     path.write_bytes(msgspec.json.encode(msgspec.structs.replace(shipped, networks=[shipped.networks[0], narrower])))
@@ -310,7 +310,7 @@ def test_a_network_for_other_spectrograms_is_refused_by_its_number(tmp_path: Pat
 
 
 def test_a_tier_that_asks_for_more_networks_than_there_are_is_refused() -> None:
-    path = rules_path(f"verifier/{RULES.tier.verify.model}")
+    path = verifier_path(RULES.tier)
     with pytest.raises(RuleError, match=r"networks: expected at least 99, as \[verify\] asks, got \d"):
         load_verifier(path, networks=99)
 

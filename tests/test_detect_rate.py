@@ -5,17 +5,17 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from blastline.detect import Detection, audio_around, find_shots, load_verifier, shot_at
+from blastline.detect import Detection, audio_around, find_shots, shot_at, verifier_of
 from blastline.detect.onset import refine_onsets
 from blastline.detect.rate import LISTENING_HZ, in_film, resampled
 from blastline.model import Channels, Clip, Reflection, Rejection, Shot, Span
-from blastline.ruleset import load_rules, rules_path
+from blastline.ruleset import load_rules
 from blastline.synth import Scene, Truth, render_scene, truth_of
 
 Samples = NDArray[np.float32]
 
 RULES = load_rules("standard")
-VERIFIER = load_verifier(rules_path(f"verifier/{RULES.tier.verify.model}"), networks=RULES.tier.verify.networks)
+VERIFIER = verifier_of(RULES.tier)
 CLEAR = 0.9
 RATES_HZ = (8_000, 11_025, 22_050, 32_000, 44_099, 44_100, 47_952, 88_200, 96_000, 192_000, 384_000)
 SCENE = {

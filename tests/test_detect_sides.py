@@ -9,14 +9,14 @@ import pytest
 from numpy.typing import NDArray
 
 from blastline import run
-from blastline.detect import LATENCY_S, Detection, find_shots, load_verifier
+from blastline.detect import LATENCY_S, Detection, find_shots, verifier_of
 from blastline.detect.company import in_company
 from blastline.detect.find import ChunkResult, apply_row_verdicts
 from blastline.detect.fire import ScoredCandidates
 from blastline.detect.sides import merge_mixes
 from blastline.detect.verify import LogOdds
 from blastline.model import Rejection, Shot, ShotEvidence, Span
-from blastline.ruleset import QualityRules, load_rules, rules_path
+from blastline.ruleset import QualityRules, load_rules
 from blastline.soundtrack import open_soundtrack
 from blastline.soundtrack.mix import mix_matrix
 from blastline.soundtrack.reader import Soundtrack
@@ -27,7 +27,7 @@ from media import write_media
 RATE_HZ = 48_000
 NAMES = ("FL", "FR", "FC", "LFE", "SL", "SR")
 RULES = load_rules("standard")
-VERIFIER = load_verifier(rules_path(f"verifier/{RULES.tier.verify.model}"), networks=RULES.tier.verify.networks)
+VERIFIER = verifier_of(RULES.tier)
 SCENE = {
     "schema": 1,
     "rate_hz": RATE_HZ,

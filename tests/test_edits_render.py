@@ -213,7 +213,7 @@ def test_detection_is_not_asked(tmp_path: Path, film: Path, result: Path, monkey
     def never(*_: object, **__: object) -> None:
         raise AssertionError("detection was asked")
 
-    for name in ("find_shots", "load_verifier"):
+    for name in ("find_shots", "verifier_of"):
         monkeypatch.setattr(run.listening, name, never)
     rendered(film, edited(result, tmp_path, lambda rows: None))
 

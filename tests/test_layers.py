@@ -15,6 +15,7 @@ GROUND = {
     "__version__",
     "abandoned",
     "moving",
+    "progress",
     "correlate",
     "dsp",
     "errors",
@@ -35,7 +36,7 @@ MAY_IMPORT = (
     | {
         "study": GROUND | STAGES | {"study"},
         "run": GROUND | STAGES | {"run"},
-        "cli": {"cli", "run", "study", "ruleset", "model", "errors", "interruption", "staging", "streams"}
+        "cli": {"cli", "run", "study", "ruleset", "model", "errors", "interruption", "progress", "staging", "streams"}
         | {"timebase", "timecode", "__version__"},
         "__main__": {"cli"},
         "__init__": set(),

@@ -11,15 +11,15 @@ from hypothesis import strategies as st
 from msgspec import inspect
 from numpy.typing import NDArray
 
-from blastline.detect import find_shots, load_verifier
+from blastline.detect import find_shots, verifier_of
 from blastline.model import Channels, Clip, Span
-from blastline.ruleset import QualityRules, SceneRules, load_rules, rules_path
+from blastline.ruleset import QualityRules, SceneRules, load_rules
 from blastline.ruleset.table import Table
 from blastline.ruleset.tables import SegmentRules
 
 RATE_HZ = 48_000
 TIER = load_rules("standard").tier
-VERIFIER = load_verifier(rules_path(f"verifier/{TIER.verify.model}"), networks=TIER.verify.networks)
+VERIFIER = verifier_of(TIER)
 TABLES = [field.type for field in msgspec.structs.fields(QualityRules) if field.name not in ("schema", "source")]
 RISING = ("report_from", "round_threshold", "even_threshold", "company_threshold", "burst_threshold", "threshold")
 """An order that the thresholds of [verify] may have."""

@@ -9,11 +9,11 @@ import pytest
 import soundfile
 
 from blastline import run
-from blastline.detect import find_shots, load_verifier
+from blastline.detect import find_shots, verifier_of
 from blastline.errors import TimelineError
 from blastline.model import Clip, Quality, Timeline, encode
 from blastline.render import choose_made_of
-from blastline.ruleset import load_rules, rules_path
+from blastline.ruleset import load_rules
 from blastline.run import RenderOptions
 from blastline.soundtrack import open_soundtrack
 from media import write_media
@@ -118,7 +118,7 @@ def test_who_names_the_low_channel_gets_the_low_channel(shots: Samples, tmp_path
 
 def test_what_is_left_beside_the_middle_far_under_it_changes_nothing(shots: Samples) -> None:
     """A mixer's balance that is off by 0.1 dB leaves a copy at -45 dB in the sides."""
-    verifier = load_verifier(rules_path(f"verifier/{RULES.tier.verify.model}"), networks=RULES.tier.verify.networks)
+    verifier = verifier_of(RULES.tier)
     heard = shots.astype(np.float32)[:, None]
     for sides in (np.zeros_like(heard), np.float32(0.006) * heard):
         clip = Clip(heard, RATE_HZ, sides=sides[:, 0])

@@ -52,12 +52,12 @@ def gain_from_db(level_db: float) -> float:
 
 
 def db_from_gain(gain: float) -> float:
-    """Return the level of an amplitude ratio; zero gives `SILENCE_DB`.
+    """Return the level of an amplitude ratio; zero gives `SILENCE_DB`, NaN itself.
 
     >>> db_from_gain(10.0), db_from_gain(0.0)
     (20.0, -240.0)
     """
-    return max(SILENCE_DB, 20.0 * math.log10(gain)) if gain > 0.0 else SILENCE_DB
+    return SILENCE_DB if gain <= 0.0 else max(20.0 * math.log10(gain), SILENCE_DB)
 
 
 def levels_db(gains: NDArray[np.floating]) -> NDArray[np.float64]:

@@ -107,7 +107,7 @@ def _file_checks(timeline: Timeline, shared: Comparison, film: DriveFigures, dam
         yield Check("silence_outside_windows", None, film.stray == 0, film.stray, 0.0, "samples")
     else:
         stray = film.stray if same_rate else None
-        yield Check("sound_outside_windows", None, stray == 0, stray, 0.0, "samples")
+        yield Check("sound_outside_windows", None, not stray, stray, 0.0, "samples")
     if timeline.events:
         yield Check("fades", None, film.unfaded == 0, film.unfaded if same_rate else None, 0.0, "samples")
 

@@ -22,14 +22,13 @@ _AT_LIMIT = 0.995
 class Part:
     """What belongs to a shot alone: `span` of its sound, and `driven`, where the drive is its own.
 
-    `opens` says that the shot is the first of its window, `followed` that it is not the last. `since` is from where on
-    the drive before it is known, by the window or by the shot before, which was asked to be `before_db` stronger; the
-    next shot of the window was asked to be `after_db` stronger.
+    `opens` says that the shot is the first of its window. `since` is from where on the drive before it is known, by the
+    window or by the shot before, which was asked to be `before_db` stronger; the next shot of the window was asked to
+    be `after_db` stronger.
     """
 
     span: Span
     opens: bool
-    followed: bool
     since: int
     driven: Span
     before_db: float = 0.0

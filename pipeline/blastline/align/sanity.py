@@ -46,8 +46,7 @@ def heard_rise_db(event: Event, audio: Sound) -> float | None:
     """
     onset, around = event.onset_sample, samples_from_ms(_AROUND_MS, audio.rate_hz)
     inside = Span(onset - around, onset + around) & Span(0, audio.frames)
-    clip = audio.file.read(inside, sides=event.heard_in == "sides")
-    heard = clip.sides if event.heard_in == "sides" else clip.heard
+    heard = audio.file.read(inside, sides=event.heard_in == "sides").heard_in(event.heard_in)
     return None if heard is None else _rise_db(heard, onset - inside.start)
 
 

@@ -60,7 +60,7 @@ def parts_of(events: Sequence[Event], *, lead: int) -> tuple[Part, ...]:
         after_db = after.gain_db - event.gain_db if after is not None and stop < whole else 0.0
         begins = event.window.start if opens else max(event.window.start, event.onset_sample - lead)
         driven = Span(begins, max(begins + 1, stop if stop < whole else event.window.stop))
-        parts.append(Part(Span(event.onset_sample, stop), opens, stop < whole, since, driven, before_db, after_db))
+        parts.append(Part(Span(event.onset_sample, stop), opens, since, driven, before_db, after_db))
     return tuple(parts)
 
 

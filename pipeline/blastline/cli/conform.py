@@ -99,7 +99,7 @@ def conform(
     say_warnings(done.timeline)
     if not quiet:
         _say_lost(done)
-        _say_segments(done)
+        _say_stretches(done)
 
 
 def _say_lost(done: "Conformed") -> None:
@@ -112,7 +112,7 @@ def _say_lost(done: "Conformed") -> None:
         typer.echo(f"not placed: {len(lost) - _MOST_LISTED} more, in conform.csv", err=True)
 
 
-def _say_segments(done: "Conformed") -> None:
+def _say_stretches(done: "Conformed") -> None:
     for number, course in enumerate(done.courses, start=1):
         segment = course.segment
         start_s, stop_s = segment.new_span_s

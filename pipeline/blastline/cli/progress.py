@@ -3,21 +3,18 @@
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 import typer
 
 from ..interruption import heed_interruption
-
-if TYPE_CHECKING:
-    from ..run import Progress
+from ..progress import Progress, no_progress
 
 
 @contextmanager
-def shown_progress(*, quiet: bool) -> Iterator["Progress"]:
+def shown_progress(*, quiet: bool) -> Iterator[Progress]:
     """Yield a function that shows progress on stderr in the way that suits it."""
     if quiet:
-        yield _heeding(_nothing)
+        yield _heeding(no_progress)
     elif sys.stderr is not None and sys.stderr.isatty():
         with _bars() as shown:
             yield _heeding(shown)
@@ -25,7 +22,7 @@ def shown_progress(*, quiet: bool) -> Iterator["Progress"]:
         yield _heeding(_lines())
 
 
-def _heeding(show: "Progress") -> "Progress":
+def _heeding(show: Progress) -> Progress:
     """Return a function that shows progress unless the run is to end."""
 
     def heed_and_show(stage: str, done: int, total: int | None) -> None:
@@ -35,11 +32,7 @@ def _heeding(show: "Progress") -> "Progress":
     return heed_and_show
 
 
-def _nothing(stage: str, done: int, total: int | None) -> None:
-    """Show nothing."""
-
-
-def _lines() -> "Progress":
+def _lines() -> Progress:
     """Return a function that writes the name of each stage once, when it starts."""
     begun: set[str] = set()
 
@@ -52,7 +45,7 @@ def _lines() -> "Progress":
 
 
 @contextmanager
-def _bars() -> Iterator["Progress"]:
+def _bars() -> Iterator[Progress]:
     """Yield a function that draws a bar for each stage; one whose total is unknown pulses."""
     from rich.console import Console
     from rich.progress import BarColumn, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn

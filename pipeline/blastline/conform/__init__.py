@@ -11,7 +11,7 @@ from .film import Film, hear
 from .find import find_courses
 from .path import find_segments
 from .place import Loss, Lost, Placed, moment, place
-from .report import new_timecode, write_events, write_segments
+from .report import new_timecode, write_events, write_stretches
 from .retime import Retimed, retimed
 
 __all__ = [
@@ -31,5 +31,5 @@ __all__ = [
     "retimed",
     "with_exact_ends",
     "write_events",
-    "write_segments",
+    "write_stretches",
 ]

@@ -127,12 +127,12 @@ def _normalised(power: Frames) -> Frames:
 
 
 def _running_mean(values: NDArray[np.float32], size: int) -> NDArray[np.float32]:
-    """Return the mean over `size` frames around each, fewer at the ends."""
+    """Return the mean over each frame and `size // 2` to either side, fewer at the ends."""
     return np.asarray(summed_around(values, size) / summed_around(np.ones(len(values)), size), np.float32)
 
 
 def summed_around(values: NDArray[np.floating], size: int) -> NDArray[np.float64]:
-    """Return the sum over `size` values around each, what lies outside counting as nothing."""
+    """Return the sum over each value and `size // 2` to either side, what lies outside counting as nothing."""
     sums = np.concatenate([[0.0], np.cumsum(values, dtype=np.float64)])
     index = np.arange(len(values))
     low, high = np.maximum(index - size // 2, 0), np.minimum(index + size // 2 + 1, len(values))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .fingerprint import FRAME_HZ, Fingerprint
-from .search import Haystack, Hit
+from .search import MIN_ENERGY_SHARE, Haystack, Hit
 
 SPEEDS = (1.0, 25.0 / 24.0, 24.0 / 25.0)
 """How much faster a copy may run. The pull of 1001/1000 is so little that it is found with these."""
@@ -33,7 +33,10 @@ _SURE_CORRELATION = 0.6  # a hit that is so much alike is believed without other
 _MAX_PLACES = 3  # kept of a search: a scene or its music may come again
 _MAX_FOLLOWED = 4  # a segment is looked for where so many lines go on, the latest first
 _FOLLOW_FRAMES = 8  # how far to either side of there, in frames of the fingerprint
-_MIN_ENERGY_SHARE = 0.2  # of the segment's: against silence, chance alone correlates
+_MIN_POWER = 0.05  # of a segment, per frame: less is silence, or a hum without a change
+_RIVAL_SHARE = 0.7  # of the best place's correlation: others as good as that are kept
+_CHANCE_CORRELATION, _MIN_SURPLUS = 0.2, 0.5  # a row is believed for what its hits have above chance, in sum
+_COVERING_CORRELATION = 0.8  # a long segment so much alike was found as a whole: there is no cut in it
 
 _LINE_TOLERANCE_S, _LINE_DRIFT = 0.04, 0.002
 """How far off a line a hit may lie, and how much more for each second of distance from the hit before."""
@@ -96,8 +99,8 @@ def _segments(old: Fingerprint, length_s: float, spacing_s: float) -> list[float
     if old.duration_s <= length_s:
         return [old.duration_s / 2.0]
     count = int((old.duration_s - length_s) / spacing_s) + 1
-    last = old.duration_s - length_s / 2.0
-    return [*(length_s / 2.0 + n * spacing_s for n in range(count)), last]
+    centres, last = [length_s / 2.0 + n * spacing_s for n in range(count)], old.duration_s - length_s / 2.0
+    return centres if centres[-1] == last else [*centres, last]
 
 
 def _pattern(old: Fingerprint, centre_s: float, length_s: float, scale: float) -> tuple[NDArray[np.float32], float]:
@@ -111,7 +114,7 @@ def _pattern(old: Fingerprint, centre_s: float, length_s: float, scale: float) -
 
 def _lively(old: Fingerprint, centre_s: float, length_s: float) -> bool:
     pattern, _ = _pattern(old, centre_s, length_s, 1.0)
-    return float(np.mean(pattern.astype(np.float64) ** 2)) > 0.05
+    return float(np.mean(pattern.astype(np.float64) ** 2)) > _MIN_POWER
 
 
 def _hits(
@@ -152,7 +155,7 @@ def _follow(old: Fingerprint, new: Fingerprint, last: Hit, centre_s: float, leng
     sums = np.concatenate([[0.0], np.cumsum(powers)])
     energy = sums[len(pattern) :] - sums[: -len(pattern)]
     product = np.array([np.vdot(pattern, there[n : n + len(pattern)]) for n in range(stop - first)])
-    score = np.where(energy > _MIN_ENERGY_SHARE * own, product / np.sqrt(np.maximum(own * energy, 1e-12)), 0.0)
+    score = np.where(energy > MIN_ENERGY_SHARE * own, product / np.sqrt(np.maximum(own * energy, 1e-12)), 0.0)
     at, best = first + int(np.argmax(score)), float(np.max(score))
     return Hit(centre_s, at / FRAME_HZ + before_s, last.scale, best) if best >= _FOLLOW_CORRELATION else None
 
@@ -166,7 +169,8 @@ def _everywhere(
         for start, score in hay.best(pattern, _MAX_PLACES):
             found.append(Hit(centre_s, start / FRAME_HZ + before_s, 1.0 / speed, score))
     found.sort(key=lambda hit: -hit.score)
-    return [hit for hit in _distinct(found)[:_MAX_PLACES] if hit.score >= max(_MIN_CORRELATION, 0.7 * found[0].score)]
+    least = max(_MIN_CORRELATION, _RIVAL_SHARE * found[0].score) if found else _MIN_CORRELATION
+    return [hit for hit in _distinct(found)[:_MAX_PLACES] if hit.score >= least]
 
 
 def _distinct(hits: Iterable[Hit]) -> list[Hit]:
@@ -214,7 +218,8 @@ def _runs(hits: Sequence[Hit]) -> list[list[Hit]]:
 
 
 def _credible(run: Sequence[Hit]) -> bool:
-    return max(hit.score for hit in run) >= _SURE_CORRELATION or sum(hit.score - 0.2 for hit in run) >= 0.5
+    surplus = sum(hit.score - _CHANCE_CORRELATION for hit in run)
+    return max(hit.score for hit in run) >= _SURE_CORRELATION or surplus >= _MIN_SURPLUS
 
 
 def _fitted(run: Sequence[Hit]) -> Line:
@@ -247,4 +252,4 @@ def _share(hits: Sequence[Hit], old: Fingerprint) -> float:
 def _covered(centre_s: float, hits: Sequence[Hit]) -> bool:
     """Return whether a long segment around here was found as a whole."""
     half_s = _SEGMENTS_S[0][0] / 2.0
-    return any(abs(hit.old_s - centre_s) <= half_s and hit.score >= 0.8 for hit in hits)
+    return any(abs(hit.old_s - centre_s) <= half_s and hit.score >= _COVERING_CORRELATION for hit in hits)

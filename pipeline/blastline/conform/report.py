@@ -1,4 +1,4 @@
-"""What a conform did, as two tables: one row per event, one per segment of film."""
+"""What a conform did, as two tables: one row per event, one per stretch of film."""
 
 import csv
 from collections.abc import Iterable, Sequence
@@ -22,7 +22,7 @@ EVENT_COLUMNS = (
     "stretch",
     "reason",
 )
-SEGMENT_COLUMNS = (
+STRETCH_COLUMNS = (
     "stretch",
     "old_start_s",
     "old_stop_s",
@@ -60,7 +60,7 @@ def new_timecode(found: Placed | Lost, source: Source) -> str:
     return timecode_at(source, min(max(0, sample), source.frames - 1))
 
 
-def write_segments(path: Path, courses: Sequence[Course]) -> None:
+def write_stretches(path: Path, courses: Sequence[Course]) -> None:
     """Write which part of the old film is where in the new one.
 
     `speed` is how much faster the new film runs, `pitch` how much higher it sounds; `alike` how alike the two sound,
@@ -74,7 +74,7 @@ def write_segments(path: Path, courses: Sequence[Course]) -> None:
         speed, pitch = 1.0 / segment.line.scale, 1.0 / course.pitch_scale
         agree = [f"{segment.alike:.3f}", course.anchors, f"{course.agree_s * 1000.0:.4f}"]
         rows.append([number, *times, f"{speed:.7f}", f"{pitch:.7f}", *agree])
-    _write(path, SEGMENT_COLUMNS, rows)
+    _write(path, STRETCH_COLUMNS, rows)
 
 
 def _write(path: Path, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:

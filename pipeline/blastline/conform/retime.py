@@ -10,7 +10,7 @@ from .courses import Course
 from .film import Film
 from .place import Placed
 
-_PEAK_MS = 50.0
+_LOUDEST_WITHIN_MS = 50.0
 
 
 @dataclass(frozen=True)
@@ -62,17 +62,16 @@ def retimed(event: Event, placed: Placed, course: Course, old: Film, new: Film) 
 
 
 def _level_dbfs(event: Event, onset: int, old: Film, new: Film) -> float:
-    before, after = _peak(old, event.onset_sample, event.heard_in), _peak(new, onset, event.heard_in)
+    before, after = _swing(old, event.onset_sample, event.heard_in), _swing(new, onset, event.heard_in)
     if before <= 0.0 or after <= 0.0:
         return event.peak_dbfs
     return max(SILENCE_DB, event.peak_dbfs + db_from_gain(after / before))
 
 
-def _peak(film: Film, onset: int, mix: HeardIn) -> float:
-    """Return how high a film gets after an onset in a mix; 0 where the film does not have it."""
-    near = Span(onset, onset + samples_from_ms(_PEAK_MS, film.rate_hz)) & Span(0, film.frames)
+def _swing(film: Film, onset: int, mix: HeardIn) -> float:
+    """Return how far a film swings, peak to peak, after an onset in a mix; 0 where the film does not have it."""
+    near = Span(onset, onset + samples_from_ms(_LOUDEST_WITHIN_MS, film.rate_hz)) & Span(0, film.frames)
     if not near:
         return 0.0
-    clip = film.read(near, sides=mix == "sides")
-    heard = clip.sides if mix == "sides" else clip.heard
-    return 0.0 if heard is None else float(np.abs(heard).max(initial=0.0))
+    heard = film.read(near, sides=mix == "sides").heard_in(mix)
+    return 0.0 if heard is None else float(np.ptp(heard))

@@ -15,6 +15,9 @@ from .fingerprint import FRAME_HZ, Fingerprint
 
 _BLOCK = 4096
 
+MIN_ENERGY_SHARE = 0.2
+"""What a place has to have of a segment's energy: against silence, chance alone correlates."""
+
 
 @dataclass(frozen=True)
 class Hit:
@@ -63,5 +66,5 @@ class Haystack:
         here = self._energy[len(pattern) :] - self._energy[: -len(pattern)]
         own = float(np.sum(pattern.astype(np.float64) ** 2))
         found, here = found[: here.shape[0]], here[: found.shape[0]]
-        enough = here > 0.2 * own  # against silence, chance alone correlates
+        enough = here > MIN_ENERGY_SHARE * own
         return np.where(enough, found / np.sqrt(np.where(enough, here * own, 1.0)), 0.0).astype(np.float32)

@@ -10,7 +10,7 @@ from .direction import with_azimuths
 from .find import LATENCY_S, Detection, find_shots
 from .given import audio_around, shot_at, shot_in_clearer_mix
 from .sides import side_as_main
-from .verify import Verifier, load_verifier, read_model
+from .verify import Verifier, load_verifier, read_model, verifier_of
 
 __all__ = [
     "LATENCY_S",
@@ -25,5 +25,6 @@ __all__ = [
     "shot_at",
     "shot_in_clearer_mix",
     "side_as_main",
+    "verifier_of",
     "with_azimuths",
 ]

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RuleError
+from ..ruleset import QualityRules, verifier_path
 from .bandshape import bandshape_names
 from .contrast import contrasts
 from .features import feature_names
@@ -157,6 +158,11 @@ def log_odds_of(probability: NDArray[np.float64] | float) -> NDArray[np.float64]
     """Return the log-odds of probabilities, in their shape; those of 0 and 1 are what rounding may have left them."""
     p = np.clip(probability, _SMALLEST, 1.0 - _SMALLEST)
     return np.asarray(np.log(p / (1.0 - p)), np.float64)
+
+
+def verifier_of(tier: QualityRules, overlay: Path | None = None) -> Verifier:
+    """Read the verifier that a tier asks for, the user's model where there is one; RuleError as `read_model`."""
+    return load_verifier(verifier_path(tier, overlay), networks=tier.verify.networks)
 
 
 def load_verifier(path: Path, *, networks: int) -> Verifier:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from .digital import run_filter
 
 _BLOCK = 1024
+_SILENT = 16  # so many zeros are no chance
 _AT_ONCE = 60_000  # products in a matrix product: larger ones start threads, which cost more than they save
 
 
@@ -74,6 +75,7 @@ def _transition(sections: NDArray[np.float64]) -> NDArray[np.float64]:
 def without_offset(samples: NDArray[np.float64], before: int) -> NDArray[np.float64]:
     """Return samples less the mean of the first `before`, in which filters settle; those that begin in silence as is.
 
-    From rest, a filter hears a constant as a step, and rings with that still when its pre-roll is over.
+    From rest, a filter hears a constant as a step, and rings with that still when its pre-roll is over. A single zero
+    is no silence: any film passes through it.
     """
-    return samples - samples[:before].mean() if before and samples[:1].any() else samples
+    return samples - samples[:before].mean() if before and samples[: min(before, _SILENT)].any() else samples

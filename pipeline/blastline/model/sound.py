@@ -87,6 +87,10 @@ class Clip:
         """Return the column that becomes the drive, shape (frames,); the heard one where there is only one."""
         return self.samples[:, -1]
 
+    def heard_in(self, mix: HeardIn) -> NDArray[np.floating] | None:
+        """Return a mix in which shots are heard, shape (frames,); None for sides that were not read."""
+        return self.sides if mix == "sides" else self.heard
+
     def driving_of(self, made_of: MadeOf) -> NDArray[np.floating]:
         """Return what becomes a drive that is made of that, shape (frames,); all but the mains need `sides`.
 

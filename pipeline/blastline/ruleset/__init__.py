@@ -20,6 +20,7 @@ from .files import (
     load_measuring,
     load_rules,
     rules_path,
+    verifier_path,
 )
 from .haptics import HapticRules
 from .measuring import FitRules, IdentifyRules, MeasuringRules, PerceptionCurve
@@ -85,4 +86,5 @@ __all__ = [
     "read_columns",
     "rules_path",
     "toml_lines",
+    "verifier_path",
 ]

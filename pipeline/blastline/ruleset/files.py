@@ -60,6 +60,11 @@ def rules_path(relative: str, overlay: Path | None = None) -> Path:
     return own if own is not None and own.is_file() else builtin() / relative
 
 
+def verifier_path(tier: QualityRules, overlay: Path | None = None) -> Path:
+    """Return the file of the model that a tier's verifier is, which may be missing."""
+    return rules_path(f"verifier/{tier.verify.model}", overlay)
+
+
 def load_rules(quality: Quality, overlay: Path | None = None) -> Rules:
     """Read the rules of a quality tier, with the user's folder laid over the built-in one.
 
@@ -69,7 +74,7 @@ def load_rules(quality: Quality, overlay: Path | None = None) -> Rules:
     tier = merged(f"quality/{quality}.toml", QualityRules, overlay)
     scenes = merged("scenes.toml", SceneRules, overlay)
     align = merged("align.toml", AlignRules, overlay)
-    model = rules_path(f"verifier/{tier.verify.model}", overlay)
+    model = verifier_path(tier, overlay)
     if not model.is_file():
         where = rules_path(f"quality/{quality}.toml", overlay)
         folders = " or ".join(str(folder / "verifier") for folder in (overlay, builtin()) if folder)

@@ -15,14 +15,14 @@ from .bode_plots import draw_bode
 from .budget import Allowance, allowance, choose_quality
 from .checking import check
 from .conforming import Conformed, conform
-from .exports import export_rows
-from .files import export, synthesise
+from .export_rows import export_rows
+from .exporting import export
 from .listening import detect
 from .names import DRIVE
 from .options import RenderOptions
-from .progress import Progress, no_progress
 from .rendering import render, require_place
 from .rulefiles import check_rules
+from .synthesis import synthesise
 from .verdicts import told_failures, told_passes
 
 __all__ = [
@@ -31,7 +31,6 @@ __all__ = [
     "Conformed",
     "FitOptions",
     "MadeProfile",
-    "Progress",
     "RenderOptions",
     "actuator_table",
     "allowance",
@@ -45,7 +44,6 @@ __all__ = [
     "export_rows",
     "fit_actuator",
     "identify_actuator",
-    "no_progress",
     "render",
     "require_place",
     "synthesise",

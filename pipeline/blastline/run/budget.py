@@ -13,10 +13,10 @@ from pathlib import Path
 from .. import model
 from ..errors import RuleError
 from ..model import Quality
+from ..progress import Progress, no_progress
 from .costs import FilmCost
 from .gauge import open_gauge
 from .options import RenderOptions
-from .progress import Progress, no_progress
 
 BEST_FIRST: tuple[Quality, ...] = ("reference", "standard", "draft")
 

@@ -11,6 +11,7 @@ from ..align import check_files, check_timeline
 from ..errors import TimelineError
 from ..export import read_timeline
 from ..model import Source, Timeline
+from ..progress import Note, Progress, no_note, no_progress, report_progress
 from ..ruleset import ActuatorProfile, Rules, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack
 from ..streams import Streams
@@ -18,7 +19,6 @@ from . import names
 from .belonging import profile_of, require_length, require_same_film
 from .driving import open_drive
 from .listening import BLOCK
-from .progress import Note, Progress, no_note, no_progress, report_progress
 
 
 def check(

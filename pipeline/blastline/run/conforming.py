@@ -24,12 +24,13 @@ from ..conform import (
     place,
     retimed,
     write_events,
-    write_segments,
+    write_stretches,
 )
 from ..detect import group_bursts
 from ..errors import OutputError, SoundtrackError, TimelineError
 from ..export import read_timeline
 from ..model import Event, Rejection, Source, Timeline, encode
+from ..progress import Progress, no_progress, report_progress
 from ..ruleset import ConformRules, Rules, load_conform, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack
 from ..staging import staged
@@ -38,9 +39,8 @@ from ..timebase import AS_FILMED, Timebase
 from ..units import samples_from_s
 from . import names
 from .conforming_events import as_played, begun_by_hand, moved_events
-from .exports import files_of_results
+from .export_rows import files_of_results
 from .listening import BLOCK
-from .progress import Progress, no_progress, report_progress
 
 _SHORTEST_S = 1.0
 
@@ -105,7 +105,7 @@ def conform(
             )
         (hidden / names.TIMELINE).write_bytes(encode(done.timeline))
         write_events(hidden / names.EVENTS, done.events, done.places, source=done.timeline.source)
-        write_segments(hidden / names.STRETCHES, done.courses)
+        write_stretches(hidden / names.STRETCHES, done.courses)
     return done
 
 

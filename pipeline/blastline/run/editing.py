@@ -23,6 +23,7 @@ from ..errors import TimelineError
 from ..export import read_timeline
 from ..export.edits import EditedFile, Wanted, Wish, match, read_edits
 from ..model import Decision, Edits, Event, Rejection, Shot, Source
+from ..progress import Progress, report_progress
 from ..render import is_lacking, plan_windows, with_gains
 from ..report import OverviewMeter
 from ..ruleset import QualityRules, Rules
@@ -34,7 +35,6 @@ from . import names
 from .edit_summary import summarise_edits
 from .editing_windows import DELETED, settled_windows
 from .listening import BLOCK, HeardFilm, Mark
-from .progress import Progress, report_progress
 
 _MEND = "re-time the timeline with `blastline conform`, or give the film that it is of"
 _SURE = 1.0  # who sets an event by hand has no doubt

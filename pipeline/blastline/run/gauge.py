@@ -15,11 +15,12 @@ from time import process_time
 
 import msgspec
 
-from ..detect import Detection, audio_around, find_shots, load_verifier, shot_at
+from ..detect import Detection, audio_around, find_shots, shot_at, verifier_of
 from ..model import Quality, Shot
+from ..progress import Progress, no_note, no_progress
 from ..render import plan_windows
 from ..report import OverviewMeter
-from ..ruleset import Rules, rules_path
+from ..ruleset import Rules
 from ..soundtrack import Soundtrack, open_soundtrack
 from . import names
 from .checking import checked
@@ -27,7 +28,6 @@ from .costs import After, FilmCost, FixedAndEach, Known
 from .driving import open_drive, write_drive_of
 from .listening import HeardFilm, Mark, event_id, listen
 from .options import RenderOptions, Setup, set_up
-from .progress import Progress, no_note, no_progress
 from .rendering import driven_timeline, write_formats, write_report_of
 from .sampling import FilmSample, room_for_samples, sample_film, shorter_sample
 
@@ -118,9 +118,8 @@ class Gauge:
 
     def _detecting(self, rules: Rules) -> FixedAndEach:
         """Return what reading the verifier takes, and finding the shots in each second of film."""
-        path, networks = rules_path(f"verifier/{rules.tier.verify.model}", rules.overlay), rules.tier.verify.networks
         began = process_time()
-        verifier = load_verifier(path, networks=networks)
+        verifier = verifier_of(rules.tier, rules.overlay)
         verifier_s = process_time() - began
         timed = shorter_sample(self._track, self._sample.stride, sides=rules.tier.channels.sides)
         rate_hz = self._track.rate_hz

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from ..export import HapticTrack, Rounding, haptic_track
 from ..model import Span, Timeline
+from ..progress import Note
 from ..ruleset import ActuatorProfile, HapticRules
 from ..soundtrack import Soundtrack
-from .progress import Note
 
 
 def track_of(timeline: Timeline, drive: Soundtrack, *, profile: ActuatorProfile, rules: HapticRules) -> HapticTrack:

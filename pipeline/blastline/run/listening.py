@@ -7,16 +7,16 @@ from pathlib import Path
 import msgspec
 
 from .. import __version__, scene
-from ..detect import LATENCY_S, Detection, find_shots, load_verifier
+from ..detect import LATENCY_S, Detection, find_shots, verifier_of
 from ..model import SCHEMA, ActuatorRef, Budget, Decision, DriveInfo, Event, Origin, Quality, Source, Timeline
+from ..progress import Progress, no_progress, report_progress
 from ..render import PlannedWindow, plan_windows
 from ..report import OverviewMeter
-from ..ruleset import Rules, load_rules, rules_path
+from ..ruleset import Rules, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack
 from ..streams import Streams
 from ..timebase import AS_FILMED, Timebase
 from ..timecode import timecode_at
-from .progress import Progress, no_progress, report_progress
 
 BLOCK = 65_536
 """Frames that are read at a time; nothing in a result depends on it."""
@@ -70,9 +70,7 @@ def detect(
 
 def listen(track: Soundtrack, rules: Rules, progress: Progress, meter: OverviewMeter | None = None) -> HeardFilm:
     """Decode the film once and return its shots and their windows; `meter` watches as it goes by."""
-    verifier = load_verifier(
-        rules_path(f"verifier/{rules.tier.verify.model}", rules.overlay), networks=rules.tier.verify.networks
-    )
+    verifier = verifier_of(rules.tier, rules.overlay)
     decoded = track.blocks(BLOCK, sides=rules.tier.channels.sides, remembered_s=LATENCY_S)
     blocks = report_progress(decoded, progress, track.expected_frames)
     heard = meter.watch(blocks) if meter else blocks

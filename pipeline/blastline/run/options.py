@@ -7,11 +7,11 @@ import msgspec
 
 from ..errors import RuleError
 from ..model import ActuatorRef, Background, Budget, DriveChoice, Phase, Quality
+from ..progress import Progress
 from ..ruleset import LARGEST_LEVEL_DB, ActuatorProfile, HapticRules, Rules, load_actuator, load_haptics, load_rules
 from ..streams import Streams
 from ..timebase import AS_FILMED, Timebase
 from . import names
-from .progress import Progress
 
 
 @dataclass(frozen=True)

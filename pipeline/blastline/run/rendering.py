@@ -13,6 +13,7 @@ import msgspec
 from ..errors import RuleError
 from ..export import export_timeline, known_formats, needs_drive, require_frame_rate, require_late_enough, rounding
 from ..model import DriveInfo, Edits, Timeline
+from ..progress import Note, Progress, no_note, no_progress
 from ..render import require_renderable
 from ..report import OverviewMeter, typeset, write_report
 from ..soundtrack import Soundtrack, open_soundtrack
@@ -23,11 +24,10 @@ from .belonging import film_of
 from .checking import checked
 from .driving import open_drive, write_drive_of
 from .editing import Editing, hear_edited, read_editing, timebase_of
-from .exports import export_rows, files_of_results
+from .export_rows import export_rows, files_of_results
 from .haptics import rounding_notes, tell_silent, track_of
 from .listening import HeardFilm, assemble, listen
 from .options import RenderOptions, Setup, set_up, with_files
-from .progress import Note, Progress, no_note, no_progress
 
 
 def render(

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import get_args
 
-from ..detect import load_verifier, read_model
+from ..detect import read_model, verifier_of
 from ..model import Quality
 from ..ruleset import check_rules as check_tables
-from ..ruleset import load_rules, rules_path
+from ..ruleset import load_rules
 
 
 def check_rules(overlay: Path) -> Iterator[str]:
@@ -17,8 +17,7 @@ def check_rules(overlay: Path) -> Iterator[str]:
     """
     yield from check_tables(overlay)
     for quality in get_args(Quality):
-        asked = load_rules(quality, overlay).tier.verify
-        load_verifier(rules_path(f"verifier/{asked.model}", overlay), networks=asked.networks)
+        verifier_of(load_rules(quality, overlay).tier, overlay)
     for file in sorted(overlay.glob("verifier/*.json")):
         read_model(file)
         yield file.relative_to(overlay).as_posix()

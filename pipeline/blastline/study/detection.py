@@ -11,7 +11,8 @@ import numpy as np
 from ..detect import Verifier, load_verifier
 from ..errors import RuleError
 from ..model import Quality
-from ..ruleset import QualityRules, load_rules, rules_path
+from ..progress import Progress, no_progress
+from ..ruleset import QualityRules, load_rules, verifier_path
 from .cases import Case
 from .cost import Heard, listened, peak_memory_mb, read_cpu_s
 from .events import ScoredEvent, scored_events
@@ -65,12 +66,6 @@ class Sweep:
 
 
 Watcher = Callable[[Case, Heard], None]
-Progress = Callable[[str, int, int | None], None]
-"""Is told a stage's name, what is done and, where it is known, how much there is to do."""
-
-
-def unwatched(stage: str, done: int, total: int | None) -> None:
-    """Tell nobody."""
 
 
 def _require_inside(case: Case, heard: Heard) -> None:
@@ -85,7 +80,7 @@ def _require_inside(case: Case, heard: Heard) -> None:
 
 def listener(name: str, tier: QualityRules, rules: Path | None = None) -> Listener:
     """Return a setting of detection, ready to listen."""
-    model = rules_path(f"verifier/{tier.verify.model}", rules)
+    model = verifier_path(tier, rules)
     return Listener(name, tier, _verifier(model, tier.verify.networks), model)
 
 
@@ -103,7 +98,7 @@ def study_detection(
     *,
     with_peers: bool = False,
     jobs: int = 1,
-    progress: Progress = unwatched,
+    progress: Progress = no_progress,
 ) -> tuple[DetectionStudy, tuple[Path, ...]]:
     """Run a tier over films, with those peers that are installed; return the figures, and the file of each film.
 
@@ -185,7 +180,7 @@ def sweep(
     repeats: int = 1,
     jobs: int = 1,
     watch: Watcher | None = None,
-    progress: Progress = unwatched,
+    progress: Progress = no_progress,
 ) -> Sweep:
     """Listen to each film with every listener and peer in turn, to so many films at once as there are jobs.
 

@@ -7,12 +7,13 @@ from pathlib import Path
 import msgspec
 
 from ..model import Quality
+from ..progress import Progress, no_progress
 from ..ruleset import load_actuator
 from .bars import Bar
 from .bootstrap import f1_gain
 from .cases import Case
 from .cost import peak_memory_mb
-from .detection import Listener, Progress, Sweep, listener, sweep, unwatched
+from .detection import Listener, Sweep, listener, sweep
 from .front import on_front, shortfall
 from .peer_scores import PeerScore
 from .peers import installed
@@ -57,7 +58,7 @@ def study_pareto(
     with_rendering: bool = True,
     repeats: int = 1,
     jobs: int = 1,
-    progress: Progress = unwatched,
+    progress: Progress = no_progress,
 ) -> ParetoStudy:
     """Measure every tier and every change of one over films that are made once and kept while it lasts.
 

@@ -10,12 +10,12 @@ import msgspec
 import numpy as np
 
 from ..model import Phase, Quality
+from ..progress import Progress, no_progress
 from ..render import needed_audio
 from ..render.filters import settled_compensated
 from ..ruleset import load_actuator, load_rules
 from ..units import SILENCE_DB, db_from_gain, samples_from_ms
 from .bars import Bar
-from .detection import Progress, unwatched
 from .drives import Drive, RenderSetup, ShotRow, Window, WindowRow, judged, render_setup, windowed_error, windows_of
 from .optimum import Optimum, against_optimum
 from .truth import TrueScene, scenes_with_shots, true_scenes
@@ -75,7 +75,7 @@ def score(
     quality: Quality = "standard",
     actuator: str = "crowson-t108sm",
     rules: Path | None = None,
-    progress: Progress = unwatched,
+    progress: Progress = no_progress,
 ) -> RenderingScore:
     """Render every shot of a folder's scenes, with both phases, and return its figures and the bars.
 

@@ -7,10 +7,10 @@ from itertools import islice
 import msgspec
 import numpy as np
 
+from ..progress import Progress, no_progress
 from ..ruleset import ActuatorProfile, QualityRules
 from .cases import Case
 from .cost import read_cpu_s
-from .detection import Progress, unwatched
 from .drives import DRIVES, Drive, FeltShot, RenderSetup, WindowRow, judged, render_setup, windows_of
 from .settings import Setting
 from .tally import Cost
@@ -90,7 +90,7 @@ def sweep_rendering(
     *,
     repeats: int = 1,
     jobs: int = 1,
-    progress: Progress = unwatched,
+    progress: Progress = no_progress,
 ) -> RenderingSweep | None:
     """Render the true shots of films with every setting, and in the other ways there are with the first.
 

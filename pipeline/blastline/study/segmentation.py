@@ -17,15 +17,15 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ..detect import Verifier, drop_claimed_reflections, find_shots, load_verifier, shot_at
+from ..detect import Verifier, drop_claimed_reflections, find_shots, shot_at, verifier_of
 from ..model import Clip, Quality, Reflection, Shot
-from ..ruleset import QualityRules, load_rules, rules_path
+from ..progress import Progress, no_progress
+from ..ruleset import QualityRules, load_rules
 from ..soundtrack import open_soundtrack
 from ..synth import ShotTruth, Truth, film_scene, render_scene, truth_of
 from .bars import Bar
 from .bootstrap import Interval, intervals
 from .cost import listened
-from .detection import Progress, unwatched
 from .matching import Counts, match
 from .mixes import as_16_bit
 from .truth import scenes_with_shots, synthesised
@@ -119,12 +119,11 @@ def random_films(seeds: Iterable[int], *, rate_hz: int = 48_000) -> Iterator[Fil
 
 
 def score(
-    films: Iterable[Film], quality: Quality, rules: Path | None = None, *, progress: Progress = unwatched
+    films: Iterable[Film], quality: Quality, rules: Path | None = None, *, progress: Progress = no_progress
 ) -> SegmentationScore:
     """Part the shots of each film and return the figures of a tier."""
     read = load_rules(quality, rules)
-    asked = read.tier.verify
-    verifier = load_verifier(rules_path(f"verifier/{asked.model}", rules), networks=asked.networks)
+    verifier = verifier_of(read.tier, rules)
     longest_ms = read.tier.segment.longest_blast_ms
     at_true, at_found = PartingTally(longest_ms), PartingTally(longest_ms)
     count, echoes, mistaken, found_shots = 0, 0, 0, 0

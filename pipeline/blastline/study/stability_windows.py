@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..detect import find_shots, load_verifier
+from ..detect import find_shots, verifier_of
 from ..detect.tracks import pieces
 from ..model import Clip, Shot, Span
 from ..render import RenderedWindow, compose, drive_filters, hear_window, plan_windows, render_window
-from ..ruleset import load_actuator, load_rules, rules_path
+from ..ruleset import load_actuator, load_rules
 from ..soundtrack import open_soundtrack
 from .bars import Bar, exact
 from .stability_signals import RATE_HZ, shot_at, shot_film
@@ -111,7 +111,7 @@ def _later(done: RenderedWindow, samples: int) -> RenderedWindow:
 def _detection_rows() -> Iterator[Bar]:
     film = (shot_film(frames=_FRAMES) + 1e-4 * np.random.default_rng(5).standard_normal(_FRAMES)).astype(np.float32)
     tier = load_rules("standard").tier
-    verifier = load_verifier(rules_path(f"verifier/{tier.verify.model}"), networks=tier.verify.networks)
+    verifier = verifier_of(tier)
     tracks = list(pieces(_blocks(film, _FRAMES), RATE_HZ))
     found = find_shots(_blocks(film, _FRAMES), rate_hz=RATE_HZ, tier=tier, verifier=verifier)
     yield Bar("shots found in the film of the next rows", len(found.shots), 1, "shots", "above")

@@ -1,9 +1,8 @@
-"""Making files from files: a timeline in other formats, a scene's sound."""
+"""Writing a timeline in other formats."""
 
 from collections.abc import Iterable
 from pathlib import Path
 
-from .. import synth
 from ..errors import TimelineError
 from ..export import (
     HapticTrack,
@@ -15,16 +14,16 @@ from ..export import (
     rounding,
 )
 from ..model import Timeline
+from ..progress import Note, no_note
 from ..ruleset import load_haptics
 from ..staging import staged
 from ..timebase import AS_FILMED, Timebase, retimed
 from . import names
 from .belonging import film_of, profile_of, require_length
 from .driving import open_drive
-from .exports import files_of_results
+from .export_rows import files_of_results
 from .haptics import rounding_notes, tell_silent, track_of
 from .listening import BLOCK
-from .progress import Note, Progress, no_note, no_progress
 
 
 def export(
@@ -101,15 +100,3 @@ def _haptic_track(
         raise TimelineError(f"{file}: is at rest in the windows of all {count} shots: not the drive of this timeline")
     tell_silent(track, note)
     return track
-
-
-def synthesise(
-    scene_file: Path, folder: Path, *, overwrite: bool = False, progress: Progress = no_progress
-) -> list[Path]:
-    """Make the film-like scene of a TOML file: its sound and its truth; return the files.
-
-    Raises BlastlineError for a scene or folder that cannot be used; nothing is written then.
-    """
-    progress("synthesising", 0, None)
-    truth = synth.synthesise(scene_file, folder, overwrite=overwrite)
-    return [folder / f"{truth.scene}.wav", folder / f"{truth.scene}.truth.json"]

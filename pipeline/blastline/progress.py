@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 
-from ..model import Clip
+from .model import Clip
 
 Progress = Callable[[str, int, int | None], None]
 """Told of work done: the stage's name, how much is done, and how much there is where that is known."""
