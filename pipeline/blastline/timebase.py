@@ -24,6 +24,7 @@ from .timecode import (
     standard_rate,
     timecode_at,
 )
+from .units import nearest
 
 _RATE = re.compile(r"(\d{1,9}(?:\.\d{1,99})?|\d{1,18}/0*[1-9]\d{0,17})(df|ndf)?", re.IGNORECASE)
 
@@ -200,7 +201,7 @@ def _counted(source: Source, rate: Fraction, timebase: Timebase) -> Source:
         if not asked:
             return source
         frames = clock_seconds(start) * rate
-        whole = math.floor(frames + Fraction(1, 2))  # the nearest, as editing programs put the sound
+        whole = nearest(frames)  # the nearest, as editing programs put the sound
         return msgspec.structs.replace(
             source,
             start_timecode=label(whole, nominal, drop_frame=True),

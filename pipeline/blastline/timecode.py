@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 from .errors import RuleError
 from .model import Source
+from .units import nearest
 
 STANDARD_RATES = tuple(Fraction(n * 1000, 1001) for n in (24, 30, 48, 60, 120)) + tuple(
     Fraction(n) for n in (24, 25, 30, 48, 50, 60, 100, 120)
@@ -59,7 +60,7 @@ class FrameScale:
     @property
     def first_frame(self) -> int:
         """Return the number of the picture's first frame."""
-        return _nearest(self.start)
+        return nearest(self.start)
 
     def label(self, frame: int) -> str:
         """Return the timecode of a frame; see `label`."""
@@ -143,7 +144,7 @@ def frame_scale(source: Source) -> FrameScale | None:
 def frame_time(source: Source, sample: int, scale: FrameScale) -> FrameTime:
     """Return the frame that starts nearest to when a sample plays, halves upwards, and what remains."""
     position = scale.start + picture_time(source, sample) * scale.rate
-    frame = _nearest(position)
+    frame = nearest(position)
     return FrameTime(frame, (position - frame) / scale.rate)
 
 
@@ -161,7 +162,7 @@ def timecode_at(source: Source, sample: int) -> str:
     """
     scale = frame_scale(source)
     if scale is None:
-        steps = _nearest(1000 * (clock_seconds(source.start_timecode) + picture_time(source, sample)))
+        steps = nearest(1000 * (clock_seconds(source.start_timecode) + picture_time(source, sample)))
         return clock_text(Fraction(steps % _DAY_MS, 1000), 3)
     return scale.label(frame_time(source, sample, scale).frame)
 
@@ -171,7 +172,7 @@ def time_of_start(source: Source) -> int:
 
     No time stamp is before midnight: sound that begins there has 0, `late_stamp` after it began.
     """
-    return max(0, _nearest(_start_s(source) * source.sample_rate_hz))
+    return max(0, nearest(_start_s(source) * source.sample_rate_hz))
 
 
 def late_stamp(source: Source) -> tuple[str, ...]:
@@ -207,7 +208,7 @@ def clock_text(seconds: Fraction, decimals: int, *, hour_digits: int = 2) -> str
     >>> clock_text(Fraction(4500), 0, hour_digits=1)
     '1:15:00'
     """
-    steps = _nearest(seconds * 10**decimals)
+    steps = nearest(seconds * 10**decimals)
     sign = "-" if steps < 0 else ""
     whole, fraction = divmod(abs(steps), 10**decimals)
     tail = f".{fraction:0{decimals}}" if decimals else ""
@@ -231,10 +232,6 @@ def _scale(start_timecode: str | None, frame_rate: str | None) -> FrameScale | N
         first = ((60 * hours + minutes) * 60 + seconds) * nominal + number
         drop_frame = False
     return FrameScale(rate, Fraction(first), drop_frame)
-
-
-def _nearest(value: Fraction) -> int:
-    return math.floor(value + Fraction(1, 2))
 
 
 def exact_offset(source: Source) -> Fraction:

@@ -4,6 +4,7 @@ The times of rules, options and timelines become samples through `samples_from_s
 """
 
 import math
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,29 @@ def samples_from_s(duration_s: float, rate_hz: int) -> int:
     (2, -1)
     """
     return math.floor(duration_s * rate_hz + 0.5)
+
+
+def nearest(value: Fraction) -> int:
+    """Return the nearest whole number, halves upwards.
+
+    >>> nearest(Fraction(1, 2)), nearest(Fraction(-1, 2))
+    (1, 0)
+    """
+    return math.floor(value + Fraction(1, 2))
+
+
+def rescaled(sample: int, from_hz: int, to_hz: int) -> int:
+    """Return the sample at another rate that is nearest to one, halves upwards; whole numbers, exact in any film.
+
+    >>> rescaled(160, 48_000, 44_100), rescaled(160, 48_000, 96_000)
+    (147, 320)
+    """
+    return (2 * sample * to_hz + from_hz) // (2 * from_hz)
+
+
+def rescaled_all(samples: NDArray[np.int64], from_hz: int, to_hz: int) -> NDArray[np.int64]:
+    """Return each sample as `rescaled` does one."""
+    return (2 * to_hz * samples + from_hz) // (2 * from_hz)
 
 
 def samples_from_ms(duration_ms: float, rate_hz: int) -> int:

@@ -15,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from ..correlate import parabolic_offsets
 from ..errors import SoundtrackError
 from ..model import Span
 from ..ruleset import IdentifyRules
@@ -119,8 +120,7 @@ def _delay(coherence: Spectrum, band_hz: tuple[float, float], segment: int, rate
     peak = nearest_peak(heights, lags, reach=_FINE * rate_hz // 100)
     if heights[peak] <= _SURE * np.sqrt(np.sum(np.abs(coherence) ** 2) / 2.0) or not 0 < peak < size - 1:
         return None
-    before, at, after = heights[peak - 1 : peak + 2]
-    delay = float(lags[peak] + 0.5 * (before - after) / (before - 2.0 * at + after)) / _FINE
+    delay = float(lags[peak] + parabolic_offsets(heights, np.array([peak]))[0]) / _FINE
     turns = 2.0 * np.pi * np.arange(len(coherence)) / segment  # radians a sample
     turned = coherence * np.exp(1j * turns * delay)
     error = np.sqrt(RELATED * np.sum((turned.imag * turns) ** 2)) / abs(np.sum(turned.real * turns**2))

@@ -9,13 +9,9 @@ finer than its corners tell.
 import numpy as np
 
 from .. import dsp
-from .comparison import Comparison, Samples
+from .comparison import Comparison
+from .due import FAINT, STRETCH_MS, in_stretches, rms_of
 from .hearing import Felt, Heard
-
-_STRETCH_MS = 10.0
-
-_FAINT = 1e-3
-"""What the compensator's drive is counts as this share of the limit at least."""
 
 
 def added_above_band(shared: Comparison, heard: Heard, felt: Felt) -> float | None:
@@ -26,21 +22,13 @@ def added_above_band(shared: Comparison, heard: Heard, felt: Felt) -> float | No
     """
     if not heard.solved or shared.above_band is None:
         return None
-    length = shared.samples(_STRETCH_MS)
+    length = shared.samples(STRETCH_MS)
     where = slice(heard.core.start, max(heard.core.start, heard.core.stop - shared.memory))
-    free = np.asarray(_in_stretches(felt.free[where].astype(np.float64), length).min(axis=1) == 1.0)
+    free = np.asarray(in_stretches(felt.free[where].astype(np.float64), length).min(axis=1) == 1.0)
     calm = free[:-2] & free[1:-1] & free[2:]
     if not calm.any():
         return None
     wet = heard.gain * heard.wet
     beside = dsp.run_filter(shared.above_band, felt.drive - wet)
-    added, asked = (_rms(_in_stretches(samples[where], length))[1:-1][calm] for samples in (beside, wet))
-    return float(np.max(added / (asked + _FAINT)))
-
-
-def _in_stretches(samples: Samples, length: int) -> Samples:
-    return samples[: len(samples) // length * length].reshape(-1, length)
-
-
-def _rms(stretches: Samples) -> Samples:
-    return np.asarray(np.sqrt(np.mean(stretches**2, axis=1)), dtype=np.float64)
+    added, asked = (rms_of(in_stretches(samples[where], length))[1:-1][calm] for samples in (beside, wet))
+    return float(np.max(added / (asked + FAINT)))

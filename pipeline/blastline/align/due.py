@@ -26,10 +26,10 @@ ATTACK_MS = 12.0
 MISSING = 0.5
 """A drive does what is due where no more than this share of it is missing: 0.2 in right ones, 1 at rest."""
 
-_STRETCH_MS = 10.0
+STRETCH_MS = 10.0
 """So short that a hole of 3 ms shows, and so long that a drive may turn over a little aside."""
 
-_FAINT = 1e-3
+FAINT = 1e-3
 """What is due of a drive counts as this share of the limit at least: rounding to 16 bits is 9e-6 to 15e-6 rms."""
 
 _LOUD = 0.1
@@ -147,16 +147,20 @@ def _departures(shared: Comparison, heard: Heard, felt: Felt, due: DueDrive) -> 
 
     A solved drive is compared up to where H is asked for what the drive does not know or do.
     """
-    length = shared.samples(_STRETCH_MS)
+    length = shared.samples(STRETCH_MS)
     where = slice(heard.core.start, max(heard.core.start, heard.core.stop - (shared.memory if heard.solved else 0)))
-    apart, asked = (_rms(samples[where], length) for samples in (felt.drive - due.drive, due.drive))
-    return np.asarray(apart / (asked + _FAINT), dtype=np.float64)
+    apart, asked = (rms_of(in_stretches(samples[where], length)) for samples in (felt.drive - due.drive, due.drive))
+    return np.asarray(apart / (asked + FAINT), dtype=np.float64)
 
 
-def _rms(samples: Samples, length: int) -> Samples:
-    """Return the rms of every whole stretch of so many samples."""
-    whole = samples[: len(samples) // length * length].reshape(-1, length)
-    return np.asarray(np.sqrt(np.mean(whole**2, axis=1)), dtype=np.float64)
+def in_stretches(samples: Samples, length: int) -> Samples:
+    """Return whole stretches of so many samples, shape (stretches, length); the rest is left out."""
+    return samples[: len(samples) // length * length].reshape(-1, length)
+
+
+def rms_of(stretches: Samples) -> Samples:
+    """Return the rms of each stretch, shape (stretches,)."""
+    return np.asarray(np.sqrt(np.mean(stretches**2, axis=1)), dtype=np.float64)
 
 
 def due_before_window(heard: Heard, due: DueDrive | None) -> Samples:

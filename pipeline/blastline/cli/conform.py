@@ -120,7 +120,7 @@ def _say_stretches(done: "Conformed") -> None:
         spans = " -> ".join(f"{_clock(low)} to {_clock(high)}" for low, high in (ours, theirs))
         kept = ", pitch kept" if course.keeps_pitch else ""
         typer.echo(f"stretch {number}: {spans}, speed {1.0 / segment.line.scale:.6f}{kept}")
-    residuals = [abs(each.residual_ms) for each in done.places if hasattr(each, "residual_ms")]
+    residuals = [abs(each.residual_ms) for each in done.placed]
     placed, count = len(residuals), len(done.places)
     most = f"; largest residual {max(residuals):.3f} ms" if residuals else ""
     typer.echo(f"{placed} of {count} shots placed, {count - placed} not{most}")

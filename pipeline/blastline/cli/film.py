@@ -8,6 +8,7 @@ import typer
 
 from ..errors import OutputError
 from ..model import Timeline, encode
+from ..ruleset import DEFAULT_ACTUATOR
 from ..streams import parse_streams
 from ..timebase import parse_timebase
 from .options import (
@@ -54,7 +55,7 @@ def render(
     stream: Stream = None,
     timeline: EditedTimeline = None,
     original: OriginalTimeline = None,
-    actuator: ActuatorOption = "crowson-t108sm",
+    actuator: ActuatorOption = DEFAULT_ACTUATOR,
     drive: DriveOption = "auto",
     phase: PhaseOption = "causal",
     background: BackgroundOption = "mute",

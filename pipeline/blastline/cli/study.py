@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from ..ruleset import DEFAULT_ACTUATOR
 from . import study_detection, study_options, study_pareto
 from .options import ActuatorOption, Overwrite, QualityOption, RulesOption
 from .progress import shown_progress
@@ -63,7 +64,7 @@ def rendering(
         Path, typer.Option("--fixtures", metavar="DIR", help="Scenes (*.toml); their true shots are rendered.")
     ],
     quality: QualityOption = "standard",
-    actuator: ActuatorOption = "crowson-t108sm",
+    actuator: ActuatorOption = DEFAULT_ACTUATOR,
     rules: RulesOption = None,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Write every figure, shot by shot, as JSON.")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..ruleset import DEFAULT_ACTUATOR
 from .options import ActuatorOption, Overwrite, ResultFolder, RulesOption
 from .progress import shown_progress
 from .study_options import (
@@ -55,7 +56,7 @@ def pareto(
         int,
         typer.Option(min=1, max=9, metavar="N", help="Listen so often to each film; the least processor time counts."),
     ] = 1,
-    actuator: ActuatorOption = "crowson-t108sm",
+    actuator: ActuatorOption = DEFAULT_ACTUATOR,
     rules: RulesOption = None,
     jobs: Jobs = CORES,
     overwrite: Overwrite = False,

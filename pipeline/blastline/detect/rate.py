@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import Clip, Reflection, Rejection, Shot, Span
-from ..units import samples_from_ms
+from ..units import rescaled, samples_from_ms
 
 LISTENING_HZ = 48_000
 
@@ -68,7 +68,7 @@ def film_sample(sample: int, rate_hz: int) -> int:
     >>> film_sample(160, 44_100), film_sample(160, 96_000)
     (147, 320)
     """
-    return (2 * sample * rate_hz + LISTENING_HZ) // (2 * LISTENING_HZ)
+    return rescaled(sample, LISTENING_HZ, rate_hz)
 
 
 def shot_in_film(shot: Shot, place: Callable[[int], int]) -> Shot:

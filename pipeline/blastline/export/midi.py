@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..model import Event, Source, Timeline
 from ..timecode import exact_offset, frame_scale
 from ..timecode import label as timecode
+from ..units import nearest
 from .order import with_ends
 from .words import label, one_line
 
@@ -37,8 +38,7 @@ class Beat(NamedTuple):
 
     def ticks(self, samples: int, rate_hz: int) -> int:
         """Return the tick nearest to a sample."""
-        exact = Fraction(samples * self.ticks_per_beat * _MICROSECONDS, rate_hz * self.tempo_us)
-        return math.floor(exact + Fraction(1, 2))
+        return nearest(Fraction(samples * self.ticks_per_beat * _MICROSECONDS, rate_hz * self.tempo_us))
 
 
 def beat_of(rate_hz: int) -> Beat:

@@ -1,12 +1,12 @@
 """How exactly each format holds a time, and how far it moves the events of a film."""
 
-import math
 from collections.abc import Callable, Iterable
 from fractions import Fraction
 
 from ..model import Source, Timeline
 from ..timebase import rate_text
 from ..timecode import FrameScale, frame_scale, frame_time, frames_per_day, picture_time
+from ..units import nearest
 from .frames import FRAME_FORMATS, scale_in
 from .midi import beat_of
 from .webvtt import STEP_S
@@ -90,4 +90,4 @@ def _passes_midnight(source: Source, scale: FrameScale) -> bool:
 
 def _stepped(time_s: Fraction, step_s: Fraction) -> Fraction:
     """Return how much later the nearest step from 0 is."""
-    return max(0, math.floor(time_s / step_s + Fraction(1, 2))) * step_s - time_s
+    return max(0, nearest(time_s / step_s)) * step_s - time_s

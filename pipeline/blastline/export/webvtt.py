@@ -5,6 +5,7 @@ from pathlib import Path
 
 from ..model import Timeline
 from ..timecode import clock_text, picture_time
+from ..units import nearest
 from .order import with_ends
 from .words import label, one_line
 
@@ -30,7 +31,7 @@ def write_webvtt(timeline: Timeline, path: Path) -> None:
 
 def _step(time_s: Fraction) -> int:
     """Return the nearest step from 0."""
-    return max(0, (time_s / STEP_S + Fraction(1, 2)).__floor__())
+    return max(0, nearest(time_s / STEP_S))
 
 
 def _clock(step: int) -> str:

@@ -8,11 +8,9 @@ from .aligning import AlignRules
 from .columns import FREQUENCY, Columns, read_columns
 from .conforming import ConformRules
 from .files import (
-    SLOWEST_RAD_S,
     Rules,
     actuator_names,
     check_rules,
-    check_stable,
     convert,
     load_actuator,
     load_conform,
@@ -25,7 +23,7 @@ from .files import (
 from .haptics import HapticRules
 from .measuring import FitRules, IdentifyRules, MeasuringRules, PerceptionCurve
 from .perceptions import load_perception, perception_names
-from .profiles import ActuatorProfile, HighPass, LowPass, Response
+from .profiles import DEFAULT_ACTUATOR, SLOWEST_RAD_S, ActuatorProfile, HighPass, LowPass, Response, check_stable
 from .tables import (
     LARGEST_LEVEL_DB,
     LONGEST_DECAY_MS,
@@ -44,6 +42,7 @@ from .tables import (
 from .toml_text import toml_lines
 
 __all__ = [
+    "DEFAULT_ACTUATOR",
     "FREQUENCY",
     "LARGEST_LEVEL_DB",
     "LONGEST_DECAY_MS",

@@ -24,13 +24,10 @@ from .conforming import ConformRules
 from .folder import RULE_FILES, require_folder
 from .haptics import HapticRules
 from .measuring import MeasuringRules, PerceptionCurve
-from .profiles import ActuatorProfile
+from .profiles import ActuatorProfile, check_stable
 from .table import Table
 from .tables import QualityRules, SceneRules
 from .text import read_utf_8
-
-SLOWEST_RAD_S = -1.0
-"""The slowest decay of an actuator, as the real part of a zero or pole: filters keep all of it in memory."""
 
 _T = TypeVar("_T", bound=Table)
 
@@ -118,7 +115,7 @@ def load_actuator(name: str, overlay: Path | None = None) -> tuple[ActuatorProfi
     Raises RuleError where it does not exist, does not fit, has a name that is no line of text, or is unstable.
     """
     require_folder(overlay)
-    path = Path(name) if name.endswith(".toml") else rules_path(f"actuators/{name}.toml", overlay)
+    path = Path(name) if name.lower().endswith(".toml") else rules_path(f"actuators/{name}.toml", overlay)
     if not path.is_file():
         known = ", ".join(actuator_names(overlay))
         raise RuleError(f"{name}: no such actuator profile; expected a .toml file or one of: {known}")
@@ -127,38 +124,6 @@ def load_actuator(name: str, overlay: Path | None = None) -> tuple[ActuatorProfi
         raise RuleError(f"{path}: name = {profile.name!r}: expected printable characters alone")
     check_stable(profile, path)
     return profile, hashlib.sha256(msgspec.json.encode(profile)).hexdigest()
-
-
-def check_stable(profile: ActuatorProfile, path: Path | str) -> None:
-    """Raise RuleError where a pole does not decay, a zero has no stable inverse, or no band is left.
-
-    `path` is what the message begins with: the profile's file, or its name.
-    """
-    response = profile.response
-    for kind, roots in (("pole", response.poles_rad_s), ("zero", response.zeros_rad_s)):
-        for index, (real, imaginary) in enumerate(roots):
-            where = f"{path}: response.{kind}s_rad_s[{index}] = [{real}, {imaginary}]"
-            if real >= 0.0:
-                raise RuleError(f"{where}: expected a negative real part (stable, minimum phase)")
-            if real > SLOWEST_RAD_S:
-                raise RuleError(
-                    f"{where}: expected a real part of {SLOWEST_RAD_S:g} or less (it rings for {-5 / real:.2g} s)"
-                )
-            if roots.count((real, -imaginary)) != roots.count((real, imaginary)):
-                raise RuleError(f"{where}: expected its conjugate [{real}, {-imaginary}] in the list as well")
-    if len(response.zeros_rad_s) >= len(response.poles_rad_s):
-        raise RuleError(f"{path}: response: expected more poles than zeros (an actuator cannot follow any frequency)")
-    excess = len(response.poles_rad_s) - len(response.zeros_rad_s)
-    if profile.lowpass.order <= excess:
-        raise RuleError(
-            f"{path}: lowpass.order = {profile.lowpass.order}: expected more than {excess}, "
-            "the compensator's rise per octave, so that its gain falls above the band"
-        )
-    if profile.highpass.corner_hz >= profile.lowpass.corner_hz:
-        raise RuleError(
-            f"{path}: highpass.corner_hz = {profile.highpass.corner_hz:g}: expected below lowpass.corner_hz = "
-            f"{profile.lowpass.corner_hz:g}; nothing would be left between them"
-        )
 
 
 def check_rules(overlay: Path) -> Iterator[str]:
@@ -181,7 +146,7 @@ def check_rules(overlay: Path) -> Iterator[str]:
         elif relative not in RULE_FILES:
             raise RuleError(
                 f"{file}: not a rule file that blastline reads; "
-                f"expected actuators/*.toml, perception/*.toml or {sorted(RULE_FILES)}"
+                f"expected actuators/*.toml, perception/*.toml or one of: {', '.join(sorted(RULE_FILES))}"
             )
         yield relative
 

@@ -1,10 +1,18 @@
-"""The tables of an actuator profile."""
+"""The tables of an actuator profile, and which of them can be compensated."""
 
+from pathlib import Path
 from typing import Annotated, Literal
 
 from msgspec import Meta
 
+from ..errors import RuleError
 from .table import Positive, Table
+
+DEFAULT_ACTUATOR = "crowson-t108sm"
+"""The profile that is taken where nobody names one: a transducer that many home cinemas have under their seats."""
+
+SLOWEST_RAD_S = -1.0
+"""The slowest decay of an actuator, as the real part of a zero or pole: filters keep all of it in memory."""
 
 
 class LowPass(Table, frozen=True):
@@ -41,3 +49,35 @@ class ActuatorProfile(Table, frozen=True):
     response: Response
     lowpass: LowPass
     highpass: HighPass
+
+
+def check_stable(profile: ActuatorProfile, path: Path | str) -> None:
+    """Raise RuleError where a pole does not decay, a zero has no stable inverse, or no band is left.
+
+    `path` is what the message begins with: the profile's file, or its name.
+    """
+    response = profile.response
+    for kind, roots in (("pole", response.poles_rad_s), ("zero", response.zeros_rad_s)):
+        for index, (real, imaginary) in enumerate(roots):
+            where = f"{path}: response.{kind}s_rad_s[{index}] = [{real}, {imaginary}]"
+            if real >= 0.0:
+                raise RuleError(f"{where}: expected a negative real part (stable, minimum phase)")
+            if real > SLOWEST_RAD_S:
+                raise RuleError(
+                    f"{where}: expected a real part of {SLOWEST_RAD_S:g} or less (it rings for {-5 / real:.2g} s)"
+                )
+            if roots.count((real, -imaginary)) != roots.count((real, imaginary)):
+                raise RuleError(f"{where}: expected its conjugate [{real}, {-imaginary}] in the list as well")
+    if len(response.zeros_rad_s) >= len(response.poles_rad_s):
+        raise RuleError(f"{path}: response: expected more poles than zeros (an actuator cannot follow any frequency)")
+    excess = len(response.poles_rad_s) - len(response.zeros_rad_s)
+    if profile.lowpass.order <= excess:
+        raise RuleError(
+            f"{path}: lowpass.order = {profile.lowpass.order}: expected more than {excess}, "
+            "the compensator's rise per octave, so that its gain falls above the band"
+        )
+    if profile.highpass.corner_hz >= profile.lowpass.corner_hz:
+        raise RuleError(
+            f"{path}: highpass.corner_hz = {profile.highpass.corner_hz:g}: expected below lowpass.corner_hz = "
+            f"{profile.lowpass.corner_hz:g}; nothing would be left between them"
+        )

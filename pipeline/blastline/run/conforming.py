@@ -55,6 +55,11 @@ class Conformed:
     courses: tuple[Course, ...]
 
     @property
+    def placed(self) -> tuple[Placed, ...]:
+        """Return where the events went that were placed."""
+        return tuple(place for place in self.places if isinstance(place, Placed))
+
+    @property
     def lost(self) -> tuple[tuple[Event, Lost, str], ...]:
         """Return the events that were not placed, each with why and the new film's timecode at which it is missing."""
         pairs = zip(self.events, self.places, strict=True)

@@ -24,7 +24,7 @@ class FilmCost:
 
 
 @dataclass(frozen=True)
-class After:
+class AfterDetection:
     """The CPU seconds of what follows detection: the drive, its checks and the timeline's files, and the report."""
 
     drive_s: float
@@ -38,7 +38,7 @@ class After:
 
 
 @dataclass(frozen=True)
-class FixedAndEach:
+class LinearCost:
     """The CPU seconds that something takes once, and for each of what it is done to."""
 
     fixed_s: float
@@ -46,13 +46,13 @@ class FixedAndEach:
 
 
 @dataclass(frozen=True, eq=False)
-class Known:
+class SharedCosts:
     """What is the same for all tiers: what is heard, and the CPU seconds of a film without shots and of pictures.
 
     The first picture takes `axes_s` more than the others.
     """
 
     heard: HeardFilm
-    empty: After
+    empty: AfterDetection
     axes_s: float
     picture_s: float

@@ -24,7 +24,7 @@ from ..ruleset import Rules
 from ..soundtrack import Soundtrack, open_soundtrack
 from . import names
 from .checking import checked
-from .costs import After, FilmCost, FixedAndEach, Known
+from .costs import AfterDetection, FilmCost, LinearCost, SharedCosts
 from .driving import open_drive, write_drive_of
 from .listening import HeardFilm, Mark, event_id, listen
 from .options import RenderOptions, Setup, set_up
@@ -48,7 +48,7 @@ class Gauge:
         """Take over the sample and its open track; `drives` says whether there will be a drive."""
         self._sample, self._track, self._options, self._drives = sample, track, options, drives
         self._meter = OverviewMeter(track.rate_hz) if drives and options.report else None
-        self._known: Known | None = None
+        self._known: SharedCosts | None = None
 
     @property
     def film_s(self) -> float:
@@ -75,7 +75,7 @@ class Gauge:
             shots_per_s=max(_audible(known.heard, setup.rules), 0.5) / sample.seconds,
         )
 
-    def _drives_of(self, known: Known, setup: Setup) -> FixedAndEach:
+    def _drives_of(self, known: SharedCosts, setup: Setup) -> LinearCost:
         """Return what a drive and its checks take as soon as there is any shot, and what each shot adds to that.
 
         A few are rendered: a drive takes so much for each second of window, and all in the sample tell how long
@@ -87,36 +87,36 @@ class Gauge:
         first, last = (self._after(each, setup, report=False) for each in (one, few))
         longer_s, others = _windows_s(few) - _windows_s(one), len(shots) - 1
         if longer_s <= 0.0:  # a single shot, or all in the window of the first
-            return FixedAndEach(0.0, max(0.0, last.made_s - known.empty.made_s) / len(shots))
+            return LinearCost(0.0, max(0.0, last.made_s - known.empty.made_s) / len(shots))
         drive_per_s = max(0.0, last.drive_s - first.drive_s) / longer_s
         check_s = max(0.0, last.checks_s - first.checks_s) / others
         once_s = first.made_s - known.empty.made_s - drive_per_s * _windows_s(one) - check_s
         windows_per_shot_s = _windows_s(known.heard) / len(known.heard.found.shots)
-        return FixedAndEach(max(0.0, once_s), check_s + drive_per_s * windows_per_shot_s)
+        return LinearCost(max(0.0, once_s), check_s + drive_per_s * windows_per_shot_s)
 
-    def _same_for_all(self, setup: Setup) -> Known:
+    def _same_for_all(self, setup: Setup) -> SharedCosts:
         """Return what is heard in the whole sample, and what a film without shots and a picture take.
 
         Whatever has to be imported is imported by then.
         """
         heard, report = listen(self._track, setup.rules, no_progress, self._meter), self._meter is not None
         if not self._drives:
-            return Known(heard, After(0.0, 0.0, 0.0), 0.0, 0.0)
+            return SharedCosts(heard, AfterDetection(0.0, 0.0, 0.0), 0.0, 0.0)
         some = with_shots(heard, self._typical(heard, setup.rules), setup.rules)
         self._after(with_shots(heard, some.found.shots[:1], setup.rules), setup, report=report)
         _spare_from_collection()
         empty = self._after(with_shots(heard, (), setup.rules), setup, report=report)
         if not report:
-            return Known(heard, empty, 0.0, 0.0)
+            return SharedCosts(heard, empty, 0.0, 0.0)
         first_s, all_s = (
             self._after(with_shots(heard, shots, setup.rules), setup, report=True).report_s
             for shots in (some.found.shots[:1], some.found.shots)
         )
         others = len(some.found.shots) - 1
         picture_s = max(0.0, all_s - first_s) / others if others else max(0.0, first_s - empty.report_s)
-        return Known(heard, empty, max(0.0, first_s - empty.report_s - picture_s), picture_s)
+        return SharedCosts(heard, empty, max(0.0, first_s - empty.report_s - picture_s), picture_s)
 
-    def _detecting(self, rules: Rules) -> FixedAndEach:
+    def _detecting(self, rules: Rules) -> LinearCost:
         """Return what reading the verifier takes, and finding the shots in each second of film."""
         began = process_time()
         verifier = verifier_of(rules.tier, rules.overlay)
@@ -129,7 +129,7 @@ class Gauge:
             blocks = timed if self._meter is None else OverviewMeter(rate_hz).watch(timed)
             find_shots(blocks, rate_hz=rate_hz, tier=rules.tier, verifier=verifier)
             heard_s.append(process_time() - began)
-        return FixedAndEach(verifier_s, min(heard_s) / (timed[-1].span.stop / rate_hz))
+        return LinearCost(verifier_s, min(heard_s) / (timed[-1].span.stop / rate_hz))
 
     def _shots(self, heard: HeardFilm, rules: Rules, most: int) -> Sequence[Shot]:
         """Return the first shots of windows from all over the sample, `most` or a few more; else its loudest moment.
@@ -154,7 +154,7 @@ class Gauge:
         nearest = sorted(heard.windows, key=lambda planned: abs(len(planned.window.span) - mean))
         return [heard.found.shots[index] for index in sorted(each.shots[0] for each in nearest[:FEW_PICTURES])]
 
-    def _after(self, heard: HeardFilm, setup: Setup, *, report: bool) -> After:
+    def _after(self, heard: HeardFilm, setup: Setup, *, report: bool) -> AfterDetection:
         """Do all that follows detection and return what it took."""
         with tempfile.TemporaryDirectory(prefix="blastline-") as place:
             folder, began = Path(place), process_time()
@@ -170,7 +170,7 @@ class Gauge:
                 if report and self._meter is not None:
                     meter = self._meter
                     write_report_of(timeline, folder, written, track=track, drive=drive, meter=meter, setup=setup)
-            return After(driven - began, made - driven, process_time() - made)
+            return AfterDetection(driven - began, made - driven, process_time() - made)
 
 
 @contextmanager

@@ -8,7 +8,16 @@ import msgspec
 from ..errors import RuleError
 from ..model import ActuatorRef, Background, Budget, DriveChoice, Phase, Quality
 from ..progress import Progress
-from ..ruleset import LARGEST_LEVEL_DB, ActuatorProfile, HapticRules, Rules, load_actuator, load_haptics, load_rules
+from ..ruleset import (
+    DEFAULT_ACTUATOR,
+    LARGEST_LEVEL_DB,
+    ActuatorProfile,
+    HapticRules,
+    Rules,
+    load_actuator,
+    load_haptics,
+    load_rules,
+)
 from ..streams import Streams
 from ..timebase import AS_FILMED, Timebase
 from . import names
@@ -19,7 +28,7 @@ class RenderOptions:
     """What a user may ask of `render`, with what they get when they do not ask."""
 
     quality: Quality = "standard"
-    actuator: str = "crowson-t108sm"
+    actuator: str = DEFAULT_ACTUATOR
     rules: Path | None = None
     drive: DriveChoice = "auto"
     phase: Phase = "causal"

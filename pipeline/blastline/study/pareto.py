@@ -8,7 +8,7 @@ import msgspec
 
 from ..model import Quality
 from ..progress import Progress, no_progress
-from ..ruleset import load_actuator
+from ..ruleset import DEFAULT_ACTUATOR, load_actuator
 from .bars import Bar
 from .bootstrap import f1_gain
 from .cases import Case
@@ -51,7 +51,7 @@ def study_pareto(
     source: StudySource,
     *,
     rules: Path | None = None,
-    actuator: str = "crowson-t108sm",
+    actuator: str = DEFAULT_ACTUATOR,
     own: Sequence[str] = (),
     changes: Mapping[Quality, Sequence[str]] = CHANGES,
     with_peers: bool = False,

@@ -13,7 +13,7 @@ from ..model import Phase, Quality
 from ..progress import Progress, no_progress
 from ..render import needed_audio
 from ..render.filters import settled_compensated
-from ..ruleset import load_actuator, load_rules
+from ..ruleset import DEFAULT_ACTUATOR, load_actuator, load_rules
 from ..units import SILENCE_DB, db_from_gain, samples_from_ms
 from .bars import Bar
 from .drives import Drive, RenderSetup, ShotRow, Window, WindowRow, judged, render_setup, windowed_error, windows_of
@@ -73,7 +73,7 @@ def score(
     fixtures: Path,
     *,
     quality: Quality = "standard",
-    actuator: str = "crowson-t108sm",
+    actuator: str = DEFAULT_ACTUATOR,
     rules: Path | None = None,
     progress: Progress = no_progress,
 ) -> RenderingScore:

@@ -8,7 +8,7 @@ Conventions
     that is heard for longer than the rules let one be (`longest_blast_ms`) counts as that long.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
@@ -103,9 +103,9 @@ class SegmentationScore(msgspec.Struct, frozen=True):
         return (*rows, Bar("echoes counted as shots", share, 1.0, "%"))
 
 
-def scene_films(folder: Path, names: Collection[str] | None = None) -> Iterator[Film]:
-    """Yield the scenes of a folder that have shots, or those of these names, synthesised; RuleError for none."""
-    for name, path, truth in synthesised(scenes_with_shots(folder, names)):
+def scene_films(folder: Path) -> Iterator[Film]:
+    """Yield the scenes of a folder that have shots, synthesised; RuleError for none."""
+    for name, path, truth in synthesised(scenes_with_shots(folder)):
         with open_soundtrack(path) as track:
             yield Film(name, path, np.concatenate([clip.heard for clip in track.blocks()]).astype(np.float32), truth)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..model import Clip, Source, Span
 from ..render import drive_filters
-from ..ruleset import load_actuator
+from ..ruleset import DEFAULT_ACTUATOR, load_actuator
 from ..soundtrack import Cue, open_soundtrack, write_drive
 from ..soundtrack.bwf import MARKER_LIMIT, cue_chunks
 from ..soundtrack.chunks import chunk_table
@@ -51,7 +51,7 @@ def _bad_sample_rows(path: Path) -> Iterator[Bar]:
     told = [line for line in warnings if line.startswith(f"{len(_BAD)} samples were NaN, infinite or beyond")]
     named = told and told[0].endswith("first at sample 100")
     yield exact("the same: named and counted wrongly", int(not named), "warnings")
-    profile, _ = load_actuator("crowson-t108sm")
+    profile, _ = load_actuator(DEFAULT_ACTUATOR)
     filters = drive_filters(profile, RATE_HZ, "causal")
     for model in MODELS:
         drive = drive_of(again, 14_400, model, filters)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import dsp
-from ..ruleset import ActuatorProfile, load_actuator
+from ..ruleset import DEFAULT_ACTUATOR, ActuatorProfile, load_actuator
 from .bars import Bar, exact
 
 RATES_HZ = (8_000, 11_025, 16_000, 22_050, 32_000, 44_100, 48_000, 88_200, 96_000, 176_400, 192_000, 384_000)
@@ -21,7 +21,7 @@ Samples = NDArray[np.float64]
 
 def filter_rows(folder: Path) -> Iterator[Bar]:
     """Yield the rows about filters; needs no files."""
-    profile, _ = load_actuator("crowson-t108sm")
+    profile, _ = load_actuator(DEFAULT_ACTUATOR)
     for rate_hz in RATES_HZ:
         yield from _compensator_rows(profile, rate_hz)
     for rate_hz in (8_000, 48_000, 384_000):

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..model import Span
 from ..render import drive_filters, plan_windows
-from ..ruleset import ActuatorProfile, load_actuator, load_rules
+from ..ruleset import DEFAULT_ACTUATOR, ActuatorProfile, load_actuator, load_rules
 from ..soundtrack import open_soundtrack
 from .bars import Bar, refused
 from .stability_signals import RATE_HZ, shot_at
@@ -43,7 +43,7 @@ _UNUSABLE_HERE: dict[str, Changes] = {
 
 def refusal_rows(folder: Path) -> Iterator[Bar]:
     """Yield the rows about refusals; writes profiles and sound files into the folder."""
-    profile, _ = load_actuator("crowson-t108sm")
+    profile, _ = load_actuator(DEFAULT_ACTUATOR)
     for number, (name, changes) in enumerate(_UNUSABLE.items()):
         path = folder / f"profile-{number}.toml"
         path.write_text(_toml(changes, profile), encoding="utf-8")

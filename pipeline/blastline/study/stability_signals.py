@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from .. import dsp
 from ..model import Clip, DriveModel, Shot, Span
 from ..render import DriveFilters, RenderedWindow, drive_filters, hear_window, plan_windows, render_window
-from ..ruleset import load_actuator, load_rules
+from ..ruleset import DEFAULT_ACTUATOR, load_actuator, load_rules
 from .bars import Bar, exact
 from .stability_filters import sections_response
 
@@ -23,7 +23,7 @@ Samples = NDArray[np.float64]
 
 def signal_rows(folder: Path) -> Iterator[Bar]:
     """Yield the rows about signals; needs no files."""
-    profile, _ = load_actuator("crowson-t108sm")
+    profile, _ = load_actuator(DEFAULT_ACTUATOR)
     filters = drive_filters(profile, RATE_HZ, "causal")
     yield from _scale_rows(filters)
     yield from _denormal_rows(filters)

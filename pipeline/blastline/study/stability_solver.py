@@ -7,7 +7,7 @@ import numpy as np
 
 from ..render import drive_filters
 from ..render.filters import DriveFilters, Samples, compensated, felt, in_band
-from ..ruleset import load_actuator, load_rules
+from ..ruleset import DEFAULT_ACTUATOR, load_actuator, load_rules
 from ..units import db_from_gain
 from .bars import Bar, exact
 from .optimum import against_optimum
@@ -18,7 +18,7 @@ _ONSET, _LEAD = 14_400, 48
 
 def solver_rows(folder: Path) -> Iterator[Bar]:
     """Yield the rows about the solver; needs no files."""
-    profile, _ = load_actuator("crowson-t108sm")
+    profile, _ = load_actuator(DEFAULT_ACTUATOR)
     filters = drive_filters(profile, RATE_HZ, "causal")
     silent = drive_of(np.zeros(24_000), _ONSET, "constrained", filters)
     yield exact("zero target: samples of drive that are not 0", np.count_nonzero(silent))

@@ -12,7 +12,7 @@ from ..detect import find_shots, verifier_of
 from ..detect.tracks import pieces
 from ..model import Clip, Shot, Span
 from ..render import RenderedWindow, compose, drive_filters, hear_window, plan_windows, render_window
-from ..ruleset import load_actuator, load_rules
+from ..ruleset import DEFAULT_ACTUATOR, load_actuator, load_rules
 from ..soundtrack import open_soundtrack
 from .bars import Bar, exact
 from .stability_signals import RATE_HZ, shot_at, shot_film
@@ -78,7 +78,7 @@ def _covered(shots: Sequence[Shot], frames: int) -> NDArray[np.intp]:
 def _compose_rows() -> Iterator[Bar]:
     film = np.maximum(shot_film(frames=_FRAMES), shot_film(frames=_FRAMES, onset=38_000)) + 1e-3
     shots = [shot_at(14_400, 4_000), shot_at(38_000, 4_000)]
-    tier, (profile, _) = load_rules("standard").tier, load_actuator("crowson-t108sm")
+    tier, (profile, _) = load_rules("standard").tier, load_actuator(DEFAULT_ACTUATOR)
     filters = drive_filters(profile, RATE_HZ, "causal")
     whole = Clip(film[:, None], RATE_HZ)
     rendered = [

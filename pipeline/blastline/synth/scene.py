@@ -25,6 +25,7 @@ from msgspec import Meta
 from ..errors import RuleError
 from ..misfits import misfit
 from ..ruleset.files import read_toml
+from ..units import samples_from_s
 from .beds import BedKind
 from .negatives import NegativeKind
 from .rooms import Environment
@@ -134,7 +135,7 @@ class Scene(Item, frozen=True, kw_only=True):
     @property
     def frames(self) -> int:
         """Return the length of the scene in frames."""
-        return round(self.duration_s * self.rate_hz)
+        return samples_from_s(self.duration_s, self.rate_hz)
 
 
 def load_scene(path: Path) -> Scene:
@@ -157,7 +158,7 @@ def _check_times(scene: Scene, path: Path) -> None:
             where = f"{path}: {name}[{index}]"
             if (item.snr_db is None) == (item.peak_dbfs is None):
                 raise RuleError(f"{where}: expected one of snr_db and peak_dbfs, not both and not neither")
-            if round(item.at_s * scene.rate_hz) >= scene.frames:
+            if samples_from_s(item.at_s, scene.rate_hz) >= scene.frames:
                 wanted = f"less than duration_s = {scene.duration_s} by a sample or more"
                 raise RuleError(f"{where}.at_s = {item.at_s}: expected {wanted}")
     if scene.frames < 1:

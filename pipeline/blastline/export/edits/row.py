@@ -11,6 +11,7 @@ from types import MappingProxyType
 
 from ...errors import TimelineError
 from ...model import Event, Origin, Rejection, Source
+from ...units import nearest
 
 _COARSEST_S = Fraction(1, 1000)
 """The step of the coarsest tool, REAPER: what is off by more was moved."""
@@ -199,7 +200,7 @@ def _magnitude(point: Point) -> Fraction:
 
 def nearest_sample(seconds: Fraction, rate_hz: int) -> int:
     """Return the sample nearest to a time, halves upwards."""
-    return (2 * seconds * rate_hz + 1).__floor__() // 2
+    return nearest(seconds * rate_hz)
 
 
 def _exponent(number: Decimal) -> int:

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from ...errors import TimelineError
 from ...timecode import clock
+from ...units import rescaled_all
 from .curve import Curve, reduced
 from .rounding import Rounding, late_ms, mistuned, off
 from .sharing import shared, together
@@ -124,7 +125,7 @@ def _experience(track: HapticTrack, bands: list[Json]) -> Json:
 def _transients(track: HapticTrack) -> tuple[list[tuple[int, float, Pulse]], Rounding]:
     """Return (position, amplitude, pulse) for each pulse: its peak above the wave, in its share of 1."""
     samples = np.array([pulse.sample for pulse in track.pulses], np.int64)
-    positions: list[int] = _ticks(samples, track.rate_hz).tolist()
+    positions: list[int] = rescaled_all(samples, track.rate_hz, TICKS_PER_S).tolist()
     steps = 10**_VALUE_DECIMALS
     asked = [
         round(steps * max(pulse.amplitude - wave, LEAST_SHARE * pulse.amplitude, _QUIETEST))
@@ -176,7 +177,7 @@ def _wave(
         _effect(room.part(first, last), frequency.part(first, last)) for first, last in itertools.pairwise(edges)
     ]
     exact_s = np.concatenate([line.samples, tone.samples]) / rate_hz
-    written_s = np.concatenate([_ticks(c.samples, rate_hz) for c in (line, tone)]) / TICKS_PER_S
+    written_s = np.concatenate([rescaled_all(c.samples, rate_hz, TICKS_PER_S) for c in (line, tone)]) / TICKS_PER_S
     errors = Rounding(
         late_ms(exact_s, written_s),
         off(segment.amplitude, line.with_values(np.round(line.values, _VALUE_DECIMALS))),
@@ -229,11 +230,6 @@ def _with_room(amplitude: Curve, transients: Sequence[tuple[int, float, Pulse]])
 
 def _on_ticks(curve: Curve, rate_hz: int) -> Curve:
     """Return the curve on whole ticks; of points that come to share one the strongest."""
-    ticks = _ticks(curve.samples, rate_hz)
+    ticks = rescaled_all(curve.samples, rate_hz, TICKS_PER_S)
     chosen, firsts = np.unique(ticks, return_index=True)
     return Curve(chosen, np.maximum.reduceat(curve.values, firsts))
-
-
-def _ticks(samples: NDArray[np.int64], rate_hz: int) -> Ticks:
-    """Return the nearest tick of each frame, halves upwards, in whole numbers throughout."""
-    return (2 * TICKS_PER_S * samples + rate_hz) // (2 * rate_hz)
