@@ -132,6 +132,69 @@ def test_an_edit_in_a_key_that_is_not_read_is_told(tmp_path: Path, film: Path, r
     ]
 
 
+@pytest.mark.parametrize("moved", [False, True])
+def test_an_edit_of_what_is_planned_or_measured_is_told(
+    tmp_path: Path, film: Path, result: Path, *, moved: bool
+) -> None:
+    """A shot that was moved is measured where it is now; its fades nobody moves."""
+    plain = json.loads((result / "timeline.json").read_text())
+    event = plain["events"][1]
+    event["window"]["fade_out_samples"] //= 2
+    event["blast"]["stop_sample"] += 100
+    if moved:
+        event.update(onset_sample=event["onset_sample"] + 960, onset_s=None)
+    plain["level_db"], plain["source"]["start_timecode"] = 3.0, "01:00:00:00"
+    (tmp_path / "edited.json").write_text(json.dumps(plain))
+    told = rendered(film, tmp_path / "edited.json", "--original", result / "timeline.json")[0].err
+    notes = [line.removeprefix("note: not used: ") for line in told.splitlines() if "not used" in line]
+    of_film = ["level_db, which was edited; --level sets it"]
+    of_film += ["source.start_timecode, which was edited; --start-timecode sets it"]
+    of_shot = [
+        "the window.fade_out_samples of shot-0002, which was edited; the rules' [windows] have it, for all shots"
+    ]
+    of_shot += [] if moved else ["the blast.stop_sample of shot-0002, which was edited; it is measured in the film"]
+    assert notes == of_film + of_shot
+
+
+def test_a_shot_may_be_moved_together_with_the_start_of_its_blast(tmp_path: Path, film: Path, result: Path) -> None:
+    plain = json.loads((result / "timeline.json").read_text())
+    onset = plain["events"][1]["onset_sample"] + 9_600
+    plain["events"][1].update(onset_sample=onset, onset_s=None)
+    plain["events"][1]["blast"]["start_sample"] = onset
+    (tmp_path / "edited.json").write_text(json.dumps(plain))
+    ended, after, _ = rendered(film, tmp_path / "edited.json", "--original", result / "timeline.json")
+    assert "edits: edited.json: 3 kept, 1 moved\n" in ended.err
+    assert after.events[1].onset_sample == onset == after.events[1].blast.start
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "complaint"),
+    [
+        ('"gain_db": 0.0', '"gain_db": -3.0, "gain_db": 0.0', "gain_db of 'shot-0001' is there twice, as -3.0 and 0.0"),
+        ('"events":', '"events": [], "events":', "events is there twice, as [] and [{"),
+        ('"gain_db": 0.0', '"gain_db": 1e400', "1e400: too large for a number"),
+    ],
+)
+def test_what_json_leaves_open_is_refused(
+    tmp_path: Path, film: Path, result: Path, old: str, new: str, complaint: str
+) -> None:
+    text = (result / "timeline.json").read_text()
+    assert old in text
+    (tmp_path / "edited.json").write_text(text.replace(old, new, 1))
+    asked = ("render", film, "-o", tmp_path / "out", "--timeline", tmp_path / "edited.json")
+    assert complaint in blastline(*asked).complaint
+
+
+@pytest.mark.parametrize("edit", [{"onset_s": 2.75}, {"onset_sample": 132_000}])
+def test_a_timeline_that_was_edited_is_made_whole_by_render(tmp_path: Path, result: Path, edit: Row) -> None:
+    plain = json.loads((result / "timeline.json").read_text())
+    plain["events"][1].update(edit)
+    (tmp_path / "timeline.json").write_text(json.dumps(plain))
+    told = blastline("export", tmp_path, "--format", "csv", "-o", tmp_path / "out").complaint
+    assert "events[1].onset_s = " in told
+    assert told.endswith("; of an edited timeline `blastline render FILM --timeline FILE` makes a whole one")
+
+
 def test_columns_that_are_not_read_are_others_where_the_options_were(tmp_path: Path, film: Path, result: Path) -> None:
     def edit(rows: list[Row]) -> None:
         for row in rows:

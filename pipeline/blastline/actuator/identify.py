@@ -157,7 +157,7 @@ def _measure(
     rows = (spectra.frequencies_hz <= highest_hz) & (np.arange(len(spectra.frequencies_hz)) >= 2)
     floor = 1e-12 * float(np.max(spectra.excitation))
     rows &= spectra.excitation > floor
-    _require_steady(excitation, spectra.steady[rows], spectra.segments)
+    _require_steady(excitation, spectra, rows)
     power_in, power_out, cross = spectra.excitation[rows], spectra.response[rows], spectra.cross[rows]
     transfer = cross / power_in
     coherence = np.minimum(np.abs(cross) ** 2 / np.maximum(power_in * power_out, 1e-300), 1.0)
@@ -178,14 +178,19 @@ def _measure(
     return replace(measured, phase_rad=turned, delay_s=lag / excitation.rate_hz + excess.delay_s), excess
 
 
-def _require_steady(excitation: Recording, steady: Values, segments: int) -> None:
-    """Raise SoundtrackError where most frequencies are sent once only: no segment then bears another out."""
-    typical = float(np.median(steady)) if steady.size else 1.0
+def _require_steady(excitation: Recording, spectra: Spectra, rows: NDArray[np.bool_]) -> None:
+    """Raise SoundtrackError where most of what is sent is sent once only: no segment then bears another out.
+
+    Most by power: the rounding of a file of 16 bits is steady, in all the frequencies that a sweep never comes to.
+    """
+    rising = np.argsort(spectra.steady[rows])
+    steady, power = spectra.steady[rows][rising], np.cumsum(spectra.excitation[rows][rising])
+    typical = float(steady[np.searchsorted(power, power[-1] / 2.0)]) if steady.size else 1.0
     if typical < _LEAST_STEADY:
         raise SoundtrackError(
-            f"{excitation.name}: most frequencies are heard in about {typical * segments:.0f} of {segments} segments, "
-            "as in a sweep; expected noise, or what repeats itself in each segment: only where segments agree is a "
-            "gain known"
+            f"{excitation.name}: most frequencies are heard in about {typical * spectra.segments:.0f} of "
+            f"{spectra.segments} segments, as in a sweep; expected noise, or what repeats itself in each segment: only "
+            "where segments agree is a gain known"
         )
 
 

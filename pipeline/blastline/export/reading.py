@@ -1,6 +1,7 @@
 """Reading `timeline.json` back, and saying in one line why a file cannot be used."""
 
 import codecs
+import math
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,7 +16,9 @@ from .geometry import event_complaints, source_complaints
 from .kinds import kind_of_content, kind_of_json, kind_of_table, kind_of_text
 
 _EXPECTED = "a timeline.json"
+_LONGEST_SHOWN = 40
 _LARGEST_INTEGER = 2**53  # beyond it a number that has been a float is another
+_NUMBER = re.compile(r"(?<=[:,\[\s])-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?(?=\s*[,\]}])")
 _MALFORMED = re.compile(r"JSON is malformed: (.*) \(byte (\d+)\)")
 
 
@@ -30,10 +33,17 @@ def read_timeline(path: Path) -> Timeline:
     try:
         timeline = msgspec.convert(plain, Timeline)
     except msgspec.ValidationError as error:
-        raise TimelineError(f"{path}: {misfit(plain, error, Timeline)}") from error
+        raise TimelineError(f"{path}: {_with_way_out(misfit(plain, error, Timeline))}") from error
     for complaint in _complaints(timeline):
-        raise TimelineError(f"{path}: {complaint}")
+        raise TimelineError(f"{path}: {_with_way_out(complaint)}")
     return timeline
+
+
+def _with_way_out(complaint: str) -> str:
+    """Return a complaint, and what makes the timeline whole where it is of an event that was edited by hand."""
+    if re.match(r"events\[\d+\](\.\w+: is missing|\.onset_s = )", complaint):
+        return f"{complaint}; of an edited timeline `blastline render FILM --timeline FILE` makes a whole one"
+    return complaint
 
 
 def read_plain(path: Path, text: str, *, expected: str) -> Any:
@@ -94,12 +104,17 @@ def _not_json(text: str, error: Exception) -> str:
         return "an empty file"
     if isinstance(error, RecursionError):
         return "not JSON: nested too deeply"
-    said = _MALFORMED.fullmatch(str(error))
-    if said is None:
-        return "not JSON: it ends too early"
-    before = text.encode()[: int(said[2])].decode(errors="ignore")
-    line, column = before.count("\n") + 1, len(before) - (before.rfind("\n") + 1) + 1
-    return f"line {line}, column {column}: not JSON: {said[1]}"
+    if said := _MALFORMED.fullmatch(str(error)):
+        return f"{_place(text.encode()[: int(said[2])].decode(errors='ignore'))}: not JSON: {said[1]}"
+    huge = next((number for number in _NUMBER.finditer(text) if math.isinf(float(number[0]))), None)
+    if isinstance(error, msgspec.ValidationError) and huge:
+        return f"{_place(text[: huge.start()])}: {huge[0][:_LONGEST_SHOWN]}: too large for a number"
+    return "not JSON: it ends too early"
+
+
+def _place(before: str) -> str:
+    """Return the line and column that come after a text."""
+    return f"line {before.count(chr(10)) + 1}, column {len(before) - (before.rfind(chr(10)) + 1) + 1}"
 
 
 def _refuse_schema(plain: Any, path: Path, *, expected: str) -> None:

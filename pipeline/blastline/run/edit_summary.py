@@ -1,23 +1,47 @@
 """What somebody has edited of a timeline, counted and in words."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
+from typing import Any
 
-from ..export.edits import EditedFile, Wanted, Wish
-from ..model import Edits, Event
+import msgspec
+
+from ..export.edits import EditedFile, Wanted, Wish, value_at
+from ..model import Edits, Timeline
 from ..render import PlannedWindow
 from . import names
 
 _MOST_NAMED = 10
 
 _DRIVE_INSTEAD = "--drive chooses it, for all shots"
+_FADES_INSTEAD = "the rules' [windows] have it, for all shots"
 _INSTEAD = {
     "timecode": "onset_s or onset_sample moves a shot",
     "drive_model": _DRIVE_INSTEAD,
     "drive.model": _DRIVE_INSTEAD,
+    "window.fade_in_samples": _FADES_INSTEAD,
+    "window.fade_out_samples": _FADES_INSTEAD,
+    "level_db": "--level sets it",
+    "phase": "--phase chooses it",
+    "background": "--background chooses it",
+    "quality": "--quality chooses it",
+    "source.start_timecode": "--start-timecode sets it",
+    "source.frame_rate": "--frame-rate sets it",
 }
 """What does what somebody may have meant who edited a table's column, or a JSON's key, that is not read."""
+
+_MEASURED = "it is measured in the film"
+_STAYS = frozenset({"drive_model", "drive.model", "window.fade_in_samples", "window.fade_out_samples"})
+"""What nobody expects to change when a shot is moved."""
+
+
+def unused_settings(edited: EditedFile, original: Timeline) -> Iterator[str]:
+    """Yield a note for each key of the whole film that an edited JSON has otherwise than its original."""
+    plain = msgspec.to_builtins(original)
+    for name, now in edited.aside.items():
+        if now != value_at(plain, name):
+            yield f"not used: {name}, which was edited; {_INSTEAD.get(name, _MEASURED)}"
 
 
 def summarise_edits(
@@ -68,14 +92,16 @@ def _unheeded(edited: EditedFile, wanted: Wanted) -> Iterator[str]:
     Where it is another for every shot, nobody typed it: the file was exported or rendered with other options.
     """
     aside = {edit.place: edit.aside for edit in edited.edits}
-    for name, instead in _INSTEAD.items():
+    originals = {wish.was.id: msgspec.to_builtins(wish.was) for wish in wanted.wishes if wish.was is not None}
+    for name in dict.fromkeys(name for said in aside.values() for name in said):
         told = [
-            (wish.id, aside[wish.place][name], _exported(wish.was, name))
+            (wish.id, aside[wish.place][name], _exported(originals[wish.was.id], name))
             for wish in wanted.wishes
-            if wish.was is not None and wish.unmoved and name in aside[wish.place]
+            if wish.was is not None and (wish.unmoved or name in _STAYS) and name in aside[wish.place]
         ]
         other = [identity for identity, now, before in told if before is not None and now != before]
         if other and (len(other) < len(told) or len(told) == 1):
+            instead = _INSTEAD.get(name, _MEASURED)
             yield f"not used: the {name} of {_listed(other)}, which was edited; {instead}"
 
 
@@ -111,11 +137,9 @@ def _listed(ids: Collection[str]) -> str:
     return f"{', '.join(sorted(ids)[:_MOST_NAMED])}{more}"
 
 
-def _exported(event: Event, name: str) -> str | None:
+def _exported(plain: Mapping[str, Any], name: str) -> Any:
     """Return what a table or JSON has of an event in a column or key that is not read back."""
-    if name == "timecode":
-        return event.timecode
-    return event.drive.model if event.drive else None
+    return value_at(plain, "drive.model" if name == "drive_model" else name)
 
 
 def _gaps(edited: EditedFile) -> list[str]:

@@ -32,7 +32,7 @@ from ..streams import Streams, streams_text
 from ..timebase import Timebase, recalled
 from ..units import ms_from_samples, samples_from_ms
 from . import names
-from .edit_summary import summarise_edits
+from .edit_summary import summarise_edits, unused_settings
 from .editing_windows import DELETED, settled_windows
 from .listening import BLOCK, HeardFilm, Mark
 
@@ -75,6 +75,7 @@ def read_editing(path: Path, *, original: Path | None) -> Editing:
             f"{path}: is of {_named(edited.source)}, but its original {original} of {_named(timeline.source)}; "
             "give its own with --original"
         )
+    edited = replace(edited, notes=(*edited.notes, *unused_settings(edited, timeline)))
     return Editing(edited, {e.id: e for e in timeline.events}, timeline.rejections, timeline.source, original)
 
 

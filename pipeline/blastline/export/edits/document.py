@@ -1,6 +1,7 @@
 """The edited `timeline.json`: every field of an event but its onset may be missing, and is found out again."""
 
-from collections.abc import Iterator, Mapping
+import json
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
@@ -12,14 +13,40 @@ from msgspec import Meta
 
 from ...errors import TimelineError
 from ...misfits import misfit
-from ...model import Event, Origin, Ratio, Rejection, Source, Span, Window
+from ...model import Event, Origin, Ratio, Rejection, Source, Window
 from ..geometry import reflection_complaints, source_complaints
 from ..reading import read_plain
 from .row import Edit, EditedFile, Point
 
 _Seconds = Annotated[float, Meta(ge=0.0, le=1e9)]
 _Sample = Annotated[int, Meta(ge=0, le=2**53)]
-_MOST_NAMED = 10
+_MOST_NAMED, _LONGEST_SHOWN = 10, 40
+
+
+_EVENT_ASIDE = (
+    "timecode",
+    "drive.model",
+    "window.fade_in_samples",
+    "window.fade_out_samples",
+    "blast.stop_sample",
+    "reflections",
+)
+"""What somebody may edit though it is chosen, planned or measured anew."""
+
+_FILM_ASIDE = (
+    "level_db",
+    "phase",
+    "background",
+    "quality",
+    "source.start_timecode",
+    "source.frame_rate",
+    "source.sample_rate_hz",
+    "source.frames",
+)
+
+
+class _Blast(msgspec.Struct, frozen=True):
+    start_sample: int | None = None
 
 
 class _Window(msgspec.Struct, frozen=True):
@@ -34,7 +61,7 @@ class _Event(msgspec.Struct, frozen=True):
     confidence: Ratio | None = None
     gain_db: float | None = None
     origin: Origin | None = None
-    blast: Span | None = None
+    blast: _Blast | None = None
     window: _Window | None = None
 
 
@@ -51,6 +78,7 @@ def read_document(text: str, path: Path, *, expected: str) -> EditedFile:
     aside, with a note.
     """
     plain = read_plain(path, text, expected=expected)
+    _refuse_repeated_keys(text, path)
     try:
         timeline = msgspec.convert(plain, _Timeline)
     except msgspec.ValidationError as error:
@@ -58,7 +86,7 @@ def read_document(text: str, path: Path, *, expected: str) -> EditedFile:
     for complaint in source_complaints(timeline.source):
         raise TimelineError(f"{path}: {complaint}")
     edits = tuple(
-        _edit(event, _aside(fields), index, path)
+        _edit(event, _said(fields, _EVENT_ASIDE), index, path)
         for index, (event, fields) in enumerate(zip(timeline.events, plain["events"], strict=True))
     )
     return EditedFile(
@@ -68,7 +96,29 @@ def read_document(text: str, path: Path, *, expected: str) -> EditedFile:
         source=timeline.source,
         own=_as_it_was(plain["events"], path),
         rejections=timeline.rejections,
+        aside=_said(plain, _FILM_ASIDE),
     )
+
+
+def _refuse_repeated_keys(text: str, path: Path) -> None:
+    """Raise TimelineError where a group has a key twice: of a line that was copied, one would be lost unseen."""
+
+    def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        group: dict[str, Any] = {}
+        for key, value in pairs:
+            if key in group:
+                where = f"of {group['id']!r} " if isinstance(group.get("id"), str) else ""
+                both = f"{_brief(group[key])} and {_brief(value)}"
+                raise TimelineError(f"{path}: {key} {where}is there twice, as {both}; expected it once")
+            group[key] = value
+        return group
+
+    json.loads(text, object_pairs_hook=once)
+
+
+def _brief(value: Any) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
 
 
 def _notes(plain: list[Any]) -> tuple[str, ...]:
@@ -87,14 +137,20 @@ def _unknown(plain: list[Any]) -> Iterator[str]:
         yield from (f"window.{key}" for key in fields.get("window") or {} if key not in of_window)
 
 
-def _aside(fields: Mapping[str, Any]) -> dict[str, str]:
+def _said(fields: Mapping[str, Any], names: Iterable[str]) -> dict[str, Any]:
     """Return what stands in keys that are not read but that somebody may edit, by their names."""
-    drive = fields.get("drive")
-    said = {"timecode": fields.get("timecode"), "drive.model": drive.get("model") if isinstance(drive, dict) else None}
-    return {name: value for name, value in said.items() if isinstance(value, str)}
+    return {name: value for name in names if (value := value_at(fields, name)) is not None}
 
 
-def _edit(event: _Event, aside: Mapping[str, str], index: int, path: Path) -> Edit:
+def value_at(fields: Mapping[str, Any], name: str) -> Any:
+    """Return the plain value of a key, as in `window.start_sample`; None where there is none."""
+    value: Any = fields
+    for key in name.split("."):
+        value = value.get(key) if isinstance(value, dict) else None
+    return value
+
+
+def _edit(event: _Event, aside: Mapping[str, Any], index: int, path: Path) -> Edit:
     place = f"events[{index}]"
     if event.onset_sample is None and event.onset_s is None:
         raise TimelineError(f"{path}: {place}: no onset; expected onset_sample or onset_s")
@@ -110,10 +166,14 @@ def _edit(event: _Event, aside: Mapping[str, str], index: int, path: Path) -> Ed
         window_stop=None if window.stop_sample is None else Point(window.stop_sample),
         confidence=None if event.confidence is None else Decimal(repr(event.confidence)),
         gain_db=None if event.gain_db is None else Decimal(repr(event.gain_db)),
-        blast_start=event.blast.start if event.blast and event.blast.start >= 0 else None,
+        blast_start=_from_0(event.blast.start_sample) if event.blast else None,
         origin=event.origin,
         aside=aside,
     )
+
+
+def _from_0(sample: int | None) -> int | None:
+    return sample if sample is not None and sample >= 0 else None
 
 
 def _written(sample: int | None, seconds: Decimal) -> Point:

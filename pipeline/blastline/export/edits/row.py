@@ -8,6 +8,7 @@ from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 from ...errors import TimelineError
 from ...model import Event, Origin, Rejection, Source
@@ -88,7 +89,7 @@ class Edit:
     gain_db: Decimal | None = None
     blast_start: int | None = None
     origin: Origin | None = None
-    aside: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    aside: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 
 
 @dataclass(frozen=True)
@@ -105,7 +106,8 @@ class EditedFile:
     """An edited file that has been read.
 
     `shows_ends` says that the tool shows each event as a range: who moves it sees where it ends. `own` are the events
-    as a JSON timeline itself says they were before the edits; `source` and `rejections` are its, too.
+    as a JSON timeline itself says they were before the edits; `source` and `rejections` are its, too. `aside` is what
+    it says of the whole film and is not read, as in `Edit`.
     """
 
     path: Path
@@ -115,6 +117,7 @@ class EditedFile:
     source: Source | None = None
     own: Mapping[str, Event] = field(default_factory=lambda: MappingProxyType({}))
     rejections: tuple[Rejection, ...] = ()
+    aside: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 
 
 @dataclass(frozen=True)
