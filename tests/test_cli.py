@@ -261,7 +261,11 @@ def test_rules_show_has_the_users_value_and_says_where_numbers_come_from(tmp_pat
 @pytest.mark.parametrize(
     ("file", "text", "complaint"),
     [
-        ("quality/draft.toml", '[verify]\nmodel = "nothere.json"\n', "nothere.json: no such file"),
+        (
+            "quality/draft.toml",
+            '[verify]\nmodel = "nothere.json"\n',
+            "draft.toml: verify.model = 'nothere.json': expected the name of a file in ",
+        ),
         (
             "quality/reference.toml",
             "[verify]\nnetworks = 8\n",

@@ -80,7 +80,8 @@ def test_random_films_are_always_the_same_and_one_in_four_has_no_gun(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("blastline.study.cases.FILM_S", 12.0)
-    monkeypatch.setattr("blastline.study.cases.SHOTS", (4, 8))
+    monkeypatch.setattr("blastline.study.cases.SHOTS", (2, 5))
+    monkeypatch.setattr("blastline.study.cases.OTHERS", (2, 5))
     first, second = (list(random_films(tmp_path / name, films=4, seed=2)) for name in ("first", "second"))
     for one, other in zip(first, second, strict=True):
         assert one.path.read_bytes() == other.path.read_bytes()

@@ -33,14 +33,14 @@ def test_a_shot_has_a_peak_of_one_and_begins_where_it_says(seed: int) -> None:
 
 def test_nothing_is_heard_before_the_blast_but_a_bullets_shock() -> None:
     early = []
-    for seed in range(300):
+    for seed in range(150):
         samples, onsets, shock = outdoor_shot(np.random.default_rng(seed), RATE_HZ)
         assert shock == ((0,) if onsets[0] else ())
         if onsets[0]:
             early.append(onsets[0] / RATE_HZ)
         else:
             assert np.abs(samples[:480]).max() > 0.0
-    assert 0.04 < len(early) / 300 < 0.18
+    assert 0.04 < len(early) / 150 < 0.18
     assert min(early) > 0.007
     assert max(early) < 0.26
 
@@ -48,11 +48,11 @@ def test_nothing_is_heard_before_the_blast_but_a_bullets_shock() -> None:
 def test_near_a_gun_there_is_less_between_the_blast_and_its_return_than_in_a_film() -> None:
     """Recorded near and outdoors 50-100 ms after the onset are 25 to 50 dB under the first 25; in films' places 10."""
     outdoors, films = [], []
-    for seed in range(200):
+    for seed in range(80):
         samples, onsets, _ = outdoor_shot(np.random.default_rng(seed), RATE_HZ)
         if len(onsets) == 1:
             outdoors.append(dry_db(samples, onsets[0], from_ms=50.0, to_ms=100.0))
-        if seed < 100:
+        if seed < 40:
             film, onset, _ = random_shot(np.random.default_rng(seed), RATE_HZ)
             films.append(dry_db(film, onset, from_ms=50.0, to_ms=100.0))
     assert np.median(outdoors) < np.median(films) - 8.0
