@@ -149,6 +149,18 @@ def test_source_names_the_file_and_its_digest(tmp_path: Path) -> None:
     assert source.sha256 != read(wav(tmp_path / "other.wav", np.ones((480, 1))))[1].sha256
 
 
+CANCELLING = [
+    ([0, 0, 0, 0, 1, -1], "mains", True, True),
+    ([1, -1, 0, 0, 0, 0], "mains", True, True),
+    ([0, 0, 0, 0, 1, 1], "mains", True, False),
+    ([0, 0, 0, 0, 1, -1], "4", True, False),
+    ([0, 0, 1, 0, 1, -1], "mains", True, False),  # the centre plays on
+    ([1, -1], "mains", False, True),
+    ([1, -1], "mains", True, False),  # heard in the sides
+    ([1, 1], "mains", False, False),
+]
+
+
 def test_a_film_that_is_silent_throughout_is_told(tmp_path: Path) -> None:
     still = np.zeros((70_000, 2))
     assert read(wav(tmp_path / "still.wav", still))[1].warnings == ("sound stream 0 is silent from beginning to end",)
@@ -170,6 +182,22 @@ def test_a_mix_that_is_silent_though_the_film_is_not_is_told(tmp_path: Path, oth
     path = wav(tmp_path / "film.wav", noise() @ [[1.0, other]], subtype="FLOAT")
     assert any("mix mains is silent" in line for line in read(path)[1].warnings) == warned
     assert any("mix 1 is silent" in line for line in read(path, mix="1")[1].warnings) == (other == 0.0)
+
+
+@pytest.mark.parametrize("frames", [4_800, 70_001])
+@pytest.mark.parametrize(("behind", "mix", "sides", "told"), CANCELLING)
+def test_what_the_channels_of_a_mix_cancel_is_told(
+    tmp_path: Path, frames: int, behind: list[float], mix: str, *, sides: bool, told: bool
+) -> None:
+    """A quarter of a second, from second 1 on, in which two channels play one noise over a soft bed."""
+    rng = np.random.default_rng(1)
+    film = 1e-3 * rng.standard_normal((2 * RATE_HZ, len(behind)))
+    film[RATE_HZ : RATE_HZ * 5 // 4] += 0.2 * rng.standard_normal((RATE_HZ // 4, 1)) * behind
+    with open_soundtrack(wav(tmp_path / "film.wav", film), mix=mix) as track:
+        list(track.blocks(frames, sides=sides))
+        lines = [line for line in track.source().warnings if "cancel" in line]
+    assert bool(lines) == told
+    assert all("mix mains cancel for 0.25 s, first at 1.00 s: what they play" in line for line in lines)
 
 
 def test_the_order_of_use_is_kept(tmp_path: Path) -> None:

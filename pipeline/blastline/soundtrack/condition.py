@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ..errors import SoundtrackError
 from ..streams import streams_text
+from .cancelling import Cancelling
 from .coded import first_burst
 from .repair import LOUD, Mended, loud_warning, mended, repair_warning, require_usable
 from .track import Samples, TrackFacts
@@ -23,9 +24,11 @@ reading a film. Data that begins late may be seen some seconds later, and a few 
 class Condition:
     """What has been seen of one track so far."""
 
-    def __init__(self, facts: TrackFacts, mix: str, heard: NDArray[np.bool_]) -> None:
-        """Begin before the first sample of a track that is heard as the mix of that name, in those of its channels."""
-        self._facts, self._mix, self._heard = facts, mix, heard
+    def __init__(self, facts: TrackFacts, mix: str, matrix: NDArray[np.float32]) -> None:
+        """Begin before the first sample of a track that is heard as the mix of that name and matrix."""
+        self._facts, self._mix, self._heard = facts, mix, np.asarray(np.any(matrix, axis=1))
+        self._mixed_channels = np.count_nonzero(matrix[:, 0])
+        self._cancelling = Cancelling(matrix[:, 0], facts.rate_hz)
         self._frames, self._blocks, self._mended, self._first_mended = 0, 0, 0, 0
         self._mix_sounds, self._track_sounds = False, False
         self._peak, self._first_loud = 0.0, 0
@@ -55,8 +58,13 @@ class Condition:
         self._frames += raw.shape[0]
         return samples
 
-    def hear(self, samples: Samples, mix: Samples) -> None:
-        """Note whether the track sounds, and what drives, the last column: up to the first sound of each."""
+    def hear(self, samples: Samples, mix: Samples, *, sides: bool) -> None:
+        """Note whether the track sounds, and what drives, the last column of the mix.
+
+        With `sides`, what a pair plays against each other is heard in them.
+        """
+        if self._mixed_channels > 2 or (self._mixed_channels == 2 and not sides):
+            self._cancelling.hear(samples, mix[:, 0])
         self._mix_sounds = self._mix_sounds or bool(mix[:, -1].any())
         self._track_sounds = self._track_sounds or self._mix_sounds or bool(samples.any())
 
@@ -74,6 +82,12 @@ class Condition:
             yield f"sound stream {streams_text(self._facts.stream)} is silent from beginning to end{self._others()}"
         elif self._frames and not self._mix_sounds:
             yield f"the mix {self._mix} is silent, though the film is not: its channels cancel, or others sound"
+        elif self._cancelling.lost_s:
+            lost_s, first_s = self._cancelling.lost_s, self._cancelling.first_s
+            yield (
+                f"the channels of the mix {self._mix} cancel for {lost_s:.2f} s, first at {first_s:.2f} s: what they "
+                "play against each other there is not heard; --mix with the numbers of some channels hears those alone"
+            )
         yield from self._missing()
 
     def _measure(self, found: Mended) -> None:

@@ -51,7 +51,7 @@ class Soundtrack:
         self._timebase = timebase
         self._frames: int | None = None
         self._started = False
-        self._condition = Condition(track.facts, mix, np.asarray(np.any(matrix, axis=1)))
+        self._condition = Condition(track.facts, mix, matrix)
         layout, channels = track.facts.layout, track.facts.channels
         self._order = summing_order(layout, channels)
         self._sides = sides_matrix(layout, channels, mix)
@@ -109,7 +109,7 @@ class Soundtrack:
         if remembered_s and self._azimuths_deg is not None and not isinstance(self._track, PcmTrack):
             self._recent = Recent(frames + round(remembered_s * self.rate_hz))
         start = 0
-        for samples in in_blocks(self._mixed_pieces(sides=sides, kept_sides=kept_sides or self.is_pair), frames):
+        for samples in in_blocks(self._mixed_pieces(sides=sides, kept_sides=kept_sides), frames):
             yield self._clip(samples, start)
             start += samples.shape[0]
         if start == 0:
@@ -203,13 +203,13 @@ class Soundtrack:
         return None if self._recent is None else self._recent.read(span)
 
     def _mixed_pieces(self, *, sides: bool, kept_sides: bool) -> Iterator[Samples]:
-        kept_sides = kept_sides and self._spool is not None
+        asked, kept_sides = sides or kept_sides, (kept_sides or self.is_pair) and self._spool is not None
         given = self.columns + (sides and self.has_sides)
         with naming(self._path):
             for raw in self._track.pieces():
                 samples = self._condition.usable(raw)
                 columns = self._mixed(samples, sides=sides or kept_sides)
-                self._condition.hear(samples, columns[:, : self.columns])
+                self._condition.hear(samples, columns[:, : self.columns], sides=asked)
                 if self._spool is not None:
                     self._spool.append(np.ascontiguousarray(columns if kept_sides else columns[:, : self.columns]))
                 if self._recent is not None:
