@@ -125,7 +125,7 @@ def measured(scenes: list[Scene], quality: Quality) -> dict[str, Tally]:
                 rules = folder / heard / "quality"
                 rules.mkdir(parents=True)
                 (rules / f"{quality}.toml").write_text(f"[channels]\nsides = {sides}\n", encoding="utf-8")
-                found = run.detect(folder / f"{scene.name}.wav", quality=quality, rules=rules.parent)
+                found = run.detect(folder / f"{scene.name}.wav", run.RenderOptions(quality=quality, rules=rules.parent))
                 tallies[heard].add(truth, found)
     return tallies
 

@@ -39,7 +39,7 @@ import sys, time
 from pathlib import Path
 from blastline import run
 def detect(path, rules=None):
-    return run.detect(Path(path), quality=QUALITY, rules=rules and Path(rules))
+    return run.detect(Path(path), run.RenderOptions(quality=QUALITY, rules=rules and Path(rules)))
 """
 MEASURE = """
 import json
@@ -122,8 +122,8 @@ def compare_codecs(minutes: float, quality: Quality) -> None:
     from blastline import run
 
     wav = made(f"surround{minutes:g}", minutes, "5.1")
-    plain = run.detect(wav, quality=quality)
-    coded = run.detect(encoded(wav), quality=quality)
+    plain = run.detect(wav, run.RenderOptions(quality=quality))
+    coded = run.detect(encoded(wav), run.RenderOptions(quality=quality))
     there = [event.onset_s * 1000.0 for event in plain.events]
     errors = [min((abs(event.onset_s * 1000.0 - at) for at in there), default=1e9) for event in coded.events]
     near = [error for error in errors if error <= 10.0]

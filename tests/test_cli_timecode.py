@@ -11,7 +11,6 @@ import wavinfo
 
 from blastline.export import FORMATS, HAPTIC_FORMATS, known_formats, read_timeline
 from blastline.export.frames import FRAME_FORMATS
-from blastline.export.rounding import resolution
 from blastline.model import encode
 from commands import BELIEVE, RATE_HZ, blastline, write_film
 from films import COUNTINGS, film
@@ -165,7 +164,7 @@ def test_formats_lists_each_with_its_tool() -> None:
 
 def test_formats_has_its_exactness_in_one_column() -> None:
     lines = blastline("formats").out.splitlines()
-    exact = [resolution(name) for name in (*FORMATS, *HAPTIC_FORMATS)]
+    exact = [known.exactness for known in known_formats((*FORMATS, *HAPTIC_FORMATS))]
     ends = [line for line in lines if line.endswith(tuple(exact))]
     assert {len(line) - max(len(each) for each in exact if line.endswith(each)) for line in ends} == {35}
 

@@ -14,7 +14,8 @@ import pandas
 import pytest
 import webvtt
 
-from blastline.export import FORMATS, export_timeline, resolution, rounding
+from blastline.export import FORMATS, export_timeline, rounding
+from blastline.export.frames import FRAME_FORMATS
 from blastline.export.midi import NOTE, beat_of, velocity
 from blastline.export.table import COLUMNS, table
 from blastline.export.words import label, note, one_line
@@ -344,5 +345,6 @@ def test_an_edl_of_a_film_that_passes_midnight_is_told(start: str, passes: bool)
 
 
 def test_every_format_says_how_exact_it_is() -> None:
-    assert all(resolution(name) for name in FORMATS)
-    assert resolution("fcp7") == "nearest frame, with the sub-frame offset as text"
+    assert all(known.exactness for known in FORMATS.values())
+    frames = {name for name, known in FORMATS.items() if known.exactness.startswith("nearest frame")}
+    assert frames == FRAME_FORMATS

@@ -46,14 +46,14 @@ def match_template(
     if not pattern.any() or not moving.any():
         return NO_MATCH
     squares = pattern**2
-    own = float(squares.sum())  # a dot product would wake every core for so little
+    pattern_energy = float(squares.sum())  # a dot product would wake every core for so little
     weighted = moving if mask is None else np.where(mask, moving, 0.0)
-    shared = own if mask is None else _slide(squares, mask.astype(np.float64))
-    energy = np.cumsum(np.concatenate([[0.0], weighted**2]))
-    felt = energy[len(pattern) :] - energy[: len(energy) - len(pattern)]
+    masked_energy = pattern_energy if mask is None else _slide(squares, mask.astype(np.float64))
+    energy_before = np.cumsum(np.concatenate([[0.0], weighted**2]))
+    moving_energy = energy_before[len(pattern) :] - energy_before[: len(energy_before) - len(pattern)]
     product = _slide(pattern, weighted)
-    enough = (np.asarray(shared) >= least_share * own) & (felt > 1e-9 * energy[-1])
-    scale = np.sqrt(np.where(enough, shared * felt, 1.0))
+    enough = (np.asarray(masked_energy) >= least_share * pattern_energy) & (moving_energy > 1e-9 * energy_before[-1])
+    scale = np.sqrt(np.where(enough, masked_energy * moving_energy, 1.0))
     correlation = np.where(enough, product / scale, 0.0)
     best = int(np.argmax(np.abs(correlation)))
     if correlation[best] == 0.0 or not enough[max(0, best - 1) : best + 2].all():

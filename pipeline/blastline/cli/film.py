@@ -138,29 +138,19 @@ def detect(
     from ..staging import staged
 
     allowed = run.allowance(budget=budget, max_cost=max_cost, quality=quality)
-    timebase = parse_timebase(start_timecode, frame_rate)
     options = run.RenderOptions(
         quality=quality or "standard",
         rules=rules,
         mix=mix,
         stream=parse_streams(stream),
-        timebase=timebase,
+        timebase=parse_timebase(start_timecode, frame_rate),
         report=False,
     )
 
     def found() -> Timeline:
         asked = options if allowed is None else _within(film, allowed, options, drives=False, quiet=quiet)
         with shown_progress(quiet=quiet) as progress:
-            return run.detect(
-                film,
-                quality=asked.quality,
-                rules=rules,
-                mix=mix,
-                stream=options.stream,
-                timebase=timebase,
-                budget=asked.budget,
-                progress=progress,
-            )
+            return run.detect(film, asked, progress)
 
     if output is None:
         if sys.stdout is None:

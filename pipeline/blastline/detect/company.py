@@ -117,8 +117,8 @@ def _rows(shots: Sequence[Shot], belief: _Belief, *, rate_hz: int, tier: Quality
     steps = in_even_rows(onsets[believed], vouched[believed], rate_hz=rate_hz, rules=tier.rows)
     machines = in_endless_fire(onsets[believed], by_itself[believed], rate_hz=rate_hz, rules=tier.bursts)
     returning = np.flatnonzero(belief.likely)  # a turn may be out of all company; what is less is not always segmented
-    likely = _loop_candidates([shots[place] for place in returning.tolist()], by_itself[returning])
-    loops = in_loops(likely, rate_hz=rate_hz, rules=tier.rows)
+    looping = _loop_candidates([shots[place] for place in returning.tolist()], by_itself[returning])
+    loops = in_loops(looping, rate_hz=rate_hz, rules=tier.rows)
     why = [""] * len(shots)
     for refused, reason in (
         (returning[loops], _LOOP),

@@ -156,7 +156,7 @@ def _rise_before(
 ) -> NDArray[np.intp]:
     """Return how many samples before the change a straight rise through it and the half-peak leaves zero.
 
-    None where the change is to more than a quarter of the peak at once: that is a step, not a place on a rise.
+    0 where the change is to more than a quarter of the peak at once: that is a step, not a place on a rise.
     """
     row = np.arange(change.size)
     reached = (magnitude >= 0.5 * peak[:, None]) & (np.arange(magnitude.shape[1]) > change[:, None])

@@ -69,7 +69,9 @@ def discrete_reflections(
     return lags, _gains(parabolic_peaks(gain, peaks, beside), lags, template.shape[0], rate_hz)
 
 
-def _gains(answers: NDArray[np.float64], lags: NDArray[np.intp], template: int, rate_hz: int) -> NDArray[np.float64]:
+def _gains(
+    answers: NDArray[np.float64], lags: NDArray[np.intp], template_frames: int, rate_hz: int
+) -> NDArray[np.float64]:
     """Return the gains g of echoes at some lags t that make the blast, with what follows in the template, answer so.
 
     An echo ripples the sound's power by cos(2 pi f t). What of that is left when it is smoothed over `_SMOOTH_HZ`, the
@@ -77,9 +79,9 @@ def _gains(answers: NDArray[np.float64], lags: NDArray[np.intp], template: int, 
     in the template, a g of it, makes that stronger: the answer is g / (1 + a^2 g^2).
     """
     answers = answers / (1.0 - np.sinc(_SMOOTH_HZ * lags / rate_hz))
-    whole = np.ones(template)
+    whole = np.ones(template_frames)
     _fade(whole, rate_hz)
-    inside = np.where(lags < template, whole[np.minimum(lags, template - 1)], 0.0)
+    inside = np.where(lags < template_frames, whole[np.minimum(lags, template_frames - 1)], 0.0)
     strength = np.minimum(inside * answers, 0.5)  # a g = 1 and more: as loud as the blast
     return np.asarray(answers * 2.0 / (1.0 + np.sqrt(1.0 - 4.0 * strength**2)), np.float64)
 

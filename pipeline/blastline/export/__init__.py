@@ -4,7 +4,7 @@ from .formats import FORMATS, Format, export_timeline, known_formats, needs_driv
 from .frames import require_frame_rate, require_late_enough
 from .haptics import HAPTIC_FORMATS, DriveReader, HapticFormat, HapticTrack, Rounding, haptic_track
 from .reading import read_timeline
-from .rounding import resolution, rounding
+from .rounding import rounding
 
 __all__ = [
     "FORMATS",
@@ -21,6 +21,5 @@ __all__ = [
     "read_timeline",
     "require_frame_rate",
     "require_late_enough",
-    "resolution",
     "rounding",
 ]

@@ -24,12 +24,16 @@ from .webvtt import write_webvtt
 
 @dataclass(frozen=True)
 class Format:
-    """A file format: its name on the command line, the end of its file's name, the tool that opens it, its writer."""
+    """A file format: its name on the command line, the end of its file's name, the tool that opens it, its writer.
+
+    `exactness` is how exactly it holds the time of an event, in words.
+    """
 
     name: str
     suffix: str
     tool: str
     write: Callable[[Timeline, Path], None]
+    exactness: str
 
     @property
     def file_name(self) -> str:
@@ -47,59 +51,87 @@ class Format:
         return ()
 
 
+_FRAME, _NANOSECOND = "nearest frame, with the sub-frame offset as text", "1 ns: the sample"
+
 _ALL = (
-    Format("json", ".json", "blastline itself and scripts: everything that is known", write_json),
-    Format("schema", ".schema.json", "validators and code generators: what timeline.json may hold", write_schema),
-    Format("csv", ".csv", "spreadsheets and pandas: one row per event", write_csv),
-    Format("audacity", ".audacity.txt", "Audacity: File > Import > Labels, over the film's sound", write_labels),
+    Format("json", ".json", "blastline itself and scripts: everything that is known", write_json, "sample"),
+    Format(
+        "schema",
+        ".schema.json",
+        "validators and code generators: what timeline.json may hold",
+        write_schema,
+        "no times",
+    ),
+    Format("csv", ".csv", "spreadsheets and pandas: one row per event", write_csv, "sample"),
+    Format(
+        "audacity",
+        ".audacity.txt",
+        "Audacity: File > Import > Labels, over the film's sound",
+        write_labels,
+        _NANOSECOND,
+    ),
     Format(
         "reaper",
         ".reaper.csv",
         "REAPER: ruler on Minutes:Seconds; View > Region/Marker Manager, right-click > Import regions/markers",
         write_reaper,
+        _NANOSECOND,
     ),
     Format(
         "resolve",
         ".resolve.edl",
         "DaVinci Resolve: right-click the timeline > Timelines > Import > Timeline Markers from EDL",
         write_resolve,
+        _FRAME,
     ),
     Format(
         "cmx3600",
         ".cmx3600.edl",
         "Avid, conform tools: import the EDL; each shot is a locator of its one edit",
         write_cmx3600,
+        _FRAME,
     ),
     Format(
         "fcp7",
         ".fcp7.xml",
         "Adobe Premiere Pro: File > Import; a sequence with the film and its markers, link the film when asked",
         write_fcp7,
+        _FRAME,
     ),
     Format(
         "otio",
         ".otio",
         "DaVinci Resolve, OpenTimelineIO tools: File > Import > Timeline; link the film when asked",
         write_otio,
+        _FRAME,
     ),
     Format(
         "fcpxml",
         ".fcpxml",
         "Final Cut Pro: File > Import > XML; a project with the film and its markers, relink the film",
         write_fcpxml,
+        _FRAME,
     ),
     Format(
         "avid",
         ".avid.txt",
         "Avid Media Composer: Tools > Markers, right-click > Import Markers, onto the timecode track",
         write_avid,
+        _FRAME,
     ),
-    Format("webvtt", ".vtt", "VLC, mpv, browsers: load as subtitles beside the film", write_webvtt),
+    Format(
+        "webvtt",
+        ".vtt",
+        "VLC, mpv, browsers: load as subtitles beside the film",
+        write_webvtt,
+        "0.5 ms: whole milliseconds",
+    ),
     Format(
         "midi",
         ".mid",
         "any sequencer, Pro Tools: import with its tempo map and markers; a note per shot, velocity from its level",
         write_midi,
+        "sample, at every usual rate",
     ),
 )
 

@@ -1,6 +1,7 @@
 """What a file is that somebody took for a timeline: called by its name, it is sooner swapped for the right one."""
 
 import re
+from collections.abc import Sequence
 from typing import Any
 
 _LONGEST_HEAD = 4096
@@ -55,14 +56,17 @@ def kind_of_content(content: bytes) -> str | None:
 
 def kind_of_text(text: str) -> str | None:
     """Return what a text is that another tool has written and that is never read back; None where that is not known."""
-    head = text.lstrip()[:_LONGEST_HEAD]
-    return next((what for beginning, what in _TEXTS if beginning.match(head)), None)
+    return _begun_as(text, _TEXTS)
 
 
 def kind_of_table(text: str) -> str | None:
     """Return what a text is that `render --timeline` reads and nothing else does."""
+    return _begun_as(text, _TABLES)
+
+
+def _begun_as(text: str, kinds: Sequence[tuple[re.Pattern[str], str]]) -> str | None:
     head = text.lstrip()[:_LONGEST_HEAD]
-    return next((what for beginning, what in _TABLES if beginning.match(head)), None)
+    return next((what for beginning, what in kinds if beginning.match(head)), None)
 
 
 def begins_as_labels(text: str) -> bool:

@@ -18,22 +18,6 @@ _FINAL_CUTS = frozenset({24, 25, 30, 50, 60})
 """How many numbers a second of timecode has in Final Cut Pro's projects."""
 
 
-def resolution(name: str) -> str:
-    """Return how exactly a format holds the time of an event, in words."""
-    if name in FRAME_FORMATS:
-        return "nearest frame, with the sub-frame offset as text"
-    return {
-        "schema": "no times",
-        "webvtt": "0.5 ms: whole milliseconds",
-        "hjif": "0.5 ms: whole milliseconds",
-        "haptic": "0.031 ms: 32-bit seconds, in reels",
-        "ahap": "0.0005 ms: six decimals of a second",
-        "midi": "sample, at every usual rate",
-        "audacity": "1 ns: the sample",
-        "reaper": "1 ns: the sample",
-    }.get(name, "sample")
-
-
 def rounding(timeline: Timeline, formats: Iterable[str]) -> tuple[str, ...]:
     """Return a line for each way in which some of the formats round the times of this timeline's events.
 

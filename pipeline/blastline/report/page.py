@@ -18,6 +18,17 @@ from .tables import checks_tables, origin_list, rejections_table, shots_table
 from .track import film_track
 from .words import by_hand, claim, figure, fixed, measured, safe, signed
 
+_SECTIONS: Final = {
+    "film": "The film",
+    "pictures": "Shots in pictures",
+    "shots-all": "Every shot",
+    "checks": "Checks",
+    "files": "Files for other tools",
+    "rejected": "Not taken for shots",
+    "origin": "How this was made",
+}
+"""The page's sections in order: their anchors and their titles."""
+
 _MADE_OF: Final[dict[MadeOf, str]] = {
     "sides": "what the two channels play against each other",
     "left": "the left channel, since the two cancel",
@@ -66,36 +77,28 @@ def _page(
         '<meta name="viewport" content="width=device-width,initial-scale=1">'
         f"<title>{safe(title)}</title><style>{STYLE}</style></head><body>\n"
         f"<header>{heading(timeline)}{verdict(timeline)}{warnings(timeline)}{tiles(timeline)}{_contents(exports)}</header>\n<main>\n"
-        f"{_section('film', 'The film', _film(timeline, overview, failed, why))}"
-        '<section id="pictures"><h2>Shots in pictures</h2>'
+        f"{_section('film', _film(timeline, overview, failed, why))}"
+        f'<section id="pictures"><h2>{_SECTIONS["pictures"]}</h2>'
     )
     yield from _pictures(timeline, pictures)
     yield (
-        f"</section>\n{_section('shots-all', 'Every shot', _shots(timeline, failed, why))}"
-        f"{_section('checks', 'Checks', checks_tables(timeline.checks, linked=why))}"
-        f"{_section('files', 'Files for other tools', exports_table(exports)) if exports else ''}"
-        f"{_section('rejected', 'Not taken for shots', rejected)}"
-        f"{_section('origin', 'How this was made', origin_list(timeline, options))}"
+        f"</section>\n{_section('shots-all', _shots(timeline, failed, why))}"
+        f"{_section('checks', checks_tables(timeline.checks, linked=why))}"
+        f"{_section('files', exports_table(exports)) if exports else ''}"
+        f"{_section('rejected', rejected)}"
+        f"{_section('origin', origin_list(timeline, options))}"
         f"</main>\n<footer>Made by blastline {safe(timeline.version)}. What is felt is predicted from the "
         f"actuator's profile, not measured on a seat.</footer>\n<script>{SCRIPT}</script></body></html>\n"
     )
 
 
 def _contents(exports: Sequence[ExportRow]) -> str:
-    links = [
-        ("film", "The film"),
-        ("pictures", "Pictures"),
-        ("shots-all", "Every shot"),
-        ("checks", "Checks"),
-        *([("files", "Files for other tools")] if exports else []),
-        ("rejected", "Not taken for shots"),
-        ("origin", "How this was made"),
-    ]
-    return f'<nav aria-label="On this page">{"".join(f"<a href=#{target}>{name}</a>" for target, name in links)}</nav>'
+    links = (f"<a href=#{name}>{title}</a>" for name, title in _SECTIONS.items() if exports or name != "files")
+    return f'<nav aria-label="On this page">{"".join(links)}</nav>'
 
 
-def _section(name: str, title: str, content: str) -> str:
-    return f'<section id="{name}"><h2>{title}</h2>{content}</section>\n'
+def _section(name: str, content: str) -> str:
+    return f'<section id="{name}"><h2>{_SECTIONS[name]}</h2>{content}</section>\n'
 
 
 def _shots(timeline: Timeline, failed: Mapping[str, int], why: Mapping[str, str]) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Collection
 from fnmatch import fnmatchcase
 
-from ..export import FORMATS, HAPTIC_FORMATS, known_formats, resolution
+from ..export import FORMATS, HAPTIC_FORMATS, known_formats
 from ..report import ExportRow
 from . import names
 
@@ -24,5 +24,5 @@ def export_rows(*, written: Collection[str] = ()) -> tuple[ExportRow, ...]:
         tool, _, how = known.tool.partition(": ")
         patterns = (*known.files, *known.sets)
         mine = tuple(name for name in written if any(fnmatchcase(name, pattern) for pattern in patterns))
-        rows.append(ExportRow(known.name, mine or patterns, tool, how, resolution(known.name), bool(mine)))
+        rows.append(ExportRow(known.name, mine or patterns, tool, how, known.exactness, bool(mine)))
     return tuple(rows)

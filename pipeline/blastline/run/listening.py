@@ -8,15 +8,14 @@ import msgspec
 
 from .. import __version__, scene
 from ..detect import LATENCY_S, Detection, find_shots, verifier_of
-from ..model import SCHEMA, ActuatorRef, Budget, Decision, DriveInfo, Event, Origin, Quality, Source, Timeline
+from ..model import SCHEMA, ActuatorRef, Decision, DriveInfo, Event, Origin, Source, Timeline
 from ..progress import Progress, no_progress, report_progress
 from ..render import PlannedWindow, plan_windows
 from ..report import OverviewMeter
 from ..ruleset import Rules, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack
-from ..streams import Streams
-from ..timebase import AS_FILMED, Timebase
 from ..timecode import timecode_at
+from .options import USUAL, RenderOptions
 
 BLOCK = 65_536
 """Frames that are read at a time; nothing in a result depends on it."""
@@ -46,26 +45,16 @@ class HeardFilm:
     marks: tuple[Mark, ...]
 
 
-def detect(
-    film: Path,
-    *,
-    quality: Quality = "standard",
-    rules: Path | None = None,
-    mix: str = "mains",
-    stream: Streams | None = None,
-    timebase: Timebase = AS_FILMED,
-    budget: Budget | None = None,
-    progress: Progress = no_progress,
-) -> Timeline:
-    """Find the shots of a film and return them as a timeline without a drive.
+def detect(film: Path, options: RenderOptions = USUAL, progress: Progress = no_progress) -> Timeline:
+    """Find the shots of a film and return them as a timeline without a drive; of the options, those of finding count.
 
-    `timebase` is what the user says about the film's timecode, `budget` how the quality was chosen. Raises
-    BlastlineError for input, rules or a time base that cannot be used.
+    Raises BlastlineError for input, rules or a time base that cannot be used.
     """
-    read = load_rules(quality, rules)
+    read = load_rules(options.quality, options.rules)
+    stream, mix, timebase = options.stream, options.mix, options.timebase
     with open_soundtrack(film, stream=stream, mix=mix, rereadable=False, timebase=timebase) as track:
         found = assemble(listen(track, read, progress), read, {}, None)
-    return msgspec.structs.replace(found, budget=budget)
+    return msgspec.structs.replace(found, budget=options.budget)
 
 
 def listen(track: Soundtrack, rules: Rules, progress: Progress, meter: OverviewMeter | None = None) -> HeardFilm:

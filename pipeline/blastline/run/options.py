@@ -45,6 +45,10 @@ class RenderOptions:
     budget: Budget | None = None
 
 
+USUAL = RenderOptions()
+"""What a user gets who asks for nothing."""
+
+
 @dataclass(frozen=True)
 class Setup:
     """What a run was asked for, read and checked."""

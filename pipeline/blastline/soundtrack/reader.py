@@ -149,7 +149,8 @@ class Soundtrack:
         if isinstance(self._track, PcmTrack):
             columns = self._mixed(self._read(self._track, span), sides=sides)
         else:
-            assert self._spool is not None
+            if self._spool is None:
+                raise ValueError("a compressed film that is to be read again has to be opened as `rereadable`")
             columns = self._spool.read(span)
             columns = columns if sides else columns[:, : self.columns]
         return self._clip(columns.astype(np.float64), span.start)

@@ -15,7 +15,7 @@ from .finishing import without_drowned
 from .mixes import RATE_HZ, Mix, Samples, Sound, as_16_bit
 from .variants import SPEEDS, at_speed
 
-OTHER_SPEED, OTHER_TILT, ANOTHER_BENEATH, DRIVEN, CUT = 0.8, 0.8, 0.5, 0.2, 0.5
+SPEED_CHANCE, TILT_CHANCE, BENEATH_CHANCE, DRIVE_CHANCE, CUT_CHANCE = 0.8, 0.8, 0.5, 0.2, 0.5
 """How often each of the changes is made."""
 
 BENEATH_DB = (-20.0, -3.0)
@@ -30,19 +30,19 @@ def augmented(film: Mix, other: Mix, rng: np.random.Generator) -> Mix:
     A shot that hardly stands out of what is before it then counts neither way.
     """
     film = _tilted(_at_speed(film, rng), rng)
-    if rng.random() < ANOTHER_BENEATH:
+    if rng.random() < BENEATH_CHANCE:
         film = _over(film, _tilted(_at_speed(other, rng), rng), rng.uniform(*BENEATH_DB))
     film = _cut(film, rng)
     samples = film.samples.astype(np.float64)
     top = peak(samples) or 1.0
-    if rng.random() < DRIVEN:
+    if rng.random() < DRIVE_CHANCE:
         samples = top * saturate(samples / top, rng.uniform(*DRIVE_DB))
     film = replace(film, samples=as_16_bit(samples / max(1.0, peak(samples))))
     return without_drowned(film, [[at] for at in film.onsets.tolist()])
 
 
 def _at_speed(film: Mix, rng: np.random.Generator) -> Mix:
-    if rng.random() >= OTHER_SPEED:
+    if rng.random() >= SPEED_CHANCE:
         return film
     sound = Sound(film.samples.astype(np.float64), tuple(film.onsets.tolist()), tuple(film.unsure.tolist()))
     played = at_speed(sound, float(np.exp(rng.uniform(*np.log(SPEEDS)))))
@@ -50,7 +50,7 @@ def _at_speed(film: Mix, rng: np.random.Generator) -> Mix:
 
 
 def _tilted(film: Mix, rng: np.random.Generator) -> Mix:
-    if rng.random() >= OTHER_TILT:
+    if rng.random() >= TILT_CHANCE:
         return film
     samples = film.samples.astype(np.float64)
     for _ in range(int(rng.integers(1, MOST_TILTS + 1))):
@@ -77,7 +77,7 @@ def _over(film: Mix, other: Mix, level_db: float) -> Mix:
 
 def _cut(film: Mix, rng: np.random.Generator) -> Mix:
     """Return the film, half of the time without some of its beginning: then it is scanned otherwise."""
-    if rng.random() >= CUT:
+    if rng.random() >= CUT_CHANCE:
         return film
     start = int(rng.uniform(0.0, CUT_SHARE) * film.samples.size)
     kept = film.onsets >= start

@@ -20,7 +20,7 @@ Samples = NDArray[np.float64]
 class Optimum(msgspec.Struct, frozen=True):
     """What of |H u - t|^2 the solver leaves and what scipy leaves, as shares of |t|^2.
 
-    `excess` is by which share the solver leaves more. `corners` are the unknowns, `rate_hz` apart.
+    `excess` is by which share the solver leaves more. `corners` are the unknowns, 1 / `rate_hz` apart.
     """
 
     scene: str

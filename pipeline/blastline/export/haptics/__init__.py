@@ -20,13 +20,15 @@ from .track import DriveReader, HapticTrack, Pulse, VibrationSegment
 class HapticFormat:
     """A format that is written from the drive: its name on the command line, its files, the tools that open it.
 
-    `sets` are patterns of further files, of which there are more the longer the film is.
+    `exactness` is how exactly it holds the time of an event, in words. `sets` are patterns of further files, of which
+    there are more the longer the film is.
     """
 
     name: str
     files: tuple[str, ...]
     tool: str
     write: Callable[[HapticTrack, Path], Rounding]
+    exactness: str
     sets: tuple[str, ...] = ()
 
 
@@ -36,15 +38,23 @@ _ALL = (
         (CONTINUOUS, TRANSIENTS),
         "Core Haptics on iPhone and iPad: load the two patterns and start them together",
         write_ahap,
+        "0.0005 ms: six decimals of a second",
     ),
     HapticFormat(
         "haptic",
         (INDEX,),
         "Meta Haptics Studio, FMOD, Wwise, Unity, Unreal: import the reels, each placed where the index says",
         write_haptic,
+        "0.031 ms: 32-bit seconds, in reels",
         (REELS,),
     ),
-    HapticFormat("hjif", (FILE,), "MPEG haptics encoders and players: open it as an HJIF file", write_hjif),
+    HapticFormat(
+        "hjif",
+        (FILE,),
+        "MPEG haptics encoders and players: open it as an HJIF file",
+        write_hjif,
+        "0.5 ms: whole milliseconds",
+    ),
 )
 
 HAPTIC_FORMATS: Mapping[str, HapticFormat] = MappingProxyType({known.name: known for known in _ALL})

@@ -38,7 +38,7 @@ def haptic_track(
         if np.any(samples):
             segment = _segment(samples, own, origin=span.start, rate_hz=rate_hz, rules=rules, profile=profile)
             segments.append(segment)
-            pulses += [_heard(pulse, segment.frequency_hz) for pulse in own]
+            pulses += [_with_frequency(pulse, segment.frequency_hz) for pulse in own]
     return HapticTrack(
         rate_hz,
         frames,
@@ -154,7 +154,7 @@ def _segment(
     return VibrationSegment(amplitude, frequency)
 
 
-def _heard(pulse: Pulse, frequency_hz: Curve) -> Pulse:
+def _with_frequency(pulse: Pulse, frequency_hz: Curve) -> Pulse:
     """Return the pulse with the frequency that the drive has at its start."""
     at = float(frequency_hz.at(np.array([pulse.sample]))[0])
     return Pulse(pulse.sample, pulse.amplitude, at, pulse.event, is_echo=pulse.is_echo, burst=pulse.burst)
