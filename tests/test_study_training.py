@@ -1,5 +1,7 @@
 """Networks learn from examples. PyTorch comes with the extra `train`; without it there is nothing to test."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -12,7 +14,7 @@ from blastline.study.training import FINE_TUNING, SETTINGS, Examples, fine_tune,
 
 pytest.importorskip("torch")
 
-QUICK = SETTINGS | {"epochs": 5, "batch": 32}
+QUICK = replace(SETTINGS, epochs=5, batch=32)
 FEATURES = 6
 
 
@@ -46,8 +48,8 @@ def test_fine_tuning_at_no_learning_rate_changes_little(averaged: bool, size: st
     """Only the normalisations look: what was folded away is there again and is folded away once more."""
     known, fresh = examples(600, 1), examples(300, 2)
     network = fit_network(known, 3, averaged=averaged, size=size, settings=QUICK)
-    still = {"epochs": 1, "learning_rate": 0.0, "batch": 600}
-    same = fine_tune(network, known, 4, settings=FINE_TUNING | still)
+    still = replace(FINE_TUNING, epochs=1, learning_rate=0.0, batch=600)
+    same = fine_tune(network, known, 4, settings=still)
     odds = said(network, fresh)
     assert np.corrcoef(said(same, fresh), odds)[0, 1] > 0.98
     assert np.mean((said(same, fresh) > 0) == (odds > 0)) > 0.97
@@ -68,7 +70,7 @@ def test_a_fine_tuned_network_knows_the_old_and_the_new(averaged: bool) -> None:
 
 def test_between_two_networks_lie_both_and_the_way_back_is_the_same() -> None:
     first, second = (
-        fit_network(examples(100, 1), seed, averaged=False, settings=QUICK | {"epochs": 1}) for seed in (3, 4)
+        fit_network(examples(100, 1), seed, averaged=False, settings=replace(QUICK, epochs=1)) for seed in (3, 4)
     )
     assert between(first, second, 0.0) == first
     assert between(first, second, 1.0) == second
@@ -80,7 +82,7 @@ def test_between_two_networks_lie_both_and_the_way_back_is_the_same() -> None:
 
 def test_the_same_seed_gives_the_same_network_and_another_one_another() -> None:
     first, again, other = (
-        fit_network(examples(100, 1), seed, averaged=True, settings=QUICK | {"epochs": 1}) for seed in (3, 3, 4)
+        fit_network(examples(100, 1), seed, averaged=True, settings=replace(QUICK, epochs=1)) for seed in (3, 3, 4)
     )
     assert first == again
     assert first.head[-1].weights != other.head[-1].weights

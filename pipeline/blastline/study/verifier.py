@@ -9,6 +9,7 @@ seed as they are; the networks also learn from those of other seeds and from aug
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
@@ -165,10 +166,12 @@ def _record(
         "shots_passed": int(left.shots.sum()),
         "gate": GATE_SETTINGS | {"loss": GATE_LOSS},
         "screen": SCREEN_SETTINGS | {"loss": SCREEN_LOSS},
-        "networks": SETTINGS,
+        "networks": asdict(SETTINGS),
     }
     return (
-        record | {"further": FINE_TUNING, "after_share": AFTER_SHARE, "before": before.training} if before else record
+        record | {"further": asdict(FINE_TUNING), "after_share": AFTER_SHARE, "before": before.training}
+        if before
+        else record
     )
 
 
