@@ -5,9 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import soundfile
 
 from blastline.errors import SoundtrackError
 from blastline.soundtrack import open_soundtrack
+from blastline.soundtrack.dropouts import Dropouts
 from coded_films import FILM_RATE, LONG, LONG_SHOTS, damaged, read, shots_in_film
 from media import RATE_HZ, impulses, onsets, write_media
 
@@ -142,3 +144,46 @@ def test_frames_with_a_wrong_checksum_are_lost_and_told(tmp_path: Path, codec: s
     path.write_bytes(every)
     with pytest.raises(SoundtrackError, match=r"(\d\d+) of \1 packets of sound cannot be decoded"):
         read(path)
+
+
+def broken_off(tmp_path: Path, spans: list[tuple[int, int]], *, subtype: str = "PCM_16") -> list[str]:
+    """Return the warnings about a stereo file of noise in which spans of bytes of its sound are lost."""
+    path, size = tmp_path / "film.wav", 2 * {"PCM_16": 2, "FLOAT": 4}[subtype]
+    noise = np.random.default_rng(7).uniform(-0.5, 0.5, (6 * RATE_HZ, 2))
+    soundfile.write(path, noise, RATE_HZ, subtype=subtype)
+    data = bytearray(path.read_bytes())
+    sound = len(data) - size * len(noise)
+    for start, stop in spans:
+        data[sound + start : sound + stop] = bytes(stop - start)
+    path.write_bytes(data)
+    return [line for line in read(path)[1].warnings if "breaks off" in line]
+
+
+@pytest.mark.parametrize(("subtype", "block"), [("PCM_16", 4_096), ("FLOAT", 8_192)])
+def test_blocks_of_a_file_that_are_lost_are_told(tmp_path: Path, subtype: str, block: int) -> None:
+    (one,) = broken_off(tmp_path, [(100 * block, 101 * block)], subtype=subtype)
+    assert f"once and comes back as abruptly, first at {100 * 1024 / RATE_HZ:.3f} s: a part" in one
+    spans = [(n * block, (n + 10) * block) for n in (0, 20, 30, 60)]
+    (some,) = broken_off(tmp_path, spans, subtype=subtype)
+    assert "2 times" in some  # what is missing from the first sample on never broke off
+
+
+@pytest.mark.parametrize("size", [1, 7, 240, 1_000, 7_201])
+def test_lost_blocks_are_found_in_blocks_of_any_size(size: int) -> None:
+    samples = np.random.default_rng(7).uniform(-0.5, 0.5, (24_000, 2)).astype(np.float32)
+    for start, stop in ((4_800, 5_100), (7_000, 7_240), (14_400, 14_500), (20_000, 24_000)):
+        samples[start:stop] = 0.0
+    seen = Dropouts(RATE_HZ)
+    for start in range(0, len(samples), size):
+        seen.hear(samples[start : start + size])
+    assert (seen.count, seen.first) == (2, 4_800)
+
+
+def test_silence_that_a_film_means_is_no_loss(tmp_path: Path) -> None:
+    noise = np.random.default_rng(7).uniform(-0.5, 0.5, 6 * RATE_HZ)
+    for start, stop in ((0, RATE_HZ), (2 * RATE_HZ, 3 * RATE_HZ), (4 * RATE_HZ, 4 * RATE_HZ + 100)):
+        noise[start:stop] = 0.0
+    noise[3 * RATE_HZ : 3 * RATE_HZ + 480] *= np.linspace(0.0, 1.0, 480)  # a fade on one side is enough
+    noise[5 * RATE_HZ :] = 0.0
+    soundfile.write(tmp_path / "film.wav", noise, RATE_HZ, subtype="PCM_16")
+    assert not read(tmp_path / "film.wav")[1].warnings

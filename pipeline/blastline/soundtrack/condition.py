@@ -9,6 +9,7 @@ from ..errors import SoundtrackError
 from ..streams import streams_text
 from .cancelling import Cancelling
 from .coded import first_burst
+from .dropouts import Dropouts
 from .repair import LOUD, Mended, loud_warning, mended, repair_warning, require_usable
 from .track import Samples, TrackFacts
 
@@ -32,6 +33,7 @@ class Condition:
         self._frames, self._blocks, self._mended, self._first_mended = 0, 0, 0, 0
         self._mix_sounds, self._track_sounds = False, False
         self._peak, self._first_loud = 0.0, 0
+        self._dropouts = Dropouts(facts.rate_hz)
 
     @property
     def damaged_samples(self) -> int:
@@ -63,6 +65,8 @@ class Condition:
 
         With `sides`, what a pair plays against each other is heard in them.
         """
+        if self._facts.length == "stored":  # decoders tell what they lack, and have it silent
+            self._dropouts.hear(samples)
         if self._mixed_channels > 2 or (self._mixed_channels == 2 and not sides):
             self._cancelling.hear(samples, mix[:, 0])
         self._mix_sounds = self._mix_sounds or bool(mix[:, -1].any())
@@ -87,6 +91,12 @@ class Condition:
             yield (
                 f"the channels of the mix {self._mix} cancel for {lost_s:.2f} s, first at {first_s:.2f} s: what they "
                 "play against each other there is not heard; --mix with the numbers of some channels hears those alone"
+            )
+        if count := self._dropouts.count:
+            times, first_s = "once" if count == 1 else f"{count} times", self._dropouts.first / self._facts.rate_hz
+            yield (
+                f"the sound breaks off into zeros {times} and comes back as abruptly, first at {first_s:.3f} s: "
+                "a part of the file may be lost"
             )
         yield from self._missing()
 

@@ -168,11 +168,9 @@ def _record(
         "screen": SCREEN_SETTINGS | {"loss": SCREEN_LOSS},
         "networks": asdict(SETTINGS),
     }
-    return (
-        record | {"further": asdict(FINE_TUNING), "after_share": AFTER_SHARE, "before": before.training}
-        if before
-        else record
-    )
+    if before is None:
+        return record
+    return record | {"further": asdict(FINE_TUNING), "after_share": AFTER_SHARE, "before": before.training}
 
 
 def _said(thing: _Thing, what: str) -> _Thing:
