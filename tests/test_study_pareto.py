@@ -11,15 +11,14 @@ import pytest
 from blastline.cli.study_pareto import pareto_table
 from blastline.study.detection import DetectionStudy
 from blastline.study.front import on_front
-from blastline.study.matching import Times
 from blastline.study.pareto import ParetoStudy, study_pareto
 from blastline.study.pareto_files import FILES, markdown, write_pareto
 from blastline.study.pareto_picture import front_svg
-from blastline.study.peers import Peer, Samples
 from blastline.study.rendering_sweep import BEST
 from blastline.study.settings import TIERS
 from blastline.study.sources import StudySource
 from commands import blastline
+from light_peers import LIGHT
 
 SCENE = """
 schema = 1
@@ -141,24 +140,13 @@ def test_the_picture_names_the_tiers_and_is_the_same_for_the_same_study(study: P
         assert texts.count(name) == (2 if name in TIERS else 1), name
 
 
-def as_it_is(samples: Samples, rate_hz: int) -> Samples:
-    return samples
-
-
-def rises(samples: Samples, rate_hz: int, threshold: float) -> Times:
-    """Return where a sound first reaches a level."""
-    above = np.flatnonzero(np.abs(samples) > threshold)[:1]
-    return above.astype(np.float64) * 1000.0 / rate_hz
-
-
 def test_the_commands_print_and_write(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    light = Peer("rises", "numpy", (0.1, 0.3), as_it_is, rises)
-    monkeypatch.setattr("blastline.study.peers.PEERS", (light,))  # what a library takes to start is not the point
+    monkeypatch.setattr("blastline.study.peers.PEERS", (LIGHT,))  # what a library takes to start is not the point
     written, wrong = tmp_path / "figures.json", tmp_path / "wrong"
     done = blastline("study", "detection", "--fixtures", folder, "-o", written, "--excerpts", wrong, "--peers")
     assert done.code == 0, done.err
     assert "at 10 ms, 95 % of films drawn anew" in done.out
-    assert "rises" in done.out
+    assert "first rise" in done.out
     read = msgspec.json.decode(written.read_bytes(), type=DetectionStudy)
     assert read.protocol == "scenes"
     errors = sum(case.false + case.missed for case in read.cases)

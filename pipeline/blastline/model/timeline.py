@@ -1,5 +1,6 @@
 """What `timeline.json` holds, from the source to the whole; its JSON Schema is generated from these types."""
 
+from inspect import cleandoc
 from typing import Annotated, Any, Final, Literal
 
 import msgspec
@@ -211,7 +212,10 @@ class Timeline(msgspec.Struct, frozen=True):
 
 def schema() -> dict[str, Any]:
     """Return the JSON Schema of `timeline.json`, generated from the types above."""
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **msgspec.json.schema(Timeline)}
+    made = {"$schema": "https://json-schema.org/draft/2020-12/schema", **msgspec.json.schema(Timeline)}
+    for part in made["$defs"].values():  # Python 3.13 and later take the indentation off by themselves
+        part["description"] = cleandoc(part["description"])
+    return made
 
 
 def encode(timeline: Timeline) -> bytes:
