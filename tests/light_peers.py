@@ -1,4 +1,4 @@
-"""A peer that takes no time to start, for tests of what is done with peers; a module, so that other processes find it."""
+"""A peer that takes no time to start, in a module, so that other processes find it."""
 
 import numpy as np
 
