@@ -113,7 +113,10 @@ def _refuse_repeated_keys(text: str, path: Path) -> None:
             group[key] = value
         return group
 
-    json.loads(text, object_pairs_hook=once)
+    try:
+        json.loads(text, object_pairs_hook=once)
+    except RecursionError as error:
+        raise TimelineError(f"{path}: not JSON that can be read: nested too deeply") from error
 
 
 def _brief(value: Any) -> str:
