@@ -60,7 +60,7 @@ def summarise_edits(
         )
     if not has_original and edited.own:
         notes.append(
-            f"no other {names.TIMELINE} beside the file and none given with --original: the file tells which shots "
+            f"no {names.TIMELINE} but the file itself, neither beside it nor with --original: it tells which shots "
             "were moved; if any were deleted, they are still felt in a window that they shared, and if gains, ends or "
             "confidences were changed, they hold as they stand and count as kept"
         )
