@@ -158,6 +158,7 @@ CANCELLING = [
     ([0, 0, 1, 0, 1, -1], "mains", True, False),  # the centre plays on
     ([1, -1], "mains", False, True),
     ([1, -1], "mains", True, False),  # heard in the sides
+    ([1, -1], "0,1", True, True),  # a mix that names its channels has none
     ([1, 1], "mains", False, False),
 ]
 
@@ -197,7 +198,7 @@ def test_what_the_channels_of_a_mix_cancel_is_told(
         list(track.blocks(sides=sides))
         lines = [line for line in track.source().warnings if "cancel" in line]
     assert bool(lines) == told
-    assert all("mix mains cancel for 0.25 s, first at 1.00 s: what they play" in line for line in lines)
+    assert all(f"mix {mix} cancel for 0.25 s, first at 1.00 s: what they play" in line for line in lines)
 
 
 @pytest.mark.parametrize("size", [1, 100, 2_400, 7_201])

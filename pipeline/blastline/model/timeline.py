@@ -104,8 +104,8 @@ class Event(msgspec.Struct, frozen=True):
 
     `origin` says whether detection put its onset where it is or somebody who edited the timeline. `gain_db` is how much
     stronger than usual the drive was asked to be. `peak_dbfs` is of the waveform less what was constant before it, so
-    that of a clipped one may be a little over 0. `heard_in` says whether it was found in the mains, or in what they hold
-    beside their middle. `azimuth_deg` is where it comes from, 0 in front, 90 on the right, 180 behind, None where
+    that of a clipped one may be a little over 0. `heard_in` says whether it was found in the mains, or in what these
+    hold beside their middle. `azimuth_deg` is where it comes from, 0 in front, 90 on the right, 180 behind, None where
     nothing tells; `azimuth_focus` is 1 where one loudspeaker plays it, and less the wider it is spread. `decisions` say
     how closely it was looked at, and why.
     """

@@ -204,13 +204,14 @@ class Soundtrack:
         return None if self._recent is None else self._recent.read(span)
 
     def _mixed_pieces(self, *, sides: bool, kept_sides: bool) -> Iterator[Samples]:
-        asked, kept_sides = sides or kept_sides, (kept_sides or self.is_pair) and self._spool is not None
+        heard_beside = (sides or kept_sides) and self.has_sides
+        kept_sides = (kept_sides or self.is_pair) and self._spool is not None
         given = self.columns + (sides and self.has_sides)
         with naming(self._path):
             for raw in self._track.pieces():
                 samples = self._condition.usable(raw)
                 columns = self._mixed(samples, sides=sides or kept_sides)
-                self._condition.hear(samples, columns[:, : self.columns], sides=asked)
+                self._condition.hear(samples, columns[:, : self.columns], sides=heard_beside)
                 if self._spool is not None:
                     self._spool.append(np.ascontiguousarray(columns if kept_sides else columns[:, : self.columns]))
                 if self._recent is not None:
