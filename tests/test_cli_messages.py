@@ -9,7 +9,7 @@ import pytest
 
 from blastline import run
 from blastline.cli.progress import shown_progress
-from blastline.model import Check, Timeline, encode
+from blastline.model import Check, Edits, Timeline, encode
 from blastline.report import CHECKS
 from blastline.timebase import parse_timebase
 from commands import Ended, blastline
@@ -132,6 +132,19 @@ def test_a_render_is_summed_up(monkeypatch: pytest.MonkeyPatch) -> None:
     assert (film, folder) == (Path("film.mkv"), Path("out"))
     assert options == run.RenderOptions(formats=("json", "csv"), mix="0,2", stream=1)
     assert default == run.RenderOptions()
+
+
+def test_what_was_asked_of_a_drive_is_told_where_it_is_not_as_usual(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = msgspec.structs.replace(timeline(), phase="zero", background="direct", level_db=-6.0)
+    monkeypatch.setattr(run, "render", lambda *_: made)
+    told = blastline("render", "film.mkv", "-o", "out").err
+    assert "drive: 1 filter; phase zero; level -6 dB; the film's own sound between the shots\n" in told
+
+
+def test_an_edited_file_without_shots_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    none = Edits("labels.txt", kept=0, moved=0, changed=0, added=0, deleted=0)
+    monkeypatch.setattr(run, "render", lambda *_: msgspec.structs.replace(timeline(), events=(), edits=none))
+    assert "edits: labels.txt: no shots\n" in blastline("render", "film.mkv", "-o", "out").err
 
 
 @pytest.mark.parametrize("options", [(), ("--quiet",), ("-o", "found.json")])

@@ -11,13 +11,15 @@ FAILED_CHECK = 1
 
 def say_summary(timeline: Timeline, results: Path) -> None:
     """Say on stderr how many shots there are, how they are driven, and where the results are."""
+    from .. import run
+
     models = [event.drive.model for event in timeline.events if event.drive is not None]
     say_found(timeline)
     if timeline.edits is not None:
         _say_edits(timeline.edits)
     if models:
         driven = ", ".join(f"{models.count(model)} {model}" for model in sorted(set(models)))
-        typer.echo(f"drive: {driven}", err=True)
+        typer.echo("; ".join([f"drive: {driven}", *run.told_options(timeline)]), err=True)
     typer.echo(f"results: {results}", err=True)
 
 
@@ -36,7 +38,7 @@ def say_warnings(timeline: Timeline) -> None:
 def _say_edits(edits: Edits) -> None:
     ways = ("kept", "moved", "changed", "added", "deleted", "as_given")
     counts = ", ".join(f"{number} {way.replace('_', ' ')}" for way in ways if (number := getattr(edits, way)))
-    typer.echo(f"edits: {edits.file}{': ' if counts else ''}{counts}", err=True)
+    typer.echo(f"edits: {edits.file}: {counts or 'no shots'}", err=True)
     for note in edits.notes:
         typer.echo(f"note: {note}", err=True)
 

@@ -103,11 +103,11 @@ class Event(msgspec.Struct, frozen=True):
     """A gunshot in the timeline, with its window and its drive. `burst` is None for a single shot.
 
     `origin` says whether detection put its onset where it is or somebody who edited the timeline. `gain_db` is how much
-    stronger than usual the drive was asked to be. `peak_dbfs` is of the waveform less what was constant before it, so
-    that of a clipped one may be a little over 0. `heard_in` says whether it was found in the mains, or in what these
-    hold beside their middle. `azimuth_deg` is where it comes from, 0 in front, 90 on the right, 180 behind, None where
-    nothing tells; `azimuth_focus` is 1 where one loudspeaker plays it, and less the wider it is spread. `decisions` say
-    how closely it was looked at, and why.
+    stronger than usual the drive was asked to be. `peak_dbfs` is of the waveform, between its samples too where the
+    film's rate is not 48 kHz, less what was constant before it: that of a clipped one may be over 0. `heard_in` says
+    whether it was found in the mains, or in what these hold beside their middle. `azimuth_deg` is where it comes from,
+    0 in front, 90 on the right, 180 behind, None where nothing tells; `azimuth_focus` is 1 where one loudspeaker plays
+    it, and less the wider it is spread. `decisions` say how closely it was looked at, and why.
     """
 
     id: str

@@ -9,6 +9,7 @@ from .choice import MAX_FIGURES
 from .exports import ExportRow
 from .overview import Overview, OverviewMeter
 from .page import write_report
+from .summary import asked_of
 from .words import CHECKS, allowed, claim, measured, typeset
 
 __all__ = [
@@ -19,6 +20,7 @@ __all__ = [
     "Overview",
     "OverviewMeter",
     "allowed",
+    "asked_of",
     "claim",
     "measured",
     "typeset",

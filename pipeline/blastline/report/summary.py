@@ -1,6 +1,6 @@
 """What a designer wants to know in ten seconds."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from statistics import median
 
@@ -100,7 +100,7 @@ def tiles(timeline: Timeline) -> str:
     drives = [event.drive for event in events if event.drive is not None]
     if drives:
         gain_db = median(drive.perceived_gain_db for drive in drives)
-        shots.append(("Felt stronger than direct", f"{signed(gain_db)} dB", "median of all shots"))
+        shots.append(("Felt beside direct", f"{signed(gain_db)} dB", "median of all shots"))
         shots.append(("Fidelity", f"{median(drive.fidelity for drive in drives):.3f}", "felt against heard, median"))
     lag_checks = [check for check in timeline.checks if check.name in ("felt_lag", "drive_lag")]
     lags = [check.measured for check in lag_checks if check.measured is not None]
@@ -110,13 +110,25 @@ def tiles(timeline: Timeline) -> str:
         shots.append(("Lag behind the bang", f"{figure(median(lags))} ms", f"median; largest {figure(worst)} ms{of}"))
     actuator = timeline.actuator.name if timeline.actuator else "none"
     models = sorted({drive.model for drive in drives})
-    note = f"quality {timeline.quality}" + (f"; {', '.join(models)}" if models else "")
+    note = "; ".join([f"quality {timeline.quality}", *([", ".join(models)] if models else []), *asked_of(timeline)])
     shots.append(("Actuator", f'<span class="name">{safe(actuator)}</span>', note))
     items = "".join(
         f'<div class="tile"><dt>{name}</dt><dd>{value}<small>{safe(note)}</small></dd></div>'
         for name, value, note in shots
     )
     return f'<dl class="tiles">{items}</dl>'
+
+
+def asked_of(timeline: Timeline) -> Iterator[str]:
+    """Yield what was asked of the drive that is not as usual: its phase, its level, the film's sound beside it."""
+    if timeline.actuator is None:
+        return
+    if timeline.phase != "causal":
+        yield f"phase {timeline.phase}"
+    if timeline.level_db:
+        yield f"level {signed(timeline.level_db)} dB"
+    if timeline.background == "direct":
+        yield "the film's own sound between the shots"
 
 
 def _of_bursts(events: Sequence[Event], bursts: int) -> str:
