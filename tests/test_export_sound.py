@@ -344,6 +344,14 @@ def test_an_edl_of_a_film_that_passes_midnight_is_told(start: str, passes: bool)
     assert [line.partition(":")[0] for line in doubtful] == (["resolve, cmx3600"] if passes else [])
 
 
+def test_a_rounding_is_one_line_whatever_the_shot_is_called() -> None:
+    timeline = film(Counting("24", "00:00:00:00"), onsets=[1_000])
+    (event,) = timeline.events
+    named = msgspec.structs.replace(timeline, events=(msgspec.structs.replace(event, id="reel\n1"),))
+    (line,) = rounding(named, ["otio"])
+    assert "; reel 1 moves farthest" in line
+
+
 def test_every_format_says_how_exact_it_is() -> None:
     assert all(known.exactness for known in FORMATS.values())
     frames = {name for name, known in FORMATS.items() if known.exactness.startswith("nearest frame")}

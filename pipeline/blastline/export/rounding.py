@@ -10,6 +10,7 @@ from ..units import nearest
 from .frames import FRAME_FORMATS, scale_in
 from .midi import beat_of
 from .webvtt import STEP_S
+from .words import one_line
 
 Shift = Callable[[int], Fraction]
 
@@ -37,7 +38,7 @@ def _line(timeline: Timeline, names: Iterable[str], way: str, shift: Shift) -> s
     if not shifts:
         return f"{', '.join(names)}: {way}; there are no events"
     largest, event = max(shifts, key=lambda each: abs(each[0]))
-    return f"{', '.join(names)}: {way}; {event} moves farthest, by {float(1000 * largest):+z.3f} ms"
+    return f"{', '.join(names)}: {way}; {one_line(event)} moves farthest, by {float(1000 * largest):+z.3f} ms"
 
 
 def _way(name: str, source: Source) -> tuple[str, Shift] | None:

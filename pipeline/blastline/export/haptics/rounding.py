@@ -37,7 +37,7 @@ class Rounding:
     def __str__(self) -> str:
         """Return one line for people."""
         told = (
-            f"{self.pulses} pulses, {self.points} points: times within {self.time_ms:.2g} ms, "
+            f"{self.pulses} pulse{'s' * (self.pulses != 1)}, {self.points} points: times within {self.time_ms:.2g} ms, "
             f"amplitudes within {self.amplitude:.2g} of the limit, frequencies within {100.0 * self.frequency:.2g} %"
         )
         return "; ".join([told, *self.notes])
