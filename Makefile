@@ -42,5 +42,6 @@ clean:
 $(INSTALLED): pyproject.toml constraints.txt
 	@$(PYTHON) -c "import sys; v = sys.version_info; v >= (3, 11) or sys.exit('blastline needs Python 3.11 or later, but $(PYTHON) is %d.%d; try: make PYTHON=python3.11 ...' % v[:2])"
 	$(PYTHON) -m venv --clear $(VENV)
-	$(RUN)/python -m pip install -q --disable-pip-version-check -e ".[dev]" -c constraints.txt
+	@# not compiled: half of the time went into modules that nothing imports
+	$(RUN)/python -m pip install -q --no-compile --disable-pip-version-check -e ".[dev]" -c constraints.txt
 	@touch $@
