@@ -20,6 +20,7 @@ GROUND = {
     "dsp",
     "errors",
     "interruption",
+    "medians",
     "misfits",
     "model",
     "ruleset",

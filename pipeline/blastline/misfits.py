@@ -42,11 +42,11 @@ def misfit(plain: Any, error: Exception, table: type | None = None) -> str:
     if unknown := _UNKNOWN.fullmatch(complaint):
         return f"{_joined(key, unknown[1])}: no such key{_meant(table, key, unknown[1])}"
     value = _value_at(plain, key)
-    shown = "" if isinstance(value, dict | list) else f" = {_shown(value)}"
+    said = "" if isinstance(value, dict | list) else f" = {shown(value)}"
     words = _words_at(table, key) if table and complaint.startswith("Invalid enum value") else ()
     if words:
         complaint = f"expected {'one of: ' * (len(words) > 1)}{', '.join(words)}"
-    return f"{key or 'top level'}{shown}: {_said(complaint)}"
+    return f"{key or 'top level'}{said}: {_said(complaint)}"
 
 
 def _said(complaint: str) -> str:
@@ -72,7 +72,7 @@ def _kinds(names: str) -> str:
     return " or ".join(_WORDS.get(name, name) for name in names.strip("`").split(" | "))
 
 
-def _shown(value: Any) -> str:
+def shown(value: Any) -> str:
     """Return a value as a file has it; the end of a long one is left out."""
     if value is None or isinstance(value, bool):
         return "null" if value is None else str(value).lower()

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SoundtrackError
+from ..medians import weighted_median
 from ..model import Span
 from ..ruleset import IdentifyRules
 from .delay import coarse_delay
@@ -183,9 +184,7 @@ def _require_steady(excitation: Recording, spectra: Spectra, rows: NDArray[np.bo
 
     Most by power: the rounding of a file of 16 bits is steady, in all the frequencies that a sweep never comes to.
     """
-    rising = np.argsort(spectra.steady[rows])
-    steady, power = spectra.steady[rows][rising], np.cumsum(spectra.excitation[rows][rising])
-    typical = float(steady[np.searchsorted(power, power[-1] / 2.0)]) if steady.size else 1.0
+    typical = weighted_median(spectra.steady[rows], spectra.excitation[rows]) if rows.any() else 1.0
     if typical < _LEAST_STEADY:
         raise SoundtrackError(
             f"{excitation.name}: most frequencies are heard in about {typical * spectra.segments:.0f} of "

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import dsp
+from ..medians import weighted_median
 from .comparison import Comparison, Samples
 from .hearing import Felt, Heard
-from .lags import weighted_median
 
 ATTACK_MS = 12.0
 """The longest blast of the segmentation: the attack's peak lies within."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .comparison import Samples
+from ..medians import weighted_median
 from .sounds import TimeMap
 
 _STEADY = 0.1
@@ -60,10 +60,3 @@ def line_through_exact(exact: Sequence[ShotLag], found: Sequence[ShotLag], *, be
 def _scatter(found: Sequence[ShotLag], line: TimeMap) -> float:
     """Return how far lags lie from a line, in the median."""
     return float(np.median([abs(each.lag - line.lag(each.sample)) for each in found]))
-
-
-def weighted_median(values: Samples, weights: Samples) -> float:
-    """Return the value below which half of the weight lies."""
-    order = np.argsort(values)
-    reached = np.cumsum(weights[order])
-    return float(values[order][np.searchsorted(reached, 0.5 * reached[-1])])

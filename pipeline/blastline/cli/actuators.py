@@ -14,6 +14,28 @@ FITTING, MEASURING = "Fitting", "Recordings"
 
 group = typer.Typer(help="Actuator profiles: what a seat does with a drive, and what the skin feels of it.")
 
+Excitation = Annotated[
+    Path, typer.Option(metavar="WAV", help="What was sent to the actuator: noise.", rich_help_panel=MEASURING)
+]
+Response = Annotated[
+    Path, typer.Option(metavar="WAV", help="What an accelerometer made of it.", rich_help_panel=MEASURING)
+]
+Channel = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N", min=0, help="Its channel, from 0.", show_default="the only one", rich_help_panel=MEASURING
+    ),
+]
+MeasuredTable = Annotated[
+    Path | None,
+    typer.Option(
+        "--csv",
+        metavar="CSV",
+        help="Write the measured response as well; `actuator fit` reads it.",
+        show_default="not written",
+        rich_help_panel=WRITING,
+    ),
+]
 Output = Annotated[
     Path,
     typer.Option("-o", "--output", metavar="PROFILE", help="The profile to write (.toml).", rich_help_panel=WRITING),
@@ -129,37 +151,12 @@ def show(
 
 @group.command()
 def identify(
-    excitation: Annotated[
-        Path,
-        typer.Option(metavar="WAV", help="What was sent to the actuator: noise.", rich_help_panel=MEASURING),
-    ],
-    response: Annotated[
-        Path,
-        typer.Option(metavar="WAV", help="What an accelerometer made of it.", rich_help_panel=MEASURING),
-    ],
+    excitation: Excitation,
+    response: Response,
     output: Output,
-    excitation_channel: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N", min=0, help="Its channel, from 0.", show_default="the only one", rich_help_panel=MEASURING
-        ),
-    ] = None,
-    response_channel: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N", min=0, help="Its channel, from 0.", show_default="the only one", rich_help_panel=MEASURING
-        ),
-    ] = None,
-    csv: Annotated[
-        Path | None,
-        typer.Option(
-            "--csv",
-            metavar="CSV",
-            help="Write the measured response as well; `actuator fit` reads it.",
-            show_default="not written",
-            rich_help_panel=WRITING,
-        ),
-    ] = None,
+    excitation_channel: Channel = None,
+    response_channel: Channel = None,
+    csv: MeasuredTable = None,
     perception: PerceptionOption = "none",
     peak_db: PeakOption = None,
     largest_gain_db: GainOption = None,

@@ -31,6 +31,21 @@ if TYPE_CHECKING:
     from ..study.tally import DetectionScore
 
 
+OwnChanges = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--try",
+        metavar="TABLE.KEY=VALUE",
+        help="Another change of the standard tier to measure, such as verify.look_from=0.2; repeatable.",
+        show_default=False,
+    ),
+]
+WithRendering = Annotated[bool, typer.Option("--rendering/--no-rendering", help="Measure the drives as well.")]
+Repeats = Annotated[
+    int, typer.Option(min=1, max=9, metavar="N", help="Listen so often to each film; the least processor time counts.")
+]
+
+
 def pareto(
     folder: ResultFolder,
     fixtures: Fixtures = None,
@@ -41,21 +56,10 @@ def pareto(
     fold: Fold = None,
     films: Films = 24,
     seed: Seed = 1,
-    own: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--try",
-            metavar="TABLE.KEY=VALUE",
-            help="Another change of the standard tier to measure, such as verify.look_from=0.2; repeatable.",
-            show_default=False,
-        ),
-    ] = None,
+    own: OwnChanges = None,
     peers: Peers = False,
-    rendering: Annotated[bool, typer.Option("--rendering/--no-rendering", help="Measure the drives as well.")] = True,
-    repeats: Annotated[
-        int,
-        typer.Option(min=1, max=9, metavar="N", help="Listen so often to each film; the least processor time counts."),
-    ] = 1,
+    rendering: WithRendering = True,
+    repeats: Repeats = 1,
     actuator: ActuatorOption = DEFAULT_ACTUATOR,
     rules: RulesOption = None,
     jobs: Jobs = CORES,

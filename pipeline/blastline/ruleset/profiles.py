@@ -9,7 +9,7 @@ from ..errors import RuleError
 from .table import Positive, Table
 
 DEFAULT_ACTUATOR = "crowson-t108sm"
-"""The profile that is taken where nobody names one: a transducer that many home cinemas have under their seats."""
+"""The profile that is taken where nobody names one."""
 
 SLOWEST_RAD_S = -1.0
 """The slowest decay of an actuator, as the real part of a zero or pole: filters keep all of it in memory."""

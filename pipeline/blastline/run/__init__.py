@@ -19,11 +19,11 @@ from .export_rows import export_rows
 from .exporting import export
 from .listening import detect
 from .names import DRIVE
-from .options import RenderOptions
+from .options import RenderOptions, told_options
 from .rendering import render, require_place
 from .rulefiles import check_rules
 from .synthesis import synthesise
-from .verdicts import told_failures, told_options, told_passes
+from .verdicts import told_failures, told_passes
 
 __all__ = [
     "DRIVE",

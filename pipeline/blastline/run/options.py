@@ -1,13 +1,15 @@
-"""What a user may ask of `render`, and the same once it is read and checked."""
+"""What a user may ask of `render`, the same once it is read and checked, and what was asked of a drive."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import msgspec
 
 from ..errors import RuleError
-from ..model import ActuatorRef, Background, Budget, DriveChoice, Phase, Quality
+from ..model import ActuatorRef, Background, Budget, DriveChoice, Phase, Quality, Timeline
 from ..progress import Progress
+from ..report import asked_of
 from ..ruleset import (
     DEFAULT_ACTUATOR,
     LARGEST_LEVEL_DB,
@@ -90,3 +92,9 @@ def _levelled(rules: Rules, level_db: float | None) -> Rules:
     tier = rules.tier
     louder = msgspec.structs.replace(tier, render=msgspec.structs.replace(tier.render, level_db=level_db))
     return replace(rules, tier=louder)
+
+
+def told_options(timeline: Timeline) -> Iterator[str]:
+    """Yield what was asked of a drive that is not as usual, in the report's words and every terminal's alphabet."""
+    for asked in asked_of(timeline):
+        yield asked.replace("\N{MINUS SIGN}", "-")

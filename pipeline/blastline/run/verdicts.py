@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from ..model import Check, Timeline
-from ..report import allowed, asked_of, claim, measured
+from ..report import allowed, claim, measured
 
 MOST_TOLD = 10
 """So many failures of one kind are told one by one: the wrong drive fails for every shot of a film."""
@@ -56,9 +56,3 @@ def _extent(checks: Sequence[Check]) -> str:
         return "" if held else " (nothing to measure)"
     spared = f"; {len(checks) - held} could not be held to it" if held < len(checks) else ""
     return f" ({held} shot{'s' * (held != 1)}{spared})"
-
-
-def told_options(timeline: Timeline) -> Iterator[str]:
-    """Yield what was asked of the drive that is not as usual, in the words of the report."""
-    for asked in asked_of(timeline):
-        yield asked.replace("\N{MINUS SIGN}", "-")

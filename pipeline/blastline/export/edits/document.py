@@ -12,7 +12,7 @@ import msgspec
 from msgspec import Meta
 
 from ...errors import TimelineError
-from ...misfits import misfit
+from ...misfits import misfit, shown
 from ...model import Event, Origin, Ratio, Rejection, Source, Window
 from ..geometry import reflection_complaints, source_complaints
 from ..reading import read_plain
@@ -20,8 +20,7 @@ from .row import Edit, EditedFile, Point
 
 _Seconds = Annotated[float, Meta(ge=0.0, le=1e9)]
 _Sample = Annotated[int, Meta(ge=0, le=2**53)]
-_MOST_NAMED, _LONGEST_SHOWN = 10, 40
-
+_MOST_NAMED = 10
 
 _EVENT_ASIDE = (
     "timecode",
@@ -108,7 +107,7 @@ def _refuse_repeated_keys(text: str, path: Path) -> None:
         for key, value in pairs:
             if key in group:
                 where = f"of {group['id']!r} " if isinstance(group.get("id"), str) else ""
-                both = f"{_brief(group[key])} and {_brief(value)}"
+                both = f"{shown(group[key])} and {shown(value)}"
                 raise TimelineError(f"{path}: {key} {where}is there twice, as {both}; expected it once")
             group[key] = value
         return group
@@ -117,11 +116,6 @@ def _refuse_repeated_keys(text: str, path: Path) -> None:
         json.loads(text, object_pairs_hook=once)
     except RecursionError as error:
         raise TimelineError(f"{path}: not JSON that can be read: nested too deeply") from error
-
-
-def _brief(value: Any) -> str:
-    text = json.dumps(value)
-    return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
 
 
 def _notes(plain: list[Any]) -> tuple[str, ...]:
