@@ -119,3 +119,29 @@ def test_a_drive_that_is_not_this_films_fails_and_nothing_else_happens(
     drive, _ = soundfile.read(tmp_path / "out" / "drive.wav")
     soundfile.write(tmp_path / "wrong.wav", wrong(drive), RATE_HZ, subtype="PCM_24")
     assert failures(run.check(tmp_path / "out", audio=path, drive=tmp_path / "wrong.wav"))
+
+
+@pytest.mark.parametrize("drive", ["direct", "filter", "constrained"])
+@pytest.mark.parametrize("level_db", [0.0, -4.5])
+def test_a_gain_that_was_edited_and_not_rendered_fails_by_as_much(
+    tmp_path: Path, drive: DriveChoice, level_db: float
+) -> None:
+    onsets = [14_400, 40_000]
+    path = film(tmp_path / "film.wav", onsets, [0.2, 0.1])
+    made = rendered(path, onsets, RenderOptions(report=False, drive=drive, level_db=level_db), [-7.25, 2.1])
+    assert failures(made) == []
+    timeline = tmp_path / "out" / "timeline.json"
+
+    def failed(before: str, after: str) -> dict[str | None, float | None]:
+        edited = timeline.with_name("edited.json")
+        text = timeline.read_text(encoding="utf-8")
+        assert text.count(before) == 1
+        edited.write_text(text.replace(before, after), encoding="utf-8")
+        checks = run.check(edited, audio=path).checks
+        return {check.event: check.measured for check in checks if check.name == "gain_as_rendered" and not check.passed}
+
+    assert failed('"gain_db": 2.1', '"gain_db": 2.1') == {}
+    assert failed('"gain_db": 2.1', '"gain_db": 2.0') == {"shot-0002": pytest.approx(0.1)}
+    assert failed(f'"level_db": {level_db}', '"level_db": 1.5') == {
+        event: pytest.approx(level_db - 1.5) for event in ("shot-0001", "shot-0002")
+    }

@@ -15,6 +15,9 @@ from .sounds import Sound, read_padded
 from .timing import Timing, time_film
 from .whole_drive import DriveFigures, fades_of, gaps, scan
 
+_SAME_DB = 0.001
+"""Two gains that differ by less are one: they are sums."""
+
 
 def check_files(
     timeline: Timeline,
@@ -58,6 +61,7 @@ def check_files(
     checks += _timing_checks(shared, [e for e, places in zip(timeline.events, placing, strict=True) if places], timing)
     for event, compared, figures, lag in zip(timeline.events, comparable, timing.figures, timing.lags, strict=True):
         checks += _window_checks(event, shared.rate_hz)
+        checks += _gain_checks(event, timeline.level_db)
         checks += shot_checks(shared, event, figures, lag) if compared else noted(shared, event, figures, lag)
     return tuple(checks)
 
@@ -144,3 +148,10 @@ def _window_checks(event: Event, rate_hz: int) -> Iterator[Check]:
     margin_ms = ms_from_samples(fade_margin(event), rate_hz)
     inside = event.onset_sample in event.window.span
     yield Check("fade_in_before_onset", event.id, inside and margin_ms >= 0.0, margin_ms, 0.0, "ms")
+
+
+def _gain_checks(event: Event, level_db: float) -> Iterator[Check]:
+    """Yield the check of the gain that the timeline asks for against the one that the drive was made with."""
+    if event.drive is not None:
+        aside_db = event.drive.raised_db - (event.gain_db + level_db)
+        yield Check("gain_as_rendered", event.id, abs(aside_db) <= _SAME_DB, aside_db, _SAME_DB, "dB")

@@ -76,7 +76,8 @@ class DriveInfo(msgspec.Struct, frozen=True):
     against that of direct conversion. `fidelity` is the correlation of the predicted perceived vibration with
     the sound in the band of vibration. Of a constrained drive, `solver_steps` says what it took, and `explained` which
     share of the energy that was to be felt it makes felt; None for other models. `evidence` is what the choice of the
-    model was made from. `made_of` is what became the drive.
+    model was made from. `made_of` is what became the drive. `raised_db` is how much louder than in the film its sound
+    was taken: the gain of the event and the level of the timeline.
     """
 
     model: DriveModel
@@ -88,6 +89,7 @@ class DriveInfo(msgspec.Struct, frozen=True):
     explained: float | None = None
     evidence: dict[str, float] = {}
     made_of: MadeOf = "mains"
+    raised_db: float = 0.0
 
 
 class Decision(msgspec.Struct, frozen=True):

@@ -116,7 +116,10 @@ def _drive_infos(
     felt_drive, felt_direct = felt(drive, heard.filters), felt(direct, heard.filters)
     infos = []
     ends = [*(planned.window.start + start for start in starts[1:]), planned.core.stop]
-    for shot, start, stop, end in zip(shots, [0, *starts[1:]], [*starts[1:], len(drive)], ends, strict=True):
+    gains_db = [gain_db for _, gain_db in planned.gains] or [0.0] * len(shots)
+    for shot, gain_db, start, stop, end in zip(
+        shots, gains_db, [0, *starts[1:]], [*starts[1:], len(drive)], ends, strict=True
+    ):
         core = _within(Span(shot.onset, max(end, shot.onset + 1)), planned)
         infos.append(
             DriveInfo(
@@ -126,6 +129,7 @@ def _drive_infos(
                 perceived_gain_db=_level_db(felt_drive[core], felt_direct[core]),
                 fidelity=_correlation(felt_drive[core], heard.target[core]),
                 made_of=heard.made_of,
+                raised_db=gain_db + heard.rules.level_db,
             )
         )
     return tuple(infos)
