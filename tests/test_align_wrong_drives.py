@@ -137,8 +137,8 @@ def test_a_gain_that_was_edited_and_not_rendered_fails_by_as_much(
         text = timeline.read_text(encoding="utf-8")
         assert text.count(before) == 1
         edited.write_text(text.replace(before, after), encoding="utf-8")
-        checks = run.check(edited, audio=path).checks
-        return {check.event: check.measured for check in checks if check.name == "gain_as_rendered" and not check.passed}
+        checked = run.check(edited, audio=path)
+        return {event: aside for name, event, aside in failures(checked) if name == "gain_as_rendered"}
 
     assert failed('"gain_db": 2.1', '"gain_db": 2.1') == {}
     assert failed('"gain_db": 2.1', '"gain_db": 2.0') == {"shot-0002": pytest.approx(0.1)}

@@ -4,6 +4,7 @@ The library that converts it speaks of types of Python; whoever wrote the file k
 """
 
 import re
+from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import Any
 
@@ -24,6 +25,7 @@ _MISSING = re.compile(r"Object missing required field `(.+)`")
 _UNKNOWN = re.compile(r"Object contains unknown field `(.+)`")
 _FOUND = re.compile(r", got `([^`]+)`")
 _LONGEST_SHOWN = 60
+_MOST_LISTED = 10
 
 
 def misfit(plain: Any, error: Exception, table: type | None = None) -> str:
@@ -156,3 +158,13 @@ def _inside(kind: Any, step: str) -> list[Any]:
     if hasattr(kind, "item_types"):
         return [kind.item_types[int(step)]]
     return [inner for inner in (getattr(kind, name, None) for name in ("item_type", "value_type")) if inner is not None]
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return the first ten of some names, and how many more there are.
+
+    >>> listed(["shot-0001", "shot-0002"]), listed("abcdefghijklm")
+    ('shot-0001, shot-0002', 'a, b, c, d, e, f, g, h, i, j and 3 more')
+    """
+    more = f" and {len(names) - _MOST_LISTED} more" if len(names) > _MOST_LISTED else ""
+    return f"{', '.join(names[:_MOST_LISTED])}{more}"

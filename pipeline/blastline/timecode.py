@@ -31,7 +31,7 @@ DROP_FRAME_RATES = frozenset(Fraction(n * 1000, 1001) for n in (30, 60, 120))
 
 LABEL = re.compile(r"(\d\d):([0-5]\d):([0-5]\d)([:;,])(\d\d\d?)", re.ASCII)  # with a point it is a clock
 CLOCK = re.compile(r"(\d+):(\d\d):(\d\d(?:\.\d+)?)", re.ASCII)
-SHAPE = re.compile(r"\d\d:\d\d:\d\d[:;.,]\d\d\d?")
+SHAPE = re.compile(r"(\d\d:\d\d:\d\d)([:;.,])(\d\d\d?)")
 """What looks like a label, even where no clock has such a number: a film may say 00:75:00:00, and is believed."""
 
 _SAME_RATE = Fraction(1, 5000)  # 24 and 23.976 differ by 1 in 1001; 23.98 is 23.976 rounded, by 1 in 6000

@@ -22,6 +22,12 @@ _LIKENESS_WINDOW_S = 1.0
 _CUT_COST_S = 0.8
 """What a cut costs, as seconds of a gain of 1: a path changes lines only where that gains more."""
 
+_SILENT_POWER = 0.02
+"""Below this power of a band, in the mean, a fingerprint is of silence."""
+
+_UNEVEN_SHARE = 0.1
+"""Where one film has less than this share of the other's power, they are not alike, whatever they correlate."""
+
 _LANE_MARGIN_S = 60.0
 """So far before and after where it was found a line may be followed."""
 
@@ -93,11 +99,11 @@ def _lane(old: Fingerprint, new: Fingerprint, line: Line) -> Lane:
     energy = summed_around(np.sum(ours**2, axis=1), size), summed_around(np.sum(theirs**2, axis=1), size)
     product, mine, yours = product[::STEP], energy[0][::STEP], energy[1][::STEP]
     scale = np.sqrt(mine * yours)
-    least = 0.02 * size * ours.shape[1]
+    least = _SILENT_POWER * size * ours.shape[1]
     # silence in both is no reason against a line, and none for it
     both_silent = (mine < least) & (yours < least)
     alike = np.where(scale > 0.0, product / np.where(scale > 0.0, scale, 1.0), 0.0)
-    uneven = np.minimum(mine, yours) < 0.1 * np.maximum(mine, yours)
+    uneven = np.minimum(mine, yours) < _UNEVEN_SHARE * np.maximum(mine, yours)
     return Lane(line, first, np.where(both_silent, CHANCE_LIKENESS, np.where(uneven, 0.0, alike)).astype(np.float32))
 
 

@@ -15,6 +15,12 @@ from .courses import Course
 from .film import Film
 from .waveform import Found, look
 
+_MORE_ALIKE = 0.1
+"""By so much an event has to be more alike on a course further away than on one nearer."""
+
+_ONE_PLACE_S = 0.02
+"""Two events so close in the new film are at one place, where they are twice as far apart in the old one."""
+
 
 class Loss(StrEnum):
     """Why an event was not placed."""
@@ -93,7 +99,7 @@ def _place(
             continue
         if not holds and _claimed(new_s, index, courses, rules.shortest_ms / 1000.0):
             continue
-        if best is None or found.likeness > best.likeness + 0.1:
+        if best is None or found.likeness > best.likeness + _MORE_ALIKE:
             best = Placed(max(0.0, new_s), found.late_s * 1000.0, found.likeness, index)
         if holds:
             break
@@ -211,7 +217,7 @@ def _without_doubles(
     for one, other in itertools.pairwise(order):
         first, second = placed[one], placed[other]
         apart_s = abs(onsets_s[other] - onsets_s[one])
-        if first.course == second.course or second.new_s - first.new_s > min(0.02, 0.5 * apart_s):
+        if first.course == second.course or second.new_s - first.new_s > min(_ONE_PLACE_S, 0.5 * apart_s):
             continue
         loser = min(one, other, key=lambda index: _belongs(onsets_s[index], placed[index], courses))
         kept[loser] = Lost(Loss.TAKEN, placed[loser].new_s, placed[loser].likeness)

@@ -10,7 +10,7 @@ from .exports import ExportRow
 from .overview import Overview, OverviewMeter
 from .page import write_report
 from .summary import asked_of
-from .words import CHECKS, allowed, claim, measured, typeset
+from .words import CHECKS, allowed, by_name, claim, measured, typeset
 
 __all__ = [
     "CHECKS",
@@ -21,6 +21,7 @@ __all__ = [
     "OverviewMeter",
     "allowed",
     "asked_of",
+    "by_name",
     "claim",
     "measured",
     "typeset",

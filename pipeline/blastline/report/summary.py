@@ -7,7 +7,7 @@ from statistics import median
 from ..model import Check, Event, Source, Timeline
 from ..timebase import rate_text
 from ..timecode import frame_scale
-from .words import allowed, channels, claim, duration, figure, measured, safe, signed
+from .words import allowed, by_name, channels, claim, duration, figure, measured, safe, signed
 
 _SHOWN_FAILURES = 6
 
@@ -64,11 +64,7 @@ def _worst(failed: Sequence[Check]) -> str:
     lines = [
         f"{safe(claim(c))}: <em>no</em>, {safe(measured(c))} ({safe(allowed(c))})" for c in failed if c.event is None
     ]
-    kinds: dict[str, list[Check]] = {}
-    for check in failed:
-        if check.event is not None:
-            kinds.setdefault(check.name, []).append(check)
-    for checks in kinds.values():
+    for checks in by_name(check for check in failed if check.event is not None):
         first = checks[0]
         where = first.event if len(checks) == 1 else f"{len(checks)} shots, the first is {first.event}"
         lines.append(

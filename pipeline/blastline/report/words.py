@@ -3,6 +3,7 @@
 import html
 import math
 import re
+from collections.abc import Iterable
 from fractions import Fraction
 from urllib.parse import quote
 
@@ -54,6 +55,14 @@ _SPEED_DIGITS = 7
 def claim(check: Check) -> str:
     """Return what a check claims, in words."""
     return CHECKS.get(check.name, check.name.replace("_", " "))
+
+
+def by_name(checks: Iterable[Check]) -> list[list[Check]]:
+    """Return the checks of each name together, in the order in which the names come."""
+    kinds: dict[str, list[Check]] = {}
+    for check in checks:
+        kinds.setdefault(check.name, []).append(check)
+    return list(kinds.values())
 
 
 def safe(text: object) -> str:

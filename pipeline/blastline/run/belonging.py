@@ -16,13 +16,16 @@ def film_of(timeline: Path) -> str | None:
     return None
 
 
-def require_same_film(found: Source, expected: Source) -> None:
-    """Raise TimelineError where a film is not, to the last byte, the file that the timeline was made from."""
-    if found.sha256 != expected.sha256:
-        raise TimelineError(
-            f"{found.name}: is not the file that the timeline was made from (sha256 {found.sha256[:12]}, "
-            f"expected {expected.sha256[:12]}); give --audio to check against it all the same"
-        )
+def require_same_film(film: Path, found: Source, timeline: Path, expected: Source, *, advice: str = "") -> None:
+    """Raise TimelineError where a film is not, to the last byte, the one of a timeline; `advice` ends the message."""
+    for what, here, there in (
+        ("sample rate", f"{found.sample_rate_hz} Hz", f"{expected.sample_rate_hz} Hz"),
+        ("length", f"{found.frames} frames", f"{expected.frames} frames"),
+        ("sha256", found.sha256[:12], expected.sha256[:12]),
+    ):
+        if here != there:
+            made = f"is not the film that {timeline} was made from"
+            raise TimelineError(f"{film}: {made}: its {what} is {here}, expected {there} ({expected.name}){advice}")
 
 
 def require_length(timeline: Timeline, name: Path, *, rate_hz: int, frames: int, what: str) -> None:

@@ -61,7 +61,9 @@ def check(
             pass
         found = track.source()
         if audio is None:
-            require_same_film(found, timeline.source)
+            require_same_film(
+                film, found, path, timeline.source, advice="; give --audio to check against it all the same"
+            )
         cut = "the film of this timeline; `blastline conform` finds its shots in another cut"
         require_length(timeline, film, rate_hz=found.sample_rate_hz, frames=found.frames, what=cut)
         if profile is None or made is None:

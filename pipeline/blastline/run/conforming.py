@@ -27,9 +27,9 @@ from ..conform import (
     write_stretches,
 )
 from ..detect import group_bursts
-from ..errors import OutputError, SoundtrackError, TimelineError
+from ..errors import OutputError, SoundtrackError
 from ..export import read_timeline
-from ..model import Event, Rejection, Source, Timeline, encode
+from ..model import Event, Rejection, Timeline, encode
 from ..progress import Progress, no_progress, report_progress
 from ..ruleset import ConformRules, Rules, load_conform, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack
@@ -38,6 +38,7 @@ from ..streams import Streams
 from ..timebase import AS_FILMED, Timebase
 from ..units import samples_from_s
 from . import names
+from .belonging import require_same_film
 from .conforming_events import as_played, begun_by_hand, moved_events
 from .export_rows import files_of_results
 from .listening import BLOCK
@@ -100,7 +101,7 @@ def conform(
     ):
         beside = any(event.heard_in == "sides" for event in read.events)
         before = _heard(old_track, old, "old film", progress, kept_sides=beside)
-        _require_same_film(old, old_track.source(), timeline, read.source)
+        require_same_film(old, old_track.source(), timeline, read.source)
         after = _heard(new_track, new, "new film", progress, kept_sides=beside)
         done = _conformed(read, before, after, (old_track, new_track), known, hearing, progress)
         if not done.courses:
@@ -131,17 +132,6 @@ def _heard(track: Soundtrack, path: Path, stage: str, progress: Progress, *, kep
     if not film.fingerprint.frames.any():
         raise SoundtrackError(f"{path}: is silent from beginning to end; there is nothing to find it by")
     return film
-
-
-def _require_same_film(path: Path, found: Source, timeline: Path, expected: Source) -> None:
-    for what, here, there in (
-        ("sample rate", f"{found.sample_rate_hz} Hz", f"{expected.sample_rate_hz} Hz"),
-        ("length", f"{found.frames} frames", f"{expected.frames} frames"),
-        ("sha256", found.sha256[:12], expected.sha256[:12]),
-    ):
-        if here != there:
-            made = f"is not the film that {timeline} was made from"
-            raise TimelineError(f"{path}: {made}: its {what} is {here}, expected {there} ({expected.name})")
 
 
 def _conformed(

@@ -8,11 +8,12 @@ from typing import Any
 import msgspec
 
 from ..export.edits import EditedFile, Wanted, Wish, value_at
+from ..misfits import listed
 from ..model import Edits, Timeline
 from ..render import PlannedWindow
 from . import names
 
-_MOST_NAMED = 10
+_MOST_MISSING = 10
 
 _DRIVE_INSTEAD = "--drive chooses it, for all shots"
 _FADES_INSTEAD = "the rules' [windows] have it, for all shots"
@@ -132,9 +133,7 @@ def _as_used(wish: Wish, starts: Collection[str], stops: Collection[str]) -> Wis
 
 
 def _listed(ids: Collection[str]) -> str:
-    """Return some ids, and how many more there are."""
-    more = f" and {len(ids) - _MOST_NAMED} more" if len(ids) > _MOST_NAMED else ""
-    return f"{', '.join(sorted(ids)[:_MOST_NAMED])}{more}"
+    return listed(sorted(ids))
 
 
 def _exported(plain: Mapping[str, Any], name: str) -> Any:
@@ -153,12 +152,12 @@ def _gaps(edited: EditedFile) -> list[str]:
     missing = [
         f"{burst}.{number}"
         for burst, there in sorted(shots.items())
-        for number in islice((n for n in range(1, max(there)) if n not in there), _MOST_NAMED)
+        for number in islice((n for n in range(1, max(there)) if n not in there), _MOST_MISSING)
     ]
     if not missing:
         return []
-    more = " and more" if len(missing) > _MOST_NAMED else ""
-    return [f"missing in its burst: shot {', '.join(missing[:_MOST_NAMED])}{more}; give the original with --original"]
+    more = " and more" if len(missing) > _MOST_MISSING else ""
+    return [f"missing in its burst: shot {', '.join(missing[:_MOST_MISSING])}{more}; give the original with --original"]
 
 
 def _way(wish: Wish, *, known: bool, tells_onset: bool) -> str:

@@ -1,9 +1,9 @@
 """What the checks came to, line by line, in the words of the report."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from ..model import Check, Timeline
-from ..report import allowed, claim, measured
+from ..report import allowed, by_name, claim, measured
 
 MOST_TOLD = 10
 """So many failures of one kind are told one by one: the wrong drive fails for every shot of a film."""
@@ -16,20 +16,12 @@ def told_failures(timeline: Timeline) -> Iterator[str]:
     which every terminal's alphabet has.
     """
     timecodes = {event.id: event.timecode for event in timeline.events}
-    for checks in _by_kind(check for check in timeline.checks if not check.passed):
+    for checks in by_name(check for check in timeline.checks if not check.passed):
         for check in checks[:MOST_TOLD]:
             yield _told(check, timecodes).replace("\N{MINUS SIGN}", "-")
         if len(checks) > MOST_TOLD:
             more = len(checks) - MOST_TOLD
             yield f"{claim(checks[0])}: not in {more} more shot{'s' * (more != 1)} either"
-
-
-def _by_kind(checks: Iterable[Check]) -> list[list[Check]]:
-    """Return the checks of each name together, in the order in which the names come."""
-    kinds: dict[str, list[Check]] = {}
-    for check in checks:
-        kinds.setdefault(check.name, []).append(check)
-    return list(kinds.values())
 
 
 def _told(check: Check, timecodes: Mapping[str, str]) -> str:
@@ -44,7 +36,7 @@ def _told(check: Check, timecodes: Mapping[str, str]) -> str:
 
 def told_passes(timeline: Timeline) -> Iterator[str]:
     """Yield a line for each kind of check that none failed, with how many shots it could be held against."""
-    for checks in _by_kind(timeline.checks):
+    for checks in by_name(timeline.checks):
         if all(check.passed for check in checks):
             yield f"{claim(checks[0])}{_extent(checks)}"
 

@@ -4,7 +4,7 @@ import re
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from ..timecode import clock, standard_rate
+from ..timecode import SHAPE, clock, standard_rate
 from .decode import Tally
 from .probe import is_unseen, start_of, told_duration, told_start
 from .track import TrackFacts, time_stamp
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from av.container import InputContainer
     from av.video.stream import VideoStream
 
-_TIMECODE = re.compile(r"(\d\d:\d\d:\d\d)([:;.,])(\d\d\d?)")
 _TIME_STAMP = re.compile(r"\d{1,20}", re.ASCII)  # no more digits than a number of 64 bits
 _AVERAGE_OFF = Fraction(1, 200)  # so much less than the rate the average of a fragmented film may be
 UNSTAMPED = frozenset({"aac", "ac3", "dts", "dtshd", "eac3", "loas", "mlp", "truehd"})
@@ -116,7 +115,7 @@ def _start_timecode(container: "InputContainer") -> str | None:
     """Return the timecode of the first picture, as HH:MM:SS:FF or, counting drop-frame, HH:MM:SS;FF."""
     tags = [stream.metadata for stream in (*container.streams.video, *container.streams.data)]
     for metadata in (*tags, container.metadata):
-        match = _TIMECODE.fullmatch(metadata.get("timecode") or metadata.get("TIMECODE", ""))
+        match = SHAPE.fullmatch(metadata.get("timecode") or metadata.get("TIMECODE", ""))
         if match:
             clock, mark, frame = match.groups()
             return f"{clock}{':' if mark == ':' else ';'}{frame}"

@@ -12,7 +12,7 @@ import msgspec
 from msgspec import Meta
 
 from ...errors import TimelineError
-from ...misfits import misfit, shown
+from ...misfits import listed, misfit, shown
 from ...model import Event, Origin, Ratio, Rejection, Source, Window
 from ..geometry import reflection_complaints, source_complaints
 from ..reading import read_plain
@@ -20,7 +20,6 @@ from .row import Edit, EditedFile, Point
 
 _Seconds = Annotated[float, Meta(ge=0.0, le=1e9)]
 _Sample = Annotated[int, Meta(ge=0, le=2**53)]
-_MOST_NAMED = 10
 
 _EVENT_ASIDE = (
     "timecode",
@@ -122,8 +121,7 @@ def _notes(plain: list[Any]) -> tuple[str, ...]:
     names = list(dict.fromkeys(name if name.isprintable() else repr(name) for name in _unknown(plain)))
     if not names:
         return ()
-    more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
-    return (f"not used: key {', '.join(names[:_MOST_NAMED])}{more}",)
+    return (f"not used: key {listed(names)}",)
 
 
 def _unknown(plain: list[Any]) -> Iterator[str]:
