@@ -282,3 +282,17 @@ def test_the_table_is_printed_and_written_and_a_missed_bar_is_exit_code_1(
 def test_without_its_reference_the_study_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stability, "find_spec", lambda name: None)
     assert "pip install 'blastline[study]'" in blastline("study", "stability").complaint
+
+
+@pytest.mark.parametrize("rate_hz", [44_100, 48_000, 96_000])
+@pytest.mark.parametrize("corner_hz", [1000.0, 3000.0, 6000.0])
+def test_a_low_pass_far_above_the_band_gains_little_where_nobody_feels_it(rate_hz: int, corner_hz: float) -> None:
+    """The prototype falls towards half the rate: fits that are nearer to it below must not rise over its peak there."""
+    lowpass = msgspec.structs.replace(PROFILE.lowpass, corner_hz=corner_hz)
+    analogue = dsp.compensator(msgspec.structs.replace(PROFILE, lowpass=lowpass))
+    low, high = np.geomspace(1.0, 2000.0, 200), np.linspace(0.4, 0.5, 500) * rate_hz
+    peak = np.max(np.abs(analogue.at(np.geomspace(1.0, 0.4 * rate_hz, 2000))))
+    for lean in (False, True):
+        sections = dsp.discretise(analogue, rate_hz, lean=lean)
+        assert np.max(np.abs(freqz_sos(sections, high, fs=rate_hz)[1])) < 2.5 * peak
+        assert np.max(np.abs(freqz_sos(sections, low, fs=rate_hz)[1] - analogue.at(low))) < 1e-3 * peak

@@ -25,6 +25,7 @@ _LOW_WEIGHT, _LOW_WEIGHT_IN_FILMS, _FILM_RATE_HZ = 2.0, 15.0, 44_000  # below 44
 FITS: Fits = ((_MORE_POLES, 12, 0.01), (_MORE_POLES, 16, 0.002), (_MORE_POLES, 20, 0.0005))
 LEAN_FITS: Fits = ((_FEW_POLES, 5, 0.01), *FITS)
 _ENOUGH, _ROUNDS = gain_from_db(-40.3), 4
+_MOST_BEYOND_IN_FILMS = 2.5  # of the peak, close to half the rate: more, which nobody feels, is worse than the error
 
 _NEAR_ONE = 1e-6  # of two real poles p, q in one section, (1 - p)(1 - q) is known to 1e-16: at least this, to 1e-10
 _RUN, _SILENT = 8_192, 1e-290  # in a longer run, most of what decays would be denormal before it is seen
@@ -63,7 +64,7 @@ def _fitted(
 
     In films, where it lies low, the band of vibration counts most. Close to half the rate, where a digital response
     has to become real, the wanted one falls to nothing and counts least: left out, the fit would gain there without
-    bound. Where the fit is not near enough, it takes more poles, more taps and then more gain there.
+    bound. Where the fit is not near enough, it takes more poles, more taps and then more gain there, in films within a bound.
     """
     cycles = np.concatenate([np.geomspace(1e-5, _LOW, 250), np.linspace(_LOW, 0.5, 400)[1:]])
     beyond = np.maximum(cycles - _HIGH, 0.0) / (0.5 - _HIGH)
@@ -74,14 +75,21 @@ def _fitted(
     wanted = wanted * np.cos(math.pi / 2.0 * beyond) / peak
     delay = np.exp(-2j * math.pi * cycles)
     matched = _response(zeros, poles, delay)
-    taps, extra = np.zeros(0), _FEW_POLES
-    low_weight = _LOW_WEIGHT_IN_FILMS if rate_hz >= _FILM_RATE_HZ else _LOW_WEIGHT
+    fitted = np.zeros(0), np.zeros(0, np.complex128)
+    low_weight, most_beyond = _LOW_WEIGHT, math.inf
+    if rate_hz >= _FILM_RATE_HZ:
+        low_weight, most_beyond = _LOW_WEIGHT_IN_FILMS, _MOST_BEYOND_IN_FILMS
     for extra, count, beyond_weight in fits:
         weights = np.select([cycles <= _LOW, beyond > 0.0], [low_weight, beyond_weight], 1.0)
         shaped = matched * _response(np.zeros(0, np.complex128), extra, delay)
-        taps, error = _minimax(shaped[:, None] * delay[:, None] ** np.arange(count), wanted, weights)
+        columns = shaped[:, None] * delay[:, None] ** np.arange(count)
+        taps, error = _minimax(columns, wanted, weights)
+        if fitted[1] is extra and np.max(np.abs(columns @ taps)[beyond > 0.0]) > most_beyond:
+            break
+        fitted = taps, extra
         if error <= _ENOUGH:
             break
+    taps, extra = fitted
     return peak * taps, np.concatenate([poles, extra])
 
 
