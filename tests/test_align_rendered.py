@@ -4,6 +4,7 @@ import json
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 import soundfile
 from scipy.signal import resample_poly
@@ -39,6 +40,27 @@ def test_a_direct_drive_that_is_raised_into_the_limit_passes(tmp_path: Path, pha
     path = film(tmp_path / "film.wav", onsets, [0.6] * 3, seed=seed)
     options = RenderOptions(report=False, drive="direct", level_db=12.0, phase=phase)
     assert failures(rendered(path, onsets, options)) == []
+
+
+@pytest.mark.parametrize(("level_db", "blast_ms"), [(9.0, 4.0), (12.0, 2.0), (12.0, 4.0), (18.0, 2.0)])
+def test_a_direct_drive_is_where_it_is_however_far_it_is_clipped(
+    tmp_path: Path, level_db: float, blast_ms: float
+) -> None:
+    """Long blasts clipped at their beginning seem to come later than their sound, but what is due of them does not."""
+    onsets = [48_000, 72_000]
+    samples = 1e-5 * np.random.default_rng(1).standard_normal(110_000)
+    for onset in onsets:
+        t = np.arange(20_000) / (RATE_HZ * blast_ms / 1000.0)
+        samples[onset : onset + t.size] += 0.9 * (1.0 - t) * np.exp(-t)
+    path = tmp_path / "film.wav"
+    soundfile.write(path, samples, RATE_HZ, subtype="PCM_24")
+    made = rendered(path, onsets, RenderOptions(report=False, drive="direct", level_db=level_db))
+    assert {name for name, _, _ in failures(made)} <= {"drive_correlation"}, "it no longer follows the sound"
+    assert all(abs(check.measured or 0.0) < 0.05 for check in made.checks if check.name == "drive_shift")
+    drive, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    soundfile.write(tmp_path / "late.wav", np.roll(drive, 3), RATE_HZ, subtype="PCM_24")
+    late = run.check(tmp_path / "out" / "timeline.json", audio=path, drive=tmp_path / "late.wav")
+    assert [check.measured for check in late.checks if check.name == "drive_shift"] == [pytest.approx(3.0, abs=0.05)]
 
 
 @pytest.mark.parametrize("rate_hz", [96_000, 192_000])

@@ -114,7 +114,7 @@ def _by_likeness(
     believed = abs(match.correlation) >= likeness_limit(shared, event)
     late = round(match.lag) if believed else 0
     found = read(late) if late else own
-    uncertainty = 0.0 if is_direct(event) and found.felt.free[pattern].all() else math.inf
+    uncertainty = 0.0 if is_direct(event) else math.inf  # a direct drive is known to the sample
     there = None if is_direct(event) or not late else _unbent(shared, found, pattern)
     if there is not None:
         match, uncertainty = Match(late + there.lag, match.correlation), there.uncertainty
@@ -139,6 +139,14 @@ def _match(shared: Comparison, event: Event, heard: Heard, felt: Felt, pattern: 
 def _match_within(heard: Heard, felt: Felt, pattern: slice, aside: int) -> Match:
     """Return where the drive is most like the sound within so many samples of where it was read."""
     return match_template(heard.expected[pattern], felt.following[pattern.start - aside : pattern.stop + aside])
+
+
+def likeness_to_sound(shared: Comparison, event: Event, heard: Heard, found: FoundShot, pattern: slice) -> float:
+    """Return how much a drive is like the sound where it was found; a direct one is found by what the limit leaves."""
+    if not is_direct(event):
+        return found.match.correlation
+    around = slice(pattern.start - reach(shared), pattern.stop + reach(shared))
+    return match_template(heard.undelayed[pattern], found.felt.following[around]).correlation
 
 
 def _is_due(shared: Comparison, heard: Heard, felt: Felt) -> bool:

@@ -40,7 +40,8 @@ class Heard:
     """The sound of a shot in the band of vibration, over `span`, of which `core` holds the shot itself.
 
     All arrays have the span's length. `undelayed` has no delay, `intended` the one that the drive is meant to have, and
-    what a louder shot before leaves ringing where nothing solves against that; `expected` is what is felt where the
+    what a louder shot before leaves ringing where nothing solves against that; of a direct drive the limit is
+    in `intended`, but not in `undelayed` of the shot itself; `expected` is what is felt where the
     drive succeeds, with what the background before the window leaves ringing;
     `direct` is what direct conversion would make felt of the window alone, from rest. `wet` is the drive of an open
     window if nothing limited it. `weights` blends it with the drive of the `background`; that of a `solved` window is
@@ -136,8 +137,10 @@ def _wanted(
     relative = _relative_gain(shared, part, span)
     if is_direct(event):
         wet = relative * audio
-        following = _without_delay(shared, _as_driven(shared, event, part, wet, background, span))
-        return wet, following, following
+        drive = _as_driven(shared, event, wet, background, span)
+        sound, own = drive.copy(), slice(part.span.start - span.start, part.span.stop - span.start)
+        sound[own] = wet[own]
+        return wet, _without_delay(shared, sound), _without_delay(shared, drive)
     centred = _centred(shared, audio, span)
     wet, undelayed = relative * shared.compensated(centred), relative * _without_delay(shared, centred)
     return wet, undelayed, relative * dsp.run_filter(shared.band, centred) if shared.phase == "causal" else undelayed
@@ -172,17 +175,14 @@ def _relative_gain(shared: Comparison, part: Part, span: Span) -> Samples:
     return np.interp(np.arange(span.start, span.stop), [onset - lead, onset, stop, stop + lead], gains)
 
 
-def _as_driven(shared: Comparison, event: Event, part: Part, wet: Samples, background: Samples, span: Span) -> Samples:
-    """Return a direct drive as it is beside a shot, and as the shot's own is to follow the sound, beyond any limit.
+def _as_driven(shared: Comparison, event: Event, wet: Samples, background: Samples, span: Span) -> Samples:
+    """Return a direct drive as the limit leaves it, with what is beside the shot, over which the band will spread it.
 
-    The band without delay spreads what is beside a shot over it. All is against the gain of the shot, as `wet` is.
+    All is against the gain of the shot, as `wet` is.
     """
     gain = _gain(shared, event)
     weights = _risen(event, span) * _fallen(event, span)
-    drive = dsp.cross_fade(background, np.clip(gain * wet, -1.0, 1.0), weights) / gain
-    own = slice(part.span.start - span.start, part.span.stop - span.start)
-    drive[own] = wet[own]
-    return drive
+    return dsp.cross_fade(background, np.clip(gain * wet, -1.0, 1.0), weights) / gain
 
 
 def _gain(shared: Comparison, event: Event) -> float:

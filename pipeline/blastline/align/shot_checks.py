@@ -29,7 +29,7 @@ def shot_checks(shared: Comparison, event: Event, figures: ShotFigures | None, l
     late_ms = None if lag is None or figures is None else ms_from_samples(lag + figures.delay, shared.rate_hz)
     allowed_ms = _allowed_lag_ms(shared, event, figures, late_ms)
     yield Check(f"{subject}_lag", event.id, within(late_ms, allowed_ms), late_ms, allowed_ms, "ms")
-    likeness, wanted = figures.match.correlation if figures else 0.0, likeness_limit(shared, event)
+    likeness, wanted = figures.likeness if figures else 0.0, likeness_limit(shared, event)
     yield Check(f"{subject}_correlation", event.id, likeness >= wanted, likeness, wanted, "ratio")
     if figures is None:
         return

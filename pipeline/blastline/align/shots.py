@@ -14,7 +14,7 @@ from .above import added_above_band
 from .attack import PreEcho, late_start, pre_echo
 from .comparison import Comparison, Samples
 from .due import borne_out, departure, possible_drives
-from .found import find_shot
+from .found import find_shot, likeness_to_sound
 from .hearing import Part, hear, is_direct, peak_in
 from .sounds import TimeMap
 
@@ -24,14 +24,16 @@ class ShotFigures:
     """What was measured of a shot: lags in samples, levels in decibels.
 
     `peak` is the largest of all that was compared, `own_peak` of the drive that is the shot's own.
-    `match` and `uncertainty` are those of `FoundShot`; `delay` is the delay that the drive is meant to have.
-    `departure` is by which share of it the drive is not what is due, in its worst stretch, None where it is too short
-    or had to be interpolated; `above_band` what it has above the band beside the compensator's, None likewise.
-    The others are measured where the match is, or in the shot's own place where the match is too poor to be believed.
+    `match` and `uncertainty` are those of `FoundShot`, `likeness` is to the sound; `delay` is the delay that the drive
+    is meant to have. `departure` is by which share of it the drive is not what is due, in its worst stretch, None where
+    it is too short or had to be interpolated; `above_band` what it has above the band beside the compensator's, None
+    likewise. The others are measured where the match is, or in the shot's own place where the match is too poor to be
+    believed.
     """
 
     match: Match
     uncertainty: float
+    likeness: float
     delay: float
     peak: float
     own_peak: float
@@ -83,6 +85,7 @@ def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap) 
     return ShotFigures(
         found.match,
         uncertainty=found.uncertainty,
+        likeness=likeness_to_sound(shared, event, heard, found, pattern),
         delay=0.0 if shared.phase == "zero" or is_direct(event) else _delay(shared, heard.undelayed[pattern], search),
         peak=felt.peak,
         own_peak=peak_in(shared, part.driven, time_map=time_map),

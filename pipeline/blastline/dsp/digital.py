@@ -64,7 +64,8 @@ def _fitted(
 
     In films, where it lies low, the band of vibration counts most. Close to half the rate, where a digital response
     has to become real, the wanted one falls to nothing and counts least: left out, the fit would gain there without
-    bound. Where the fit is not near enough, it takes more poles, more taps and then more gain there, in films within a bound.
+    bound. Where the fit is not near enough, it takes more poles, more taps and then more gain there, in films within
+    limits.
     """
     cycles = np.concatenate([np.geomspace(1e-5, _LOW, 250), np.linspace(_LOW, 0.5, 400)[1:]])
     beyond = np.maximum(cycles - _HIGH, 0.0) / (0.5 - _HIGH)
