@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.special import expit, logit
 
-from blastline.detect.fire import ScoredCandidates, automatic, even_rows, rows_at, worth_a_look
+from blastline.detect.fire import ScoredCandidates, even_rows, worth_a_look
+from blastline.detect.pace import automatic, evenly_placed, rows_at
 from blastline.detect.verify import Verdicts, combined_log_odds, log_odds_in
 from blastline.model import EvenRow
 from blastline.ruleset import load_rules
@@ -192,3 +193,26 @@ def test_of_two_sounds_where_a_round_is_due_the_nearer_is_the_round() -> None:
     row_ms = 100.0 * np.arange(8)
     all_ms = np.sort(np.concatenate([row_ms, row_ms[2:] - 0.8 * BURSTS.unevenness * 100.0])).tolist()
     assert [all_ms[place] for place in rows(all_ms)[0]] == row_ms.tolist()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_a_row_holds_is_evenly_placed_and_what_is_alone_is_not(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    pace = automatic(BURSTS)
+    gap = samples_from_ms(rng.uniform(45.0, 150.0), RATE_HZ)
+    due = 48_000 + gap * np.arange(pace.fewest + seed)
+    row = due + np.round(rng.uniform(-0.01, 0.01, due.size) * gap).astype(np.intp)
+    alone = np.array([5_000, 40_000 - pace.fewest * 9_600, row[-1] + 96_000], np.intp)
+    onsets = np.sort(np.concatenate([row, alone]))
+    (found,) = rows_at(onsets, np.zeros(onsets.size), pace, rate_hz=RATE_HZ)
+    assert onsets[found].tolist() == row.tolist()
+    assert onsets[evenly_placed(onsets, np.zeros(onsets.size), pace, rate_hz=RATE_HZ)].tolist() == row.tolist()
+    louder = np.where(np.isin(onsets, row[:: pace.fewest - 1]), 2.0 * pace.within_db, 0.0)
+    assert not evenly_placed(onsets, louder, pace, rate_hz=RATE_HZ).any(), "no four next to each other are alike"
+
+
+def test_too_few_sounds_are_no_row() -> None:
+    pace = automatic(BURSTS)
+    for count in range(pace.fewest):
+        onsets = samples_from_ms(FAST_MS, RATE_HZ) * np.arange(1, count + 1)
+        assert not evenly_placed(onsets, np.zeros(count), pace, rate_hz=RATE_HZ).any()

@@ -9,17 +9,20 @@ from numpy.typing import NDArray
 
 from blastline.detect.bandshape import band_levels
 from blastline.detect.bursts import drop_claimed_reflections, group_bursts, suppress_non_maxima, without_echoes
+from blastline.detect.candidates import describe_candidates, let_all_pass
 from blastline.detect.chunks import chunks
 from blastline.detect.onset import refine_onsets
+from blastline.detect.pace import automatic
 from blastline.detect.scan import candidate_steps, rise_ratios
 from blastline.detect.segment import segment
 from blastline.detect.sparse import bands_near
 from blastline.detect.tracks import BANDS, Grid, pieces
 from blastline.model import Clip, Reflection, Shot, Span
-from blastline.ruleset import load_rules
+from blastline.ruleset import ScanRules, load_rules
 
 RATE_HZ = 48_000
 TIER = load_rules("standard").tier
+PACE = automatic(TIER.bursts)
 
 
 def blast(rate_hz: int = RATE_HZ, *, rise_ms: float = 0.1, positive_ms: float = 1.0) -> NDArray[np.float64]:
@@ -108,7 +111,9 @@ def test_the_onset_is_the_first_sample_of_the_rise(rate_hz: int, rise_ms: float)
         samples[at : at + shot.shape[0]] += shot.astype(np.float32)
         grid = Grid(rate_hz)
         chunk = next(chunks(pieces(clips(samples, samples.shape[0], rate_hz), rate_hz)))
-        steps = candidate_steps(chunk.peak, chunk.slope, chunk.bands, grid=grid, rules=TIER.scan)
+        steps = candidate_steps(
+            chunk.peak, chunk.slope, chunk.bands, grid=grid, rules=TIER.scan, pace=automatic(TIER.bursts)
+        )
         onsets = refine_onsets(chunk.samples, steps * grid.step, rate_hz=rate_hz, rules=TIER.onset)
         errors_ms.append(np.min(np.abs(onsets - at)) * 1000.0 / rate_hz)
     # one sample of an 8 kHz film lasts 0.125 ms
@@ -159,14 +164,16 @@ def test_a_step_is_a_candidate_wherever_it_lies_on_the_grid(place: int) -> None:
     samples = film(noise=1e-5)
     samples[place:] += np.float32(0.3)
     chunk = next(chunks(pieces(clips(samples, samples.shape[0]), RATE_HZ)))
-    steps = candidate_steps(chunk.peak, chunk.slope, chunk.bands, grid=Grid(RATE_HZ), rules=TIER.scan)
+    steps = candidate_steps(
+        chunk.peak, chunk.slope, chunk.bands, grid=Grid(RATE_HZ), rules=TIER.scan, pace=automatic(TIER.bursts)
+    )
     onsets = refine_onsets(chunk.samples, steps * 48, rate_hz=RATE_HZ, rules=TIER.onset)
     assert np.abs(onsets - place).min() <= 1
 
 
-def steps_of(samples: NDArray[np.float32]) -> list[int]:
+def steps_of(samples: NDArray[np.float32], rules: ScanRules = TIER.scan) -> list[int]:
     chunk = next(chunks(pieces(clips(samples, samples.shape[0]), RATE_HZ)))
-    steps = candidate_steps(chunk.peak, chunk.slope, chunk.bands, grid=Grid(RATE_HZ), rules=TIER.scan)
+    steps = candidate_steps(chunk.peak, chunk.slope, chunk.bands, grid=Grid(RATE_HZ), rules=rules, pace=PACE)
     return [int(step) for step in steps]
 
 
@@ -221,7 +228,9 @@ def test_a_shot_on_the_first_sample_is_a_candidate_with_onset_zero() -> None:
     shot = 0.5 * blast()
     samples[: shot.shape[0]] += shot.astype(np.float32)
     chunk = next(chunks(pieces(clips(samples, samples.shape[0]), RATE_HZ)))
-    steps = candidate_steps(chunk.peak, chunk.slope, chunk.bands, grid=Grid(RATE_HZ), rules=TIER.scan)
+    steps = candidate_steps(
+        chunk.peak, chunk.slope, chunk.bands, grid=Grid(RATE_HZ), rules=TIER.scan, pace=automatic(TIER.bursts)
+    )
     onsets = refine_onsets(chunk.samples, steps * 48, rate_hz=RATE_HZ, rules=TIER.onset)
     assert 0 in onsets
 
@@ -398,3 +407,55 @@ def test_where_the_scan_guessed_an_onset_leaves_hardly_a_trace() -> None:
         again = refine_onsets(samples, onsets + late, rate_hz=RATE_HZ, rules=TIER.onset)
         assert np.mean(again == there) >= 0.95
         assert np.max(np.abs(again - there)) <= 4
+
+
+def lingering(onsets: list[int], *, decay_ms: float = 80.0, seed: int = 3) -> NDArray[np.float32]:
+    """Return rounds of noise that die away so slowly that each next one rises but a little over what is left."""
+    rng = np.random.default_rng(seed)
+    samples = 1e-4 * rng.standard_normal(onsets[-1] + 2 * RATE_HZ)
+    for onset in onsets:
+        t = np.arange(samples.size - onset) / RATE_HZ
+        samples[onset:] += 0.2 * rng.standard_normal(t.size) * np.exp(-t * 1000.0 / decay_ms)
+    return samples.astype(np.float32)
+
+
+def heard(onsets: list[int], steps: list[int]) -> list[bool]:
+    return [any(abs(48 * step - onset) <= 96 for step in steps) for onset in onsets]
+
+
+@pytest.mark.parametrize("gap_ms", [57, 65, 72])
+def test_rounds_of_fast_fire_are_candidates_however_long_they_linger(gap_ms: int) -> None:
+    found, towering = 0, 0
+    onsets = [48_000 + number * gap_ms * 48 for number in range(12)]
+    for seed in range(6):
+        samples = lingering(onsets, seed=seed)
+        found += sum(heard(onsets, steps_of(samples)))
+        towering += sum(heard(onsets, steps_of(samples, msgspec.structs.replace(TIER.scan, row_jump_db=None))))
+    assert found >= 0.8 * 72
+    assert towering <= 0.6 * 72, "few of them tower over the one before"
+
+
+def test_small_rises_that_keep_no_pace_are_no_candidates() -> None:
+    gaps_ms = [50, 72, 41, 95, 55, 120, 38, 77, 140, 60, 100]
+    onsets = [48_000, *(48_000 + 48 * at_ms for at_ms in np.cumsum(gaps_ms).tolist())]
+    samples = lingering(onsets)
+    assert steps_of(samples) == steps_of(samples, msgspec.structs.replace(TIER.scan, row_jump_db=None))
+
+
+@pytest.mark.parametrize("early_ms", [5, 7, 8, 9, 10, 11, 12, 13, 16])
+@pytest.mark.parametrize("crack_peak", [0.1, 0.35])
+def test_the_blast_after_the_crack_of_its_bullet_has_its_own_onset(early_ms: int, crack_peak: float) -> None:
+    """A crack is an N-wave of .3 ms; it rises out of silence, so that the blast after it rises less."""
+    blast_at = 96_000
+    samples = 3e-4 * np.random.default_rng(early_ms).standard_normal(3 * RATE_HZ)
+    crack_at = blast_at - 48 * early_ms
+    samples[crack_at : crack_at + 15] += crack_peak * np.linspace(1.0, -1.0, 15)
+    t = np.arange(RATE_HZ) / RATE_HZ
+    rng = np.random.default_rng(1)
+    samples[blast_at : blast_at + t.size] += 0.25 * (1.0 - t / 0.001) * np.exp(-t / 0.001)
+    samples[blast_at : blast_at + t.size] += 0.15 * rng.standard_normal(t.size) * np.exp(-t / 0.05)
+    film = samples.astype(np.float32)
+    chunk = next(chunks(pieces(clips(film, film.shape[0]), RATE_HZ)))
+    found = describe_candidates(chunk, Grid(RATE_HZ), TIER, gate=let_all_pass, screen=let_all_pass).onsets
+    for at in (crack_at, blast_at):
+        assert np.abs(found - at).min() <= 10, at

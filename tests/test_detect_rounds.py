@@ -43,8 +43,15 @@ def test_a_softer_round_that_comes_when_it_is_due_is_no_echo(soft: Sequence[int]
     assert kept(burst(soft)) == [each.onset for each in burst()]
 
 
-def test_where_nothing_fires_evenly_it_is_one() -> None:
-    assert kept(burst((4,), row=None)) == [each.onset for n, each in enumerate(burst()) if n != 4]
+@pytest.mark.parametrize("rounds", [3, 4, ROUNDS])
+def test_nor_where_the_burst_is_too_short_or_uneven_to_be_heard_as_a_row(rounds: int) -> None:
+    for soft in range(1, rounds):
+        shots = burst((soft,), row=None)[:rounds]
+        assert kept(shots) == [each.onset for each in shots]
+
+
+def test_what_is_soft_from_the_first_repetition_on_and_no_row_of_fire_is_a_flutter_echo() -> None:
+    assert kept(burst(range(1, ROUNDS), row=None)[:6]) == [0]
 
 
 @pytest.mark.parametrize("late_ms", [GAP_MS - OFF_BEAT_MS, GAP_MS + OFF_BEAT_MS, 1.5 * GAP_MS, 2.5 * GAP_MS])
@@ -56,5 +63,6 @@ def test_what_is_soft_and_late_or_early_after_the_last_round_is_an_echo(late_ms:
 
 @pytest.mark.parametrize("delay_ms", [36.0, GAP_MS / 2.0, 54.0, GAP_MS + 20.0, 1.5 * GAP_MS, 2.5 * GAP_MS])
 def test_the_echoes_of_even_fire_are_as_even_and_still_echoes(delay_ms: float) -> None:
-    echoes = [sound(GAP_MS * n + delay_ms, -6.0 - SOFTER_DB) for n in range(ROUNDS)]
-    assert kept([*burst(), *echoes]) == [each.onset for each in burst()]
+    for row in ("fire", None):
+        echoes = [sound(GAP_MS * n + delay_ms, -6.0 - SOFTER_DB, row) for n in range(ROUNDS)]
+        assert kept([*burst(row=row), *echoes]) == [each.onset for each in burst()]

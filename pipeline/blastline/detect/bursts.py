@@ -77,19 +77,23 @@ def _is_next_round(
 ) -> bool:
     """Return whether a shot comes one gap of even fire after the last of the earlier ones, in order of time.
 
-    What the gap is, the rounds before it tell, or those after it that are as loud as it is, or as the last one. So an
-    echo passes only where its way takes as long as the gun.
+    What the gap is, the rounds before it tell, or those after it that are as loud as the last one, from it on where
+    none else does. So an echo passes only where its way takes as long as the gun. Those that are as soft as it is may
+    be its further echoes, but in a row that sounds like fire.
     """
     before = earlier[: -1 - _ROUNDS_HEARD : -1]
-    if not before or not any(each.evidence and each.evidence.even_row == "fire" for each in (shot, *before)):
+    if not before:
         return False
     as_soft, as_loud = (
         [each for each in later if abs(each.peak_dbfs - like.peak_dbfs) <= rules.echo_drop_db]
         for like in (shot, before[0])
     )
-    bursts = ([each.onset for each in burst] for burst in (before, [shot, *as_soft], as_loud))
+    is_fire = any(each.evidence and each.evidence.even_row == "fire" for each in (shot, *before))
+    bursts = [before, as_loud] + ([[shot, *as_soft]] if is_fire else [])
     gap = shot.onset - before[0].onset
-    paces = (_pace(onsets, rate_hz=rate_hz, rules=rules) for onsets in bursts)
+    paces = [_pace([each.onset for each in burst], rate_hz=rate_hz, rules=rules) for burst in bursts]
+    if not any(paces):
+        paces = [_pace([shot.onset, *(each.onset for each in as_loud)], rate_hz=rate_hz, rules=rules)]
     return any(abs(gap - pace) <= rules.unevenness * pace for pace in paces if pace)
 
 

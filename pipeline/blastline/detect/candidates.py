@@ -18,10 +18,12 @@ from .chunks import Chunk
 from .features import features
 from .neighbours import neighbourhood
 from .onset import farthest_ms, refine_onsets
+from .pace import automatic
 from .scan import candidate_steps
 from .sparse import bands_near
 from .tracks import Grid
 
+_SOUND_MS = 2.0  # the crack of a bullet is over so soon after its place
 _SAME_ONSET_MS = 3.0  # candidates of one rise, which the refined onset has brought together
 
 
@@ -44,7 +46,8 @@ def let_all_pass(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray
 
 def candidate_places(chunk: Chunk, grid: Grid, tier: QualityRules) -> NDArray[np.intp]:
     """Return roughly where a chunk's n candidates are, as indices into it, ascending, shape (n,)."""
-    steps = candidate_steps(chunk.peak, chunk.slope, chunk.bands, grid=grid, rules=tier.scan)
+    pace = automatic(tier.bursts)
+    steps = candidate_steps(chunk.peak, chunk.slope, chunk.bands, grid=grid, rules=tier.scan, pace=pace)
     places = steps * grid.step
     return places[places < chunk.stop - chunk.start]
 
@@ -69,7 +72,8 @@ def describe_candidates(
     rows = features(bandshapes, neighbourhood(places, levels, chosen, grid.rate_hz))
     passed = screen(rows, places[chosen])
     chosen, rows = chosen[passed], rows[passed]
-    onsets = refine_onsets(chunk.samples, places[chosen], rate_hz=grid.rate_hz, rules=tier.onset)
+    since = np.concatenate([[-chunk.samples.shape[0]], places])[chosen] + samples_from_ms(_SOUND_MS, grid.rate_hz)
+    onsets = refine_onsets(chunk.samples, places[chosen], rate_hz=grid.rate_hz, rules=tier.onset, since=since)
     kept = well_apart(onsets, samples_from_ms(_SAME_ONSET_MS, grid.rate_hz))
     in_film = onsets[kept] + chunk.start
     kept = kept[(in_film >= chunk.core.start) & (in_film < min(chunk.core.stop, chunk.stop))]

@@ -23,8 +23,9 @@ from ..model import EvenRow, Rejection, Shot, Span
 from ..ruleset import BurstRules, QualityRules
 from ..units import samples_from_ms, samples_from_s
 from .backdrop import LEVELS
-from .fire import ScoredCandidates, rows_at, shot_by_shot
+from .fire import ScoredCandidates
 from .loops import LoopCandidates, in_loops
+from .pace import rows_at, shot_by_shot
 from .rows import in_endless_fire, in_even_rows, runs_of
 from .verify import log_odds_of
 

@@ -9,23 +9,16 @@ steps and hammers come as well: there the networks alone are asked, and have to 
 screen, which hears what is around, takes any such row for a machine.
 """
 
-from bisect import bisect_left, bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..model import EvenRow
-from ..ruleset import BurstRules, QualityRules, VerifyRules
-from ..units import samples_from_ms
+from ..ruleset import QualityRules, VerifyRules
+from .pace import automatic, rows_at, shot_by_shot
 from .verify import LogOdds, log_odds_of
-
-_MOST_IN_ROW = 256
-"""A longer row is taken in pieces, which say as much: hours of a machine take no longer than they are long."""
-
-_AT_ONCE = 1024  # sounds whose pairs are held together
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,90 +40,6 @@ class ScoredCandidates:
                 np.concatenate([part.odds.by_networks for part in parts]),
             ),
         )
-
-
-@dataclass(frozen=True)
-class Pace:
-    """What makes sounds one row: `fewest` of them, gaps in ms in a range and as even, peaks within `within_db`."""
-
-    shortest_gap_ms: float
-    longest_gap_ms: float
-    unevenness: float
-    fewest: int
-    within_db: float
-
-
-def automatic(rules: BurstRules) -> Pace:
-    """Return the pace of a weapon that reloads itself and goes on."""
-    return Pace(rules.shortest_gap_ms, rules.longest_gap_ms, rules.unevenness, rules.fewest_even, rules.echo_drop_db)
-
-
-def shot_by_shot(tier: QualityRules) -> Pace:
-    """Return the pace of somebody who pulls the trigger each time: slower than a burst, up to that of steps."""
-    bursts, rows = tier.bursts, tier.rows
-    return Pace(bursts.longest_gap_ms, rows.longest_gap_ms, rows.unevenness, rows.fewest, bursts.echo_drop_db)
-
-
-def rows_at(
-    onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], pace: Pace, *, rate_hz: int
-) -> list[NDArray[np.intp]]:
-    """Return the rows at a pace among onsets, ascending, the longest row first, as indices; no sound is in two."""
-    gaps = (samples_from_ms(pace.shortest_gap_ms, rate_hz), samples_from_ms(pace.longest_gap_ms, rate_hz))
-    at, loud_db = onsets.tolist(), peaks_dbfs.tolist()  # a few at a time: lists are faster than arrays
-    told: set[tuple[int, int]] = set()
-    rows = []
-    for first, second in _beginnings(onsets, peaks_dbfs, pace, gaps):
-        if (first, second) not in told:
-            row = _row_on(at, loud_db, first, second, gaps=gaps, pace=pace)
-            told.update(pairwise(row))
-            rows.append(row[:_MOST_IN_ROW])
-    free = np.ones(onsets.size, bool)
-    chosen = []
-    for row in sorted(rows, key=len, reverse=True):
-        if len(row) >= pace.fewest and free[row].all():
-            free[row] = False
-            chosen.append(np.array(row, np.intp))
-    return chosen
-
-
-def _beginnings(
-    onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], pace: Pace, gaps: tuple[int, int]
-) -> Iterator[tuple[int, int]]:
-    """Yield the pairs that a row may begin with, in order: few pairs of sounds are alike and have a third in time."""
-    for start in range(0, onsets.size, _AT_ONCE):
-        own = onsets[start : start + _AT_ONCE]
-        firsts, stops = np.searchsorted(onsets, own + gaps[0]), np.searchsorted(onsets, own + gaps[1], side="right")
-        count = np.maximum(stops - firsts, 0)  # the longest gap may be shorter than the shortest
-        first = np.repeat(np.arange(start, start + own.size), count)
-        second = np.arange(first.size) + np.repeat(firsts - (np.cumsum(count) - count), count)
-        alike = np.abs(peaks_dbfs[second] - peaks_dbfs[first]) <= pace.within_db
-        first, second = first[alike], second[alike]
-        if pace.fewest > 2:
-            gap = onsets[second] - onsets[first]
-            late, due = np.ceil(pace.unevenness * gap).astype(np.intp), onsets[second] + gap
-            third = np.searchsorted(onsets, due - late) < np.searchsorted(onsets, due + late, side="right")
-            first, second = first[third], second[third]
-        yield from zip(first.tolist(), second.tolist(), strict=True)
-
-
-def _row_on(
-    at: list[int], loud_db: list[float], first: int, second: int, *, gaps: tuple[int, int], pace: Pace
-) -> list[int]:
-    """Return the row that goes on from two sounds at their pace, each next one where it is due, if it is as loud.
-
-    No gap is shorter or longer than `gaps` allow. Of a row that is taken in pieces, the next one's first sound is last.
-    """
-    row, due, late = [first], at[second], 0.0
-    while len(row) <= _MOST_IN_ROW:
-        earliest, latest = (at[row[-1]] + gap for gap in gaps)
-        near = range(bisect_left(at, max(due - late, earliest)), bisect_right(at, min(due + late, latest)))
-        alike = [place for place in near if abs(loud_db[place] - loud_db[first]) <= pace.within_db]
-        if not alike:
-            break
-        row.append(min(alike, key=lambda place: abs(at[place] - due)))
-        gap = at[row[-1]] - at[row[-2]]
-        due, late = at[row[-1]] + gap, pace.unevenness * gap
-    return row
 
 
 def even_rows(scored: ScoredCandidates, *, rate_hz: int, tier: QualityRules) -> list[EvenRow | None]:

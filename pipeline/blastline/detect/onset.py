@@ -37,15 +37,26 @@ _BLOCK = 64  # samples that are low-passed together
 
 
 def refine_onsets(
-    samples: NDArray[np.float32], guesses: NDArray[np.intp], *, rate_hz: int, rules: OnsetRules
+    samples: NDArray[np.float32],
+    guesses: NDArray[np.intp],
+    *,
+    rate_hz: int,
+    rules: OnsetRules,
+    since: NDArray[np.intp] | None = None,
 ) -> NDArray[np.intp]:
-    """Return the onset of each guess, shape (n,): the index into `samples` of the first sample of the rise."""
+    """Return the onset of each guess, shape (n,): the index into `samples` of the first sample of the rise.
+
+    What was before it is listened to from `since` on, where given, indices of shape (n,): of two sounds in a row the
+    second begins after the first.
+    """
     found = [guesses[:0]]
-    for some in (guesses[first : first + _AT_ONCE] for first in range(0, guesses.size, _AT_ONCE)):
+    for first in range(0, guesses.size, _AT_ONCE):
+        some = guesses[first : first + _AT_ONCE]
         around, places = _low_passed_around(samples, some, rate_hz=rate_hz, rules=rules)
         onsets, moved = some, some - places
+        earliest = places - some if since is None else since[first : first + _AT_ONCE] - moved
         for _ in range(_PASSES):
-            onsets = _clearest(around, onsets - moved, rate_hz=rate_hz, rules=rules) + moved
+            onsets = _clearest(around, onsets - moved, earliest, rate_hz=rate_hz, rules=rules) + moved
             # what was before the first sample is not known: a rise by the second begins with the film
             onsets[onsets <= 1] = 0
             onsets = np.minimum(onsets, samples.shape[0] - 1)
@@ -102,19 +113,31 @@ def _low_pass(rate_hz: int) -> NDArray[np.float64]:
 
 
 def _clearest(
-    samples: NDArray[np.float32], guesses: NDArray[np.intp], *, rate_hz: int, rules: OnsetRules
+    samples: NDArray[np.float32],
+    guesses: NDArray[np.intp],
+    earliest: NDArray[np.intp],
+    *,
+    rate_hz: int,
+    rules: OnsetRules,
 ) -> NDArray[np.intp]:
     """Look for the change in the difference over half a millisecond and over a sample; believe the greater one.
 
     Under music or an engine a crack is clear only in the fast one; a far, dull shot only in the slow one.
     """
-    slow, gained = _change_at(samples, guesses, max(1, samples_from_ms(_SLOW_LAG_MS, rate_hz)), rate_hz, rules)
-    fast, sharpened = _change_at(samples, guesses, max(1, samples_from_ms(_FAST_LAG_MS, rate_hz)), rate_hz, rules)
+    (slow, gained), (fast, sharpened) = (
+        _change_at(samples, guesses, earliest, max(1, samples_from_ms(lag_ms, rate_hz)), rate_hz, rules)
+        for lag_ms in (_SLOW_LAG_MS, _FAST_LAG_MS)
+    )
     return np.asarray(np.where(sharpened > gained, fast, slow), np.intp)
 
 
 def _change_at(
-    samples: NDArray[np.float32], guesses: NDArray[np.intp], lag: int, rate_hz: int, rules: OnsetRules
+    samples: NDArray[np.float32],
+    guesses: NDArray[np.intp],
+    earliest: NDArray[np.intp],
+    lag: int,
+    rate_hz: int,
+    rules: OnsetRules,
 ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
     """Return where the difference over a lag changes on its way to its peak, and how much more likely than nowhere."""
     search, before, after = (samples_from_ms(ms, rate_hz) for ms in (rules.search_ms, rules.noise_ms, rules.after_ms))
@@ -123,7 +146,8 @@ def _change_at(
     peak = around[np.arange(peaks.size), peaks]
     start = guesses - search + peaks - before
     wave = _differences(samples, start, before + after, lag)
-    change, gained = _change(wave, rules.floor_ratio * peak, rate_hz)
+    first = np.clip(earliest - start, 0, before // 2)
+    change, gained = _change(wave, first, rules.floor_ratio * peak, rate_hz)
     longest_rise = samples_from_ms(_LONGEST_RISE_MS, rate_hz)
     return start + change - _rise_before(np.abs(wave), change, peak, longest_rise), gained
 
@@ -135,20 +159,26 @@ def _differences(samples: NDArray[np.float32], starts: NDArray[np.intp], length:
 
 
 def _change(
-    wave: NDArray[np.float64], floor: NDArray[np.float64], rate_hz: int
+    wave: NDArray[np.float64], first: NDArray[np.intp], floor: NDArray[np.float64], rate_hz: int
 ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """Return where in each row the power changes, and how much more likely that is than no change (log, in samples)."""
+    """Return where in each row the power changes, and how much more likely that is than no change (log, in samples).
+
+    Each row counts from its sample `first` on.
+    """
     size = wave.shape[1]
-    first, last = (max(1, samples_from_ms(least, rate_hz)) for least in _LEAST_MS)
+    least_before, least_after = (max(1, samples_from_ms(least, rate_hz)) for least in _LEAST_MS)
     energy = np.cumsum(np.square(wave), axis=1)
+    ignored = np.where(first > 0, energy[np.arange(first.size), first - 1], 0.0)[:, None]
     quiet = np.square(floor)[:, None] + 1e-30
-    parted = np.arange(first, size - last)
-    head = energy[:, first - 1 : size - last - 1]
-    unlikely = parted * np.log(head / parted + quiet)
+    parted = np.arange(least_before, size - least_after)
+    length, heard = size - first[:, None], np.maximum(parted - first[:, None], 1)
+    head = energy[:, least_before - 1 : size - least_after - 1]
+    unlikely = heard * np.log(np.maximum(head - ignored, 0.0) / heard + quiet)
     unlikely += (size - parted) * np.log((energy[:, -1:] - head) / (size - parted) + quiet)
+    unlikely[parted < first[:, None] + least_before] = np.inf
     best = unlikely.argmin(axis=1)
-    whole = size * np.log(energy[:, -1] / size + quiet[:, 0])
-    return np.asarray(first + best, np.intp), whole - unlikely[np.arange(best.size), best]
+    whole = length * np.log((energy[:, -1:] - ignored) / length + quiet)
+    return np.asarray(least_before + best, np.intp), whole[:, 0] - unlikely[np.arange(best.size), best]
 
 
 def _rise_before(

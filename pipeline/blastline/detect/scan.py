@@ -4,10 +4,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..ruleset import ScanRules
-from ..units import gain_from_db
+from ..units import gain_from_db, levels_db
+from .pace import Pace, evenly_placed
+from .segment import PEAK_MS
 from .tracks import STEPS_PER_HOP, Grid
 
 _AROUND_MS = 2000.0
+_CRACK_MS = 4.0  # the crack of a bullet rises more than the blast that comes as soon as this after it
 
 
 def rise_ratios(track: NDArray[np.float32], history: int, floor: float | NDArray[np.float32]) -> NDArray[np.float32]:
@@ -77,24 +80,46 @@ def candidate_steps(
     *,
     grid: Grid,
     rules: ScanRules,
+    pace: Pace,
 ) -> NDArray[np.intp]:
     """Return the n steps that are candidates, ascending, shape (n,); the tracks are those of a `Chunk`.
 
-    A step is one where its rise, over the required jump, is at least 1 in any track and nothing within
-    `separation_ms` rises more.
+    A step is one where its rise, over the required jump, is at least 1 in any track and nothing in the next
+    `separation_ms` or just before it rises more. In a row at the `pace` of automatic fire a rise of `row_jump_db` in
+    the waveform is enough: where a shot lingers, the next never towers over it.
     """
-    history = grid.steps(rules.history_ms)
+    history, apart = grid.steps(rules.history_ms), grid.steps(rules.separation_ms)
     floor = silence(peak, grid=grid, rules=rules)
-    score = rise_ratios(peak, history, floor) / gain_from_db(rules.jump_db)
+    rises = rise_ratios(peak, history, floor)
+    score = rises / gain_from_db(rules.jump_db)
     if rules.difference_jump_db is not None:
         # a slope of the floor's height is as near to silence as a peak of it
-        np.maximum(score, rise_ratios(slope, history, floor) / gain_from_db(rules.difference_jump_db), out=score)
+        sharper = rise_ratios(slope, history, floor)
+        np.maximum(score, sharper / gain_from_db(rules.difference_jump_db), out=score)
+        np.maximum(rises, sharper, out=rises)
     if rules.band_jump_db is not None:
         frames = band_rises(
             bands, history // STEPS_PER_HOP, floor[: bands.shape[0] * STEPS_PER_HOP : STEPS_PER_HOP]
         ) / gain_from_db(rules.band_jump_db)
         # a frame ends with its hop: what it heard lies in the hop's first step as likely as in its second
         np.maximum(score, np.repeat(frames, STEPS_PER_HOP), out=score)
-    apart = grid.steps(rules.separation_ms)
-    best = sliding_maximum(np.pad(score, apart), 2 * apart + 1)
-    return np.flatnonzero((score >= 1.0) & (score >= best) & (peak > floor))
+    heard = peak > floor
+    steps = _steepest(score, heard, least=1.0, apart=apart, grid=grid)
+    if rules.row_jump_db is None:
+        return steps
+    perhaps = np.union1d(steps, _steepest(rises, heard, least=gain_from_db(rules.row_jump_db), apart=apart, grid=grid))
+    loud_db = levels_db(sliding_maximum(np.pad(peak, (0, grid.steps(PEAK_MS) - 1)), grid.steps(PEAK_MS))[perhaps])
+    in_row = evenly_placed(perhaps * grid.step, loud_db, pace, rate_hz=grid.rate_hz)
+    return np.union1d(steps, perhaps[in_row])
+
+
+def _steepest(
+    rises: NDArray[np.float32], heard: NDArray[np.bool_], *, least: float, apart: int, grid: Grid
+) -> NDArray[np.intp]:
+    """Return the steps that are `heard`, rise by at least so much, and more than any other up to `apart` away.
+
+    Only the last few steps before one may not rise more: what does earlier may be another sound.
+    """
+    before = min(apart, grid.steps(_CRACK_MS))
+    best = sliding_maximum(np.pad(rises, (before, apart)), before + apart + 1)
+    return np.flatnonzero((rises >= least) & (rises >= best) & heard)

@@ -29,6 +29,7 @@ _HOLD_PER_PHASE = 0.8
 _HOLD_MS = (0.1, 2.0)
 _DROWNED = 2.0
 _LOUDEST_DB = 3.0  # what is louder is no echo of this blast, were it clipped
+_RINGING_MS = 8.0  # before an attack, of a resampler or a lossy codec, is the attack's
 _GRAIN_MS, _USUAL_MS = 1.0, 5.0
 _ECHO_MS = 3.0  # how loud an echo is, its beginning tells, as in a scene's truth
 _DULL_LAG_MS = 1.0 / 6.0  # hears 1 to 5 kHz best
@@ -51,7 +52,8 @@ def segment(
     """
     stop = min(onset + reach(rate_hz=rate_hz, rules=rules), film_stop - film_start)
     wave, still = _heard(samples, onset, stop, rate_hz)
-    background = float(np.sqrt(still @ still / still.size)) if still.size else 0.0
+    quiet = still[: max(0, still.size - samples_from_ms(_RINGING_MS, rate_hz))]
+    background = float(np.sqrt(quiet @ quiet / quiet.size)) if quiet.size else 0.0
     peak = float(np.abs(wave[: samples_from_ms(PEAK_MS, rate_hz)]).max(initial=0.0))
     usual = _usual_power(still, rate_hz)
     blast = _blast_length(wave, peak, usual, rate_hz=rate_hz, rules=rules)

@@ -26,8 +26,10 @@ class ScanRules(Table, frozen=True):
 
     A candidate is a step of a millisecond that rises over everything in the past `history_ms`: by `jump_db` in the
     waveform's peak, by `difference_jump_db` in that of its first difference, or by `band_jump_db` in the mean of the
-    two bands that rise most; a track without a jump is not looked at. Of candidates within `separation_ms` the
-    steepest stays. What peaks below `floor_dbfs`, or `range_db` under the loudest within two seconds, is silence.
+    two bands that rise most; a track without a jump is not looked at. In a row as even as automatic fire, `row_jump_db`
+    in peak or difference is enough, if there is such a rule. Of candidates within `separation_ms` the steepest stays,
+    and a lesser one 4 ms and more after it. What peaks below `floor_dbfs`, or `range_db` under the loudest within two
+    seconds, is silence.
     """
 
     history_ms: Annotated[float, Meta(ge=5.0, le=200.0)]
@@ -37,6 +39,7 @@ class ScanRules(Table, frozen=True):
     range_db: Annotated[float, Meta(ge=20.0, le=140.0)]
     difference_jump_db: Annotated[float, Meta(ge=1.0, le=40.0)] | None = None
     band_jump_db: Annotated[float, Meta(ge=1.0, le=40.0)] | None = None
+    row_jump_db: Annotated[float, Meta(ge=0.5, le=40.0)] | None = None
 
 
 class OnsetRules(Table, frozen=True):
@@ -209,10 +212,10 @@ class RenderRules(Table, frozen=True):
 
     The filters start `preroll_ms` before it, and earlier in proportion where their slowest time constant is more than
     50 ms. The sound is raised by `level_db`; what of it lies in the band of vibration is to be felt. The constrained
-    drive of a shot may begin `lead_ms` before its onset. It is solved at `solver_rate_hz` or up to twice that, higher
-    where the actuator answers above the band, never above the soundtrack's rate, in at most `iterations` steps, until
-    no more than `tolerance` of the explained energy can be gained, then at the full rate with at most
-    `polish_iterations`.
+    drive of a shot may begin `lead_ms` before its onset, if its window is open by then. It is solved at
+    `solver_rate_hz` or up to twice that, higher where the actuator answers above the band, never above the soundtrack's
+    rate, in at most `iterations` steps, until no more than `tolerance` of the explained energy can be gained, then at
+    the full rate with at most `polish_iterations`.
     """
 
     preroll_ms: Annotated[float, Meta(ge=0.0, le=60_000.0)]
