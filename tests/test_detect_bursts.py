@@ -4,7 +4,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from blastline.detect.bursts import drop_claimed_reflections, suppress_non_maxima
+from blastline.detect.bursts import drop_claimed_reflections, suppress_non_maxima, without_echoes
 from blastline.model import Reflection, Rejection, Shot, Span
 from blastline.ruleset import load_rules
 
@@ -72,6 +72,18 @@ def test_an_echo_that_two_shots_claim_is_the_later_ones_alone(beside_ms: float, 
     )
     assert [echo.delay_ms for echo in first.reflections] == [20, *left]
     assert second == later
+
+
+@pytest.mark.parametrize(
+    ("beside", "is_echo"),
+    [(d, abs(d) <= RATE_HZ // 1000) for d in (-49, -48, -47, -20, -1, 0, 1, 20, 47, 48, 49)],
+)
+def test_a_softer_sound_within_a_millisecond_of_an_echo_is_that_echo(beside: int, is_echo: bool) -> None:
+    first = shot(0, echoes_at_ms=(300,))
+    soft = msgspec.structs.replace(shot(0), onset=first.reflections[0].start + beside, peak_dbfs=-12.0)
+    kept, echoes = without_echoes([first, soft], rate_hz=RATE_HZ, rules=RULES)
+    assert kept == ((first,) if is_echo else (first, soft))
+    assert [each.at_sample for each in echoes] == ([soft.onset] if is_echo else [])
 
 
 @pytest.mark.parametrize("seed", range(12))

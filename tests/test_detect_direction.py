@@ -185,6 +185,15 @@ def test_what_does_not_stand_out_has_no_direction() -> None:
     assert direction(np.repeat(blast()[:, None], 4, axis=1), ONSET, around, rate_hz=RATE_HZ, rise_db=3.0) is None
 
 
+@pytest.mark.parametrize("gain", [-1.0, -0.7, -0.5])
+def test_what_two_loudspeakers_play_against_each_other_comes_from_nowhere(gain: float) -> None:
+    there = places("stereo")
+    for gains in ([1.0, gain], [gain, 1.0]):
+        samples = blast()[:, None] * np.array(gains)
+        assert direction(samples, ONSET, there, rate_hz=RATE_HZ, rise_db=3.0) is None
+        assert direction(np.abs(gains) * blast()[:, None], ONSET, there, rate_hz=RATE_HZ, rise_db=3.0) is not None
+
+
 def test_a_film_that_begins_with_the_shot_has_nothing_to_subtract() -> None:
     samples = (blast()[:, None] * panned("5.1", -60.0))[ONSET:]
     found = direction(samples, 0, places("5.1"), rate_hz=RATE_HZ, rise_db=3.0)
@@ -222,6 +231,35 @@ def test_straight_behind_is_180_from_either_side() -> None:
         leaning = gains.copy()
         leaning[channel] *= 1.0 + 1e-5
         assert told(blast()[:, None] * leaning, places("7.1"))[0] == 180.0
+
+
+def placed(samples: NDArray[np.float64], onset: int) -> float:
+    """Return the azimuth of a shot of a stereo film, which lasts until the film ends."""
+    span = Span(onset, samples.shape[0])
+    channels = Channels(places("stereo"), None, lambda asked: samples[asked.start : asked.stop])
+    shot = Shot(onset, 0.95, -6.0, 20.0, span, (), span)
+    [found] = with_azimuths([shot], channels, rate_hz=RATE_HZ, rules=load_rules("standard").tier.channels)
+    assert found.azimuth_deg is not None
+    return found.azimuth_deg
+
+
+@pytest.mark.parametrize("early", [1, 10, 19, 24])
+def test_a_blast_that_one_microphone_of_a_pair_hears_a_little_earlier_is_as_much_in_the_middle(early: int) -> None:
+    burst = np.random.default_rng(4).standard_normal(400)
+    samples = np.zeros((1440, 2))
+    for channel, begins in enumerate((ONSET - early, ONSET)):
+        samples[begins : begins + burst.size, channel] = burst
+    assert placed(samples, ONSET) == pytest.approx(0.0, abs=3.0)
+    assert placed(samples[:, ::-1], ONSET) == -placed(samples, ONSET)
+
+
+@pytest.mark.parametrize("onset", [0, 1, 23, 24, 25])
+@pytest.mark.parametrize("azimuth_deg", [-30.0, -12.0, 20.0])
+def test_a_shot_on_the_first_samples_of_a_film_comes_from_where_it_was_panned_to(
+    onset: int, azimuth_deg: float
+) -> None:
+    samples = blast()[ONSET - onset :, None] * panned("stereo", azimuth_deg)
+    assert placed(samples, onset) == pytest.approx(azimuth_deg, abs=0.1)
 
 
 def test_what_begins_after_a_shot_is_over_does_not_pull() -> None:

@@ -160,6 +160,13 @@ def test_a_long_row_is_fire_or_none_and_a_short_one_may_be_anything() -> None:
     assert told([0.2] * fewest, gap_ms=BURSTS.longest_gap_ms + 1.0) == [None] * fewest
 
 
+def test_what_a_whole_row_told_of_its_sounds_half_of_them_does_not_take_back() -> None:
+    """Every other sound of a machine is a row at half its pace, which may be that of a finger."""
+    said = [0.95, 0.01] * 8
+    assert told(said[::2], gap_ms=200.0) == ["fire"] * 8
+    assert told(said, gap_ms=100.0) == ["no fire"] * 16
+
+
 @pytest.mark.parametrize("gap_ms", [BURSTS.longest_gap_ms + 1.0, 500.0, TIER.rows.longest_gap_ms])
 def test_a_slow_row_is_fire_where_the_networks_alone_are_as_sure_of_it_as_of_a_shot(gap_ms: float) -> None:
     """Somebody pulls the trigger at a pace at which steps and hammers come as well; the screen doubts all of them."""

@@ -6,9 +6,10 @@ import pytest
 from numpy.typing import NDArray
 
 from blastline.detect.bursts import drop_claimed_reflections
-from blastline.detect.segment import running_peak, segment
+from blastline.detect.segment import peak_dbfs, running_peak, segment
 from blastline.model import Shot
 from blastline.ruleset import load_rules
+from blastline.units import db_from_gain, gain_from_db
 
 RATE_HZ = 48_000
 ONSET = RATE_HZ // 2
@@ -22,12 +23,8 @@ def decaying(fall_db_per_s: float, *, seconds: float = 2.0, seed: int = 0) -> ND
     return np.asarray(0.1 * noise * 10.0 ** (-fall_db_per_s * time_s / 20.0), np.float64)
 
 
-def segmented(*sounds: tuple[float, NDArray[np.float64]], constant: float = 0.0) -> Shot:
-    """Return the first of some sounds, given with their begin in ms after it, over faint noise beside zero."""
-    film = constant + 1e-5 * np.random.default_rng(9).standard_normal(3 * RATE_HZ)
-    for at_ms, sound in sounds:
-        start = ONSET + round(at_ms * RATE_HZ / 1000.0)
-        film[start : start + sound.size] += sound[: film.size - start]
+def measured(film: NDArray[np.float64]) -> Shot:
+    """Return the shot on the onset of a film."""
     return segment(
         film.astype(np.float32),
         ONSET,
@@ -37,6 +34,15 @@ def segmented(*sounds: tuple[float, NDArray[np.float64]], constant: float = 0.0)
         rate_hz=RATE_HZ,
         rules=RULES,
     )
+
+
+def segmented(*sounds: tuple[float, NDArray[np.float64]], constant: float = 0.0) -> Shot:
+    """Return the first of some sounds, given with their begin in ms after it, over faint noise beside zero."""
+    film = constant + 1e-5 * np.random.default_rng(9).standard_normal(3 * RATE_HZ)
+    for at_ms, sound in sounds:
+        start = ONSET + round(at_ms * RATE_HZ / 1000.0)
+        film[start : start + sound.size] += sound[: film.size - start]
+    return measured(film)
 
 
 def ended(shot: Shot) -> tuple[float, str]:
@@ -77,6 +83,29 @@ def test_a_constant_is_no_sound(constant: float) -> None:
     assert (beside.blast, beside.span) == (still.blast, still.span)
     assert [each.start for each in beside.reflections] == [each.start for each in still.reflections]
     assert (beside.peak_dbfs, beside.snr_db) == pytest.approx((still.peak_dbfs, still.snr_db), abs=0.02)
+
+
+@pytest.mark.parametrize("constant", [-0.3, 0.0, 0.05])
+@pytest.mark.parametrize("level_dbfs", [-60.0, -46.0, -40.0, -26.0, -20.0])
+@pytest.mark.parametrize("peak", [-0.9, 0.6])
+def test_a_shot_stands_out_by_its_peak_over_the_root_mean_square_of_what_is_before_it(
+    peak: float, level_dbfs: float, constant: float
+) -> None:
+    film = gain_from_db(level_dbfs) * np.random.default_rng(6).standard_normal(2 * ONSET)
+    film[ONSET] = peak
+    shot = measured(film + constant)
+    assert shot.snr_db == pytest.approx(db_from_gain(abs(peak)) - level_dbfs, abs=0.5)
+    assert shot.peak_dbfs == pytest.approx(db_from_gain(abs(peak)), abs=0.1)
+
+
+@pytest.mark.parametrize("constant", [-0.25, 0.0, 0.125])
+@pytest.mark.parametrize("polarity", [-1.0, 1.0])
+def test_a_peak_is_as_high_below_zero_as_above_and_however_it_is_asked_for(polarity: float, constant: float) -> None:
+    film = np.full(2 * ONSET, constant)
+    film[ONSET : ONSET + 48] += 0.5 * polarity
+    film[ONSET + 48 : ONSET + 200] -= 0.15 * polarity
+    found = peak_dbfs(film.astype(np.float32), ONSET, RATE_HZ)
+    assert found == measured(film).peak_dbfs == pytest.approx(db_from_gain(0.5), abs=1e-5)
 
 
 def cracking(*, decay_ms: float = 2.0, seed: int = 0) -> NDArray[np.float64]:
