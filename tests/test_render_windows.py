@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from blastline.model import Shot, Span, Window
-from blastline.render import plan_windows
+from blastline.render import plan_windows, window_between
 from blastline.ruleset import WindowRules
 from render_signals import WINDOWS, shot_at
 
@@ -109,6 +109,25 @@ def test_no_fade_reaches_into_an_onset_however_windows_join(drawn: list[tuple[in
     for planned in plan_windows(found, frames=1000, rate_hz=RATE_HZ, rules=RULES, given=own):
         first = min(found[index].onset for index in planned.shots)
         assert planned.window.start + planned.window.fade_in_samples <= first
+
+
+@pytest.mark.parametrize("before", [*range(10), 100, 3000])
+def test_a_start_that_somebody_sets_long_before_the_onset_fades_in_no_slower(before: int) -> None:
+    """What sounds before the onset is then wanted in full, but for the fade."""
+    (shot,) = shots((3000, 3100))
+    window = window_between(shot, start=3000 - before, stop=None, frames=5000, rate_hz=RATE_HZ, rules=RULES)
+    assert window == Window(3000 - before, 3140, min(5, max(0, before - 1)), 40)
+
+
+@pytest.mark.parametrize("sounding", [1, 20, 400])
+@pytest.mark.parametrize("after", [1, 2, 3, 10, 39, 40, 41, 79, 80, 90])
+def test_a_fade_out_that_somebody_has_set_takes_at_most_half_of_what_is_left_of_a_later_shot(
+    sounding: int, after: int
+) -> None:
+    found = shots((100, 150), (300, 300 + sounding))
+    own = {0: Window(94, 300 + after, 5, 40), 1: Window(294, 300 + max(1, after - 1), 5, 0)}
+    (planned,) = plan_windows(found, frames=1000, rate_hz=RATE_HZ, rules=RULES, given=own)
+    assert planned.window == Window(94, 300 + after, 5, min(40, max(after - sounding, after // 2)))
 
 
 def test_a_battle_without_a_pause_is_one_window() -> None:
