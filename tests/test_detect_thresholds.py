@@ -73,3 +73,13 @@ def test_of_two_nearer_than_a_gun_fires_the_surer_is_the_round_of_a_run_whicheve
     around = [shot(at_ms, VERIFY.burst_threshold) for at_ms in (20_000 - FAST_MS, surer_ms + gap_ms)]
     assert min(likely) >= VERIFY.burst_threshold
     assert len(believed_ms(*two, *around)) == number
+
+
+def test_a_run_has_no_gap_that_is_too_long_forwards_or_backwards() -> None:
+    """The surer of two that are too near each other may be too far from the round before."""
+    longest, likely = BURSTS.longest_gap_ms, VERIFY.burst_threshold
+    at_ms = [0.0, longest - 10.0, longest + 20.0, 2.0 * longest + 20.0]
+    for turned in (False, True):
+        places = [20_000 + (at_ms[-1] - at if turned else at) for at in at_ms]
+        shots = [shot(at, likely + 0.1 * (n == 2)) for n, at in enumerate(places)]
+        assert believed_ms(*sorted(shots, key=lambda each: each.onset)) == []

@@ -213,7 +213,9 @@ def _in_a_run(
         elif gap >= shortest:
             runs[-1].append(place)
         elif probability[place] > probability[runs[-1][-1]]:
-            runs[-1][-1] = place
+            before = runs[-1][:-1]
+            if not before or onsets[place] - onsets[before[-1]] <= longest:
+                runs[-1][-1] = place
     found = np.zeros(onsets.size, bool)
     found[[place for run in runs if len(run) >= rules.fewest_shots for place in run]] = True
     return found
