@@ -297,6 +297,17 @@ def test_a_sample_joins_without_a_step_and_knows_its_loudest_frame(tmp_path: Pat
     assert np.sum(taken < 0.05) > 400  # faded where two stretches meet
 
 
+@pytest.mark.parametrize(("begin", "end"), [(0.1, 0.6), (0.6, 0.1), (-0.1, -0.6)])
+def test_a_sample_knows_its_loudest_frame_in_whichever_part_it_lies(tmp_path: Path, begin: float, end: float) -> None:
+    film = tmp_path / "ramp.wav"
+    soundfile.write(film, np.linspace(begin, end, 30 * RATE_HZ), RATE_HZ, subtype="PCM_16")
+    with open_soundtrack(film) as track:
+        sample = sample_film(film, track, tmp_path / "sample.wav", counted=False)
+    taken, _ = soundfile.read(sample.path)
+    assert sample.seconds < 15.0, "more than one part, and not all of the film"
+    assert abs(taken[sample.loudest]) == np.abs(taken).max()
+
+
 def test_a_sample_is_heard_as_the_film_is_with_its_centre_and_without(tmp_path: Path) -> None:
     film = tmp_path / "film.wav"
     channels = np.random.default_rng(11).uniform(-0.1, 0.1, (9 * RATE_HZ, 6))

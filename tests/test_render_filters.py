@@ -1,5 +1,7 @@
 """The filters of rendering: designed at every rate, settled where they begin, and what is felt through them."""
 
+import math
+
 import msgspec
 import numpy as np
 import pytest
@@ -9,7 +11,15 @@ from blastline import dsp
 from blastline.errors import RuleError
 from blastline.model import Phase, Span
 from blastline.render import DriveFilters, drive_filters, hear_window, needed_audio, preroll
-from blastline.render.filters import compensated, felt, in_band, settled_band, settled_compensated
+from blastline.render.filters import (
+    compensated,
+    felt,
+    in_band,
+    require_renderable,
+    settled_band,
+    settled_compensated,
+)
+from blastline.ruleset import ActuatorProfile
 from render_signals import CAUSAL, KINDS, PROFILE, RATE_HZ, RENDER, ZERO, clip, film_with_shot, only_window
 
 
@@ -139,6 +149,46 @@ def test_corner_above_half_the_rate_is_refused(changes: dict[str, dict[str, obje
         profile = msgspec.structs.replace(profile, **{table: msgspec.structs.replace(getattr(profile, table), **keys)})
     with pytest.raises(RuleError, match=message):
         drive_filters(profile, 8_000, "causal")
+
+
+def at_gain(factor: float) -> ActuatorProfile:
+    """Return the built-in actuator with what is felt of a full drive peaking at `factor`."""
+    response = PROFILE.response
+    peak = float(np.max(np.abs(dsp.felt_response(PROFILE).at(np.geomspace(1.0, RATE_HZ / 2.0, 5000)))))
+    return msgspec.structs.replace(
+        PROFILE, response=msgspec.structs.replace(response, gain=factor * response.gain / peak)
+    )
+
+
+@pytest.mark.parametrize("factor", [1e-9, 1e-7, 1e7, 1e9])
+def test_an_actuator_in_a_unit_that_none_is_measured_in_is_refused(factor: float) -> None:
+    for power in (-5, 0, 5):
+        require_renderable(at_gain(10.0**power), RATE_HZ)
+    with pytest.raises(RuleError, match=r"what is felt of a full drive peaks at \S+; expected 1e-06 to 1e\+06"):
+        require_renderable(at_gain(factor), RATE_HZ)
+
+
+def resonating(at_hz: float) -> ActuatorProfile:
+    """Return the built-in actuator with a resonance of Q 1000 that it answers a hundred times as strongly at."""
+    angular = 2.0 * math.pi * at_hz
+    response = PROFILE.response
+    zeros, poles = (
+        tuple((-0.5 * angular / q, sign * angular * math.sqrt(1.0 - 0.25 / q**2)) for sign in (1.0, -1.0))
+        for q in (10.0, 1000.0)
+    )
+    response = msgspec.structs.replace(
+        response, zeros_rad_s=response.zeros_rad_s + zeros, poles_rad_s=response.poles_rad_s + poles
+    )
+    return msgspec.structs.replace(PROFILE, response=response)
+
+
+@pytest.mark.parametrize("near_hz", [4_500.0, 5_500.0])
+def test_a_sharp_resonance_is_steered_wherever_it_lies(near_hz: float) -> None:
+    """It is felt well over a part in a thousand of its frequency: less than points over the whole band lie apart."""
+    for step in range(0, 60, 6):
+        at_hz = near_hz * (1.0 + step / 5000.0)
+        stride = drive_filters(resonating(at_hz), RATE_HZ, "causal").recursion.longest_stride
+        assert stride == int(RATE_HZ / (2.0 * at_hz)), at_hz
 
 
 @pytest.mark.parametrize("zero_rad_s", [-1.0, -3.14, -20.0])

@@ -19,6 +19,7 @@ from blastline.timecode import (
     frame_time,
     frames_per_day,
     label,
+    late_stamp,
     standard_rate,
     time_of_start,
     timecode_at,
@@ -148,6 +149,18 @@ def test_drop_frame_skips_two_numbers_a_minute_but_not_the_tenth(frame: int, tim
     assert frame == 0 or timecode_at(film, sample - 1) != timecode
 
 
+@pytest.mark.parametrize("rate", ["30000/1001", "60000/1001", "120000/1001"])
+@pytest.mark.parametrize("start", ["01:00:00;00", "00:09:59;29", "10:20:30;12"])
+def test_drop_frame_is_told_by_a_comma_as_by_a_semicolon(rate: str, start: str) -> None:
+    one, other = source(rate, start), source(rate, start.replace(";", ","))
+    scale = frame_scale(other)
+    assert scale == frame_scale(one)
+    assert scale is not None
+    assert scale.drop_frame
+    for sample in (0, 48_000, 3600 * 48_000):
+        assert timecode_at(other, sample) == timecode_at(one, sample)
+
+
 @pytest.mark.parametrize("rate", ["30000/1001", "60000/1001"])
 def test_drop_frame_by_the_rule_itself(rate: str) -> None:
     nominal = round(Fraction(rate))
@@ -243,6 +256,31 @@ def test_time_of_the_first_sample_since_midnight(
     frame_rate: str | None, start: str | None, offset_s: float, samples: int
 ) -> None:
     assert time_of_start(source(frame_rate, start, offset_s=offset_s)) == samples
+
+
+@pytest.mark.parametrize(
+    ("offset_s", "said"),
+    [(-0.5, "0.500 s"), (-0.048, "0.048 s"), (-0.021, "0.021 s"), (-0.002, "0.002 s"), (-0.0005, None), (0.0, None)],
+)
+def test_sound_that_begins_before_midnight_is_told(offset_s: float, said: str | None) -> None:
+    """Coded sound leads in by a block: 21 ms of AAC, 32 ms of AC-3."""
+    told = late_stamp(source("24", "00:00:00:00", offset_s=offset_s))
+    assert len(told) == (0 if said is None else 1)
+    assert all(f"begins {said} before 00:00:00" in line for line in told)
+
+
+@given(
+    st.sampled_from([None, "24", "30000/1001"]),
+    st.sampled_from([None, "00:00:00:00", "00:00:00;00", "00:00:00.000"]),
+    st.integers(-100_000, 100_000),
+    st.sampled_from([44_100, 48_000]),
+)
+def test_a_time_stamp_is_within_a_millisecond_of_the_sound_or_there_is_a_warning(
+    frame_rate: str | None, start: str | None, offset_us: int, rate_hz: int
+) -> None:
+    film = source(frame_rate, start, rate_hz=rate_hz, offset_s=offset_us / 1e6)
+    off_s = abs(Fraction(time_of_start(film), rate_hz) - Fraction(offset_us, 1_000_000))
+    assert (off_s < Fraction(1, 1000)) == (not late_stamp(film))
 
 
 @pytest.mark.parametrize(
