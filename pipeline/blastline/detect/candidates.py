@@ -7,11 +7,12 @@ Gate and screen are given by the caller: detection drops the hopeless there, tra
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..ruleset import QualityRules
+from ..ruleset import OnsetRules, QualityRules
 from ..units import samples_from_ms
 from .bandshape import band_levels, bandshape
 from .chunks import Chunk
@@ -23,7 +24,7 @@ from .scan import candidate_steps
 from .sparse import bands_near
 from .tracks import Grid
 
-_SOUND_MS = 2.0  # the crack of a bullet is over so soon after its place
+_SOUND_MS = 2.0  # the crack of a bullet is over so soon after its onset
 _SAME_ONSET_MS = 3.0  # candidates of one rise, which the refined onset has brought together
 
 
@@ -72,12 +73,30 @@ def describe_candidates(
     rows = features(bandshapes, neighbourhood(places, levels, chosen, grid.rate_hz))
     passed = screen(rows, places[chosen])
     chosen, rows = chosen[passed], rows[passed]
-    since = np.concatenate([[-chunk.samples.shape[0]], places])[chosen] + samples_from_ms(_SOUND_MS, grid.rate_hz)
-    onsets = refine_onsets(chunk.samples, places[chosen], rate_hz=grid.rate_hz, rules=tier.onset, since=since)
+    onsets = _onsets(chunk.samples, places, chosen, rate_hz=grid.rate_hz, rules=tier.onset)
     kept = well_apart(onsets, samples_from_ms(_SAME_ONSET_MS, grid.rate_hz))
     in_film = onsets[kept] + chunk.start
     kept = kept[(in_film >= chunk.core.start) & (in_film < min(chunk.core.stop, chunk.stop))]
     return CandidateFeatures(onsets[kept], rows[kept])
+
+
+def _onsets(
+    samples: NDArray[np.float32],
+    places: NDArray[np.intp],
+    chosen: NDArray[np.intp],
+    *,
+    rate_hz: int,
+    rules: OnsetRules,
+) -> NDArray[np.intp]:
+    """Return the onsets of the chosen places, shape (n,); one just after another begins after its sound."""
+    find = partial(refine_onsets, samples, rate_hz=rate_hz, rules=rules)
+    onsets = find(places[chosen])
+    gaps = np.diff(places, prepend=-samples.shape[0])[chosen]
+    second = np.flatnonzero(gaps <= samples_from_ms(farthest_ms(rules), rate_hz))
+    if second.size:
+        before = find(places[chosen[second] - 1])
+        onsets[second] = find(places[chosen[second]], since=before + samples_from_ms(_SOUND_MS, rate_hz))
+    return onsets
 
 
 def well_apart(onsets: NDArray[np.intp], apart: int) -> NDArray[np.intp]:
