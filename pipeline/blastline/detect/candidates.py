@@ -20,7 +20,7 @@ from .features import features
 from .neighbours import neighbourhood
 from .onset import farthest_ms, refine_onsets
 from .pace import automatic
-from .scan import candidate_steps
+from .scan import CRACK_MS, candidate_steps
 from .sparse import bands_near
 from .tracks import Grid
 
@@ -88,14 +88,23 @@ def _onsets(
     rate_hz: int,
     rules: OnsetRules,
 ) -> NDArray[np.intp]:
-    """Return the onsets of the chosen places, shape (n,); one just after another begins after its sound."""
+    """Return the onsets of the chosen places, shape (n,).
+
+    One that would be that of the place before it is looked for after that one's sound: of a bullet's crack and the
+    blast of the rifle both have an onset. Where none is there, both places are of one sound.
+    """
     find = partial(refine_onsets, samples, rate_hz=rate_hz, rules=rules)
     onsets = find(places[chosen])
-    gaps = np.diff(places, prepend=-samples.shape[0])[chosen]
+    earlier = np.searchsorted(places, places[chosen] - samples_from_ms(CRACK_MS, rate_hz), side="right") - 1
+    gaps = np.where(earlier >= 0, places[chosen] - places[earlier], samples.shape[0])
     second = np.flatnonzero(gaps <= samples_from_ms(farthest_ms(rules), rate_hz))
     if second.size:
-        before = find(places[chosen[second] - 1])
-        onsets[second] = find(places[chosen[second]], since=before + samples_from_ms(_SOUND_MS, rate_hz))
+        before = find(places[earlier[second]])
+        same = onsets[second] - before < samples_from_ms(_SAME_ONSET_MS, rate_hz)
+        second, before = second[same], before[same]
+        after = before + samples_from_ms(_SOUND_MS, rate_hz)
+        again = find(places[chosen[second]], since=after)
+        onsets[second] = np.where(again >= after, again, before)
     return onsets
 
 

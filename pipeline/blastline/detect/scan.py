@@ -10,7 +10,7 @@ from .segment import PEAK_MS
 from .tracks import STEPS_PER_HOP, Grid
 
 _AROUND_MS = 2000.0
-_CRACK_MS = 4.0  # the crack of a bullet rises more than the blast that comes as soon as this after it
+CRACK_MS = 4.0  # the crack of a bullet rises more than the blast that comes as soon as this after it
 
 
 def rise_ratios(track: NDArray[np.float32], history: int, floor: float | NDArray[np.float32]) -> NDArray[np.float32]:
@@ -120,6 +120,6 @@ def _steepest(
 
     Only the last few steps before one may not rise more: what does earlier may be another sound.
     """
-    before = min(apart, grid.steps(_CRACK_MS))
+    before = min(apart, grid.steps(CRACK_MS))
     best = sliding_maximum(np.pad(rises, (before, apart)), before + apart + 1)
     return np.flatnonzero((rises >= least) & (rises >= best) & heard)
