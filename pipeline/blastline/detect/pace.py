@@ -18,6 +18,7 @@ from ..units import samples_from_ms
 _MOST_IN_ROW = 256
 """A longer row is taken in pieces, which say as much: hours of a machine take no longer than they are long."""
 
+_ENOUGH = 4  # so many tell that a row may be one
 _AT_ONCE = 1024  # sounds whose pairs are held together
 
 
@@ -68,7 +69,7 @@ def rows_at(
 def evenly_placed(
     onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], pace: Pace, *, rate_hz: int
 ) -> NDArray[np.bool_]:
-    """Return which onsets, ascending, are among `fewest` that follow one another at a pace, shape (n,).
+    """Return which onsets, ascending, are among `fewest`, or four, that follow one another at a pace, shape (n,).
 
     Each next one is the nearest to where it is due. That takes a few passes over arrays, where `rows_at` follows each
     row to its end.
@@ -76,7 +77,7 @@ def evenly_placed(
     placed = np.zeros(onsets.size, bool)
     for pairs in _alike_pairs(onsets, peaks_dbfs, pace, _gaps(pace, rate_hz)):
         row = list(pairs)
-        while row[0].size and len(row) < pace.fewest:
+        while row[0].size and len(row) < min(pace.fewest, _ENOUGH):
             gap = onsets[row[-1]] - onsets[row[-2]]
             due = onsets[row[-1]] + gap
             after = np.clip(np.searchsorted(onsets, due), 1, onsets.size - 1)
