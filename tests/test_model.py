@@ -132,6 +132,7 @@ def test_the_files_keys_are_those_that_were_promised() -> None:
         "explained",
         "evidence",
         "made_of",
+        "raised_db",
     ]
     assert list(plain["rejections"][0]) == ["at_sample", "reason", "evidence"]
     assert list(plain["checks"][0]) == ["name", "event", "passed", "measured", "limit", "unit"]
