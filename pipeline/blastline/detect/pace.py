@@ -69,7 +69,7 @@ def rows_at(
 def evenly_placed(
     onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], pace: Pace, *, rate_hz: int
 ) -> NDArray[np.bool_]:
-    """Return which onsets, ascending, are among `fewest`, or four, that follow one another at a pace, shape (n,).
+    """Return which onsets, ascending, are among `fewest`, at most four, that follow one another at a pace, shape (n,).
 
     Each next one is the nearest to where it is due. That takes a few passes over arrays, where `rows_at` follows each
     row to its end.

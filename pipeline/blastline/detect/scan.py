@@ -118,7 +118,7 @@ def _steepest(
 ) -> NDArray[np.intp]:
     """Return the steps that are `heard`, rise by at least so much, and more than any other up to `apart` away.
 
-    Only the last few steps before one may not rise more: what does earlier may be another sound.
+    Of those before it only the last few count: an earlier one may be another sound.
     """
     before = min(apart, grid.steps(CRACK_MS))
     best = sliding_maximum(np.pad(rises, (before, apart)), before + apart + 1)

@@ -60,12 +60,11 @@ def check(
         for _ in report_progress(track.blocks(BLOCK, sides=True), progress, track.expected_frames):
             pass
         found = track.source()
-        if audio is None:
-            require_same_film(
-                film, found, path, timeline.source, advice="; give --audio to check against it all the same"
-            )
         cut = "the film of this timeline; `blastline conform` finds its shots in another cut"
         require_length(timeline, film, rate_hz=found.sample_rate_hz, frames=found.frames, what=cut)
+        if audio is None:
+            advice = "; give --audio to check against it all the same"
+            require_same_film(film, found, path, timeline.source, advice=advice)
         if profile is None or made is None:
             return msgspec.structs.replace(timeline, checks=check_timeline(timeline, audio=track, rules=read.align))
         return checked(timeline, track, made, profile=profile, rules=read, progress=progress)
