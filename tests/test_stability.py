@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.signal import freqz_sos
@@ -129,6 +129,7 @@ def test_a_worse_design_would_be_seen(name: str, broken: Callable[..., Fit], mon
 
 @SLOW
 @given(st.floats(math.log(0.01), math.log(0.9 * math.pi)), st.integers(1, 4), RATES_HZ)
+@example(math.log(0.9 * math.pi), 1, 48_000)
 def test_single_corners_from_very_slow_to_nearly_half_the_rate(log_corner: float, times: int, rate_hz: int) -> None:
     """The corner runs from 0.01 rad/s to 0.9 of half the rate, on a scale that reaches both."""
     share = (log_corner - math.log(0.01)) / (math.log(0.9 * math.pi) - math.log(0.01))
@@ -287,12 +288,12 @@ def test_without_its_reference_the_study_says_what_to_install(monkeypatch: pytes
 @pytest.mark.parametrize("rate_hz", [44_100, 48_000, 96_000])
 @pytest.mark.parametrize("corner_hz", [1000.0, 3000.0, 6000.0])
 def test_a_low_pass_far_above_the_band_gains_little_where_nobody_feels_it(rate_hz: int, corner_hz: float) -> None:
-    """The prototype falls towards half the rate: fits that are nearer to it below must not rise over its peak there."""
+    """The prototype falls towards half the rate: fits that are nearer to it below must not rise far over it there."""
     lowpass = msgspec.structs.replace(PROFILE.lowpass, corner_hz=corner_hz)
     analogue = dsp.compensator(msgspec.structs.replace(PROFILE, lowpass=lowpass))
     low, high = np.geomspace(1.0, 2000.0, 200), np.linspace(0.4, 0.5, 500) * rate_hz
     peak = np.max(np.abs(analogue.at(np.geomspace(1.0, 0.4 * rate_hz, 2000))))
     for lean in (False, True):
         sections = dsp.discretise(analogue, rate_hz, lean=lean)
-        assert np.max(np.abs(freqz_sos(sections, high, fs=rate_hz)[1])) < 2.5 * peak
+        assert np.max(np.abs(freqz_sos(sections, high, fs=rate_hz)[1])) < 10.0 * np.max(np.abs(analogue.at(high)))
         assert np.max(np.abs(freqz_sos(sections, low, fs=rate_hz)[1] - analogue.at(low))) < 1e-3 * peak

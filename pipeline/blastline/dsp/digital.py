@@ -25,7 +25,7 @@ _LOW_WEIGHT, _LOW_WEIGHT_IN_FILMS, _FILM_RATE_HZ = 2.0, 15.0, 44_000  # below 44
 FITS: Fits = ((_MORE_POLES, 12, 0.01), (_MORE_POLES, 16, 0.002), (_MORE_POLES, 20, 0.0005))
 LEAN_FITS: Fits = ((_FEW_POLES, 5, 0.01), *FITS)
 _ENOUGH, _ROUNDS = gain_from_db(-40.3), 4
-_MOST_BEYOND_IN_FILMS = 2.5  # of the peak, close to half the rate: more, which nobody feels, is worse than the error
+_MOST_BEYOND_IN_FILMS = 9.5  # times what is wanted close to half the rate: nobody feels what is there
 
 _NEAR_ONE = 1e-6  # of two real poles p, q in one section, (1 - p)(1 - q) is known to 1e-16: at least this, to 1e-10
 _RUN, _SILENT = 8_192, 1e-290  # in a longer run, most of what decays would be denormal before it is seen
@@ -73,19 +73,19 @@ def _fitted(
     peak = float(np.max(np.abs(wanted[cycles <= max(2000.0 / rate_hz, _LOW)])))
     if not (np.all(np.isfinite(wanted)) and 0.0 < peak < math.inf):
         raise ValueError(f"a filter with a gain of {peak:g} cannot be computed")
+    most_beyond = float(np.max(np.abs(wanted[beyond > 0.0]))) / peak * _MOST_BEYOND_IN_FILMS
     wanted = wanted * np.cos(math.pi / 2.0 * beyond) / peak
     delay = np.exp(-2j * math.pi * cycles)
     matched = _response(zeros, poles, delay)
     fitted = np.zeros(0), np.zeros(0, np.complex128)
-    low_weight, most_beyond = _LOW_WEIGHT, math.inf
-    if rate_hz >= _FILM_RATE_HZ:
-        low_weight, most_beyond = _LOW_WEIGHT_IN_FILMS, _MOST_BEYOND_IN_FILMS
+    in_films = rate_hz >= _FILM_RATE_HZ
+    low_weight = _LOW_WEIGHT_IN_FILMS if in_films else _LOW_WEIGHT
     for extra, count, beyond_weight in fits:
         weights = np.select([cycles <= _LOW, beyond > 0.0], [low_weight, beyond_weight], 1.0)
         shaped = matched * _response(np.zeros(0, np.complex128), extra, delay)
         columns = shaped[:, None] * delay[:, None] ** np.arange(count)
         taps, error = _minimax(columns, wanted, weights)
-        if fitted[1] is extra and np.max(np.abs(columns @ taps)[beyond > 0.0]) > most_beyond:
+        if in_films and fitted[1] is extra and np.max(np.abs(columns @ taps)[beyond > 0.0]) > most_beyond:
             break
         fitted = taps, extra
         if error <= _ENOUGH:
