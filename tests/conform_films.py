@@ -47,6 +47,14 @@ def murmur(length_s: float, *, seed: int, rate_hz: int = RATE_HZ) -> Samples:
     return np.asarray(level * (noise - tilt * np.roll(noise, 1)))
 
 
+def steady(length_s: float, onsets_s: Sequence[float], *, seed: int) -> Samples:
+    """Return a film of nothing but hiss, as of rain or air conditioning, with a shot of its own at each onset."""
+    samples: Samples = 0.0045 * np.random.default_rng(seed).normal(size=round(length_s * RATE_HZ))
+    for number, onset_s in enumerate(onsets_s):
+        put(samples, bang(seed=1000 * seed + number), onset_s)
+    return samples
+
+
 def bang(*, seed: int, rate_hz: int = RATE_HZ) -> Samples:
     """Return a shot with a tail of 300 ms."""
     rng = np.random.default_rng(seed)

@@ -7,7 +7,7 @@ import pytest
 
 from blastline.conform import Placed, find_courses, place
 from blastline.ruleset import load_conform
-from conform_films import RATE_HZ, Samples, bang, film, heard, murmur, put, seconds
+from conform_films import RATE_HZ, Samples, bang, film, heard, murmur, put, seconds, steady
 
 FRAME_S = round(RATE_HZ / 24.0) / RATE_HZ
 
@@ -46,3 +46,34 @@ def test_the_search_ends_where_shots_were_moved_by_themselves(late_s: float) -> 
     step_s = 1.0 / RATE_HZ
     for now_s, then_s in zip(conformed(old, new, onsets_s), moved_s, strict=True):
         assert now_s is None or now_s == pytest.approx(then_s, abs=step_s)
+
+
+@pytest.mark.parametrize("pictures", [-2, -1, 1, 2, 5])
+@pytest.mark.parametrize(("length_s", "cut_s"), [(24.0, 12.3), (60.0, 4.0), (60.0, 54.0)])
+def test_pictures_taken_out_or_put_in_over_a_steady_bed_cost_no_shot(
+    length_s: float, cut_s: float, pictures: int
+) -> None:
+    """The fingerprints of hiss forget each other within a picture: the line of the longer part fits no other."""
+    onsets_s = [at_s for at_s in np.arange(1.3, length_s - 1.0, 1.7).tolist() if abs(at_s - cut_s) > 0.6]
+    old = steady(length_s, onsets_s, seed=43)
+    by_s = pictures * FRAME_S
+    out_s = max(0.0, -by_s)
+    put_in = steady(max(0.0, by_s), (), seed=44)
+    new = np.concatenate([seconds(old, 0.0, cut_s), put_in, seconds(old, cut_s + out_s, length_s)])
+    moved_s = [at_s if at_s < cut_s else at_s + by_s for at_s in onsets_s]
+    assert conformed(old, new, onsets_s) == [pytest.approx(at_s, abs=1e-4) for at_s in moved_s]
+
+
+@pytest.mark.parametrize("kept_s", [0.0, 1.0])
+def test_beside_a_course_nothing_is_found_that_was_taken_out(kept_s: float) -> None:
+    """Nor of what was replaced: `kept_s` of other hiss and shots are where the scene was."""
+    onsets_s = np.arange(1.3, 59.0, 1.7).tolist()
+    old = steady(60.0, onsets_s, seed=45)
+    other = steady(15.0 * kept_s, np.arange(0.7, 14.0, 1.7).tolist() if kept_s else (), seed=46)
+    new = np.concatenate([seconds(old, 0.0, 20.0), other, seconds(old, 35.0, 60.0)])
+    for onset_s, now_s in zip(onsets_s, conformed(old, new, onsets_s), strict=True):
+        if 20.0 < onset_s < 35.0:
+            assert now_s is None
+        elif abs(onset_s - 20.0) > 0.6:
+            moved_s = onset_s if onset_s < 20.0 else onset_s - 15.0 * (1.0 - kept_s)
+            assert now_s == pytest.approx(moved_s, abs=1e-4)

@@ -1,7 +1,7 @@
 """A timeline for a new cut: what of the old film is where in the new one, and each event's place in it.
 
 old film ──► fingerprint ──┐
-                           ├─► lines ─► path ─► courses ─► ends ─► places ─► the new timeline
+                           ├─► lines ─► path ─► courses ─► ends, beside ─► places ─► the new timeline
 new film ──► fingerprint ──┘
 """
 

@@ -18,7 +18,7 @@ _EVERY_S = 5.0
 _FEWEST, _MOST = 6, 60
 """A segment has an anchor every so often, but no fewer and no more than so many."""
 
-_SEARCH_S = 0.06  # to either side of where the line leads
+SEARCH_S = 0.06  # to either side of where the line leads
 _ALIKE = 0.4  # an anchor less alike than this is not found
 _STEEPEST = 0.005
 """By how much a course may be steeper than its line: a step of the speeds that are tried, at 0.9 of the speed."""
@@ -73,8 +73,12 @@ def find_anchors(
     *,
     pitch_scale: float,
     within_s: tuple[float, float],
+    search_s: float = SEARCH_S,
 ) -> Anchors:
-    """Return the anchors that are found in the new film; of each, `within_s` before and after it is compared."""
+    """Return the anchors that are found in the new film, `search_s` beside the line at most.
+
+    Of each, `within_s` before and after it is compared.
+    """
     before_s, after_s = within_s
     rows = []
     for old_s in times:
@@ -86,7 +90,7 @@ def find_anchors(
             before_s=before_s,
             after_s=after_s,
             scale=pitch_scale,
-            search_s=_SEARCH_S,
+            search_s=search_s,
         )
         if found.likeness >= _ALIKE:
             rows.append((old_s, found.late_s, found.likeness))

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from .anchors import ANCHOR_S, SHARP_S, SHORT_ANCHOR_S, anchor_times, consensus, find_anchors
+from .anchors import ANCHOR_S, SEARCH_S, SHARP_S, SHORT_ANCHOR_S, anchor_times, consensus, find_anchors
 from .film import Film
 from .lines import FITTED_S, SPEED_STEP, SPEEDS
 from .segments import MatchedSegment
@@ -64,7 +64,7 @@ class Course:
 
 
 @dataclass(frozen=True)
-class _Anchored:
+class Anchored:
     """A course with the times of the first and the last of the most anchors on it that follow one another."""
 
     course: Course
@@ -80,7 +80,7 @@ def measured(segments: Sequence[MatchedSegment], old: Film, new: Film) -> list[C
     return _joined([each.course for segment in segments for each in _measured(segment, old, new)])
 
 
-def _measured(segment: MatchedSegment, old: Film, new: Film) -> list[_Anchored]:
+def _measured(segment: MatchedSegment, old: Film, new: Film) -> list[Anchored]:
     """Return the courses of a segment in order: a frame taken out, or put in, is too little for a cut of the path.
 
     Neighbours share the film from the one's last anchor to the other's first; where the cut is there, their waveforms
@@ -92,8 +92,8 @@ def _measured(segment: MatchedSegment, old: Film, new: Film) -> list[_Anchored]:
     if best.course.keeps_pitch:
         return [best]
     own = best.course.segment
-    before: list[_Anchored] = []
-    after: list[_Anchored] = []
+    before: list[Anchored] = []
+    after: list[Anchored] = []
     if best.first_s - own.start_s >= _LEAST_REST_S:
         before = _rest(replace(own, stop_s=best.first_s), own, old, new)
     while before and _goes_on(before[-1].course.segment, own):
@@ -107,7 +107,7 @@ def _measured(segment: MatchedSegment, old: Film, new: Film) -> list[_Anchored]:
     return [*before, replace(best, course=best.course.between(start_s, stop_s)), *after]
 
 
-def _rest(rest: MatchedSegment, whole: MatchedSegment, old: Film, new: Film) -> list[_Anchored]:
+def _rest(rest: MatchedSegment, whole: MatchedSegment, old: Film, new: Film) -> list[Anchored]:
     """Return the courses of what a course leaves of a segment; where that is nearly all, of its halves.
 
     Else a course of one anchor at an end would be found again and again.
@@ -118,7 +118,7 @@ def _rest(rest: MatchedSegment, whole: MatchedSegment, old: Film, new: Film) -> 
     return _measured(rest, old, new)
 
 
-def _measured_in_halves(segment: MatchedSegment, old: Film, new: Film) -> list[_Anchored]:
+def _measured_in_halves(segment: MatchedSegment, old: Film, new: Film) -> list[Anchored]:
     """Return the courses of a segment of which no quarter is on one: a copy that lacks single frames in many places.
 
     The courses on either side of the middle share the film between their anchors, as neighbours do.
@@ -135,12 +135,12 @@ def _measured_in_halves(segment: MatchedSegment, old: Film, new: Film) -> list[_
     return [*left, *right]
 
 
-def _best(segment: MatchedSegment, old: Film, new: Film) -> _Anchored | None:
+def _best(segment: MatchedSegment, old: Film, new: Film) -> Anchored | None:
     """Return the course that most anchors of a segment lie on, at its speed or one near it."""
     times = anchor_times(segment, old.fingerprint)
-    found: list[tuple[tuple[int, float, float], _Anchored]] = []
+    found: list[tuple[tuple[int, float, float], Anchored]] = []
     for each in _at_near_speeds(segment):
-        anchored = _through_anchors(each, times, old, new, pitch_scale=each.line.scale)
+        anchored = through_anchors(each, times, old, new, pitch_scale=each.line.scale)
         if anchored is not None:
             course = anchored.course
             beside = abs(course.segment.line.scale / each.line.scale - 1.0)
@@ -152,7 +152,7 @@ def _best(segment: MatchedSegment, old: Film, new: Film) -> _Anchored | None:
     lasts_s = segment.stop_s - segment.start_s
     may_be_kept = abs(segment.line.scale - 1.0) > _TILT and lasts_s >= _LEAST_KEPT_S
     if (best is None or best.course.anchors < len(times) // 3) and may_be_kept:
-        kept = _through_anchors(segment, times, old, new, pitch_scale=1.0)
+        kept = through_anchors(segment, times, old, new, pitch_scale=1.0)
         if kept is not None and (best is None or kept.course.anchors > best.course.anchors):
             return kept
     return best
@@ -170,15 +170,23 @@ def _at_near_speeds(segment: MatchedSegment) -> Iterator[MatchedSegment]:
             yield replace(segment, line=replace(line, scale=scale, offset_s=line.at(middle_s) - scale * middle_s))
 
 
-def _through_anchors(
-    segment: MatchedSegment, times: Sequence[float], old: Film, new: Film, *, pitch_scale: float
-) -> _Anchored | None:
-    """Return the course that most anchors lie on; None where too few agree: a quarter and two, or half and four."""
+def through_anchors(
+    segment: MatchedSegment,
+    times: Sequence[float],
+    old: Film,
+    new: Film,
+    *,
+    pitch_scale: float,
+    search_s: float = SEARCH_S,
+) -> Anchored | None:
+    """Return the course that most anchors lie on; None where too few agree: a quarter and two, or half and four.
+
+    They are looked for `search_s` beside the segment's line at most.
+    """
     line = segment.line
     kept_pitch = abs(pitch_scale / line.scale - 1.0) > 1e-3
-    anchors = find_anchors(
-        segment, times, old, new, pitch_scale=pitch_scale, within_s=SHORT_ANCHOR_S if kept_pitch else ANCHOR_S
-    )
+    within_s = SHORT_ANCHOR_S if kept_pitch else ANCHOR_S
+    anchors = find_anchors(segment, times, old, new, pitch_scale=pitch_scale, within_s=within_s, search_s=search_s)
     if len(anchors.old_s) < 2:
         return None
     agree_s = _AGREE_STRETCHED_S if kept_pitch else _AGREE_S
@@ -194,7 +202,7 @@ def _through_anchors(
     fitted = replace(line, scale=scale, offset_s=line.offset_s + found.level_s)
     course = Course(replace(segment, line=fitted), pitch_scale if kept_pitch else scale, beside_s, count)
     run = _longest_run(found.near)
-    return _Anchored(course, float(anchors.old_s[run.start]), float(anchors.old_s[run.stop - 1]))
+    return Anchored(course, float(anchors.old_s[run.start]), float(anchors.old_s[run.stop - 1]))
 
 
 def _longest_run(chosen: NDArray[np.bool_]) -> slice:

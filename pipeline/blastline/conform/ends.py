@@ -38,6 +38,18 @@ def with_exact_ends(courses: Sequence[Course], old: Film, new: Film) -> list[Cou
     return sorted(_real(by_new), key=lambda each: each.segment.start_s)
 
 
+def reached(course: Course, from_s: float, to_s: float, old: Film, new: Film) -> Course:
+    """Return a course from one moment of the old film on, as far towards another as the waveforms are alike.
+
+    The other moment may be earlier, for the way back.
+    """
+    low_s, high_s = sorted((from_s, to_s))
+    along = course.between(low_s, high_s)
+    gain = _gain(along, low_s, high_s, old, new, way_up=_way_up(along, from_s, old, new))
+    length_s = _best_count(gain if to_s > from_s else gain[::-1]) * _BLOCK_S
+    return course.between(from_s, from_s + length_s) if to_s > from_s else course.between(from_s - length_s, from_s)
+
+
 def _real(courses: Sequence[Course]) -> list[Course]:
     return [course for course in courses if course.segment.start_s < course.segment.stop_s]
 

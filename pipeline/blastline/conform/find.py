@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from .beside import with_what_is_beside
 from .courses import Course, measured
 from .ends import with_exact_ends
 from .film import Film
@@ -17,5 +18,7 @@ def find_courses(old: Film, new: Film, tell: Callable[[int, int], None] | None =
     for any_speed in (False, True):
         segments = find_segments(old.fingerprint, new.fingerprint, tell, any_speed=any_speed)
         if courses := measured(segments, old, new):
-            return with_exact_ends(courses, old, new)
+            courses = with_exact_ends(courses, old, new)
+            more = with_what_is_beside(courses, old, new)
+            return with_exact_ends(more, old, new) if len(more) > len(courses) else courses
     return []
