@@ -167,7 +167,7 @@ def test_what_a_whole_row_told_of_its_sounds_half_of_them_does_not_take_back() -
     assert told(said, gap_ms=100.0) == ["no fire"] * 16
 
 
-@pytest.mark.parametrize("gap_ms", [BURSTS.longest_gap_ms + 1.0, 500.0, TIER.rows.longest_gap_ms])
+@pytest.mark.parametrize("gap_ms", [TIER.rows.shortest_gap_ms, 500.0, TIER.rows.longest_gap_ms])
 def test_a_slow_row_is_fire_where_the_networks_alone_are_as_sure_of_it_as_of_a_shot(gap_ms: float) -> None:
     """Somebody pulls the trigger at a pace at which steps and hammers come as well; the screen doubts all of them."""
     enough, by_screen = float(logit(VERIFY.threshold)), -4.0
@@ -177,6 +177,15 @@ def test_a_slow_row_is_fire_where_the_networks_alone_are_as_sure_of_it_as_of_a_s
         assert told([probability] * 4, [float(expit(by_screen))] * 4, gap_ms=gap_ms) == [row] * 4
     assert told([0.99] * (TIER.rows.fewest - 1), gap_ms=gap_ms) == [None] * (TIER.rows.fewest - 1)
     assert told([0.99] * 4, gap_ms=TIER.rows.longest_gap_ms + 1.0) == [None] * 4
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
+def test_between_the_paces_of_machine_guns_and_of_steps_a_row_needs_the_more_the_slower_it_is(share: float) -> None:
+    gap_ms = BURSTS.longest_gap_ms + share * (TIER.rows.shortest_gap_ms - BURSTS.longest_gap_ms)
+    least, most = float(logit(VERIFY.even_networks_threshold)), float(logit(VERIFY.threshold))
+    for above, row in ((0.02, "fire"), (-0.02, None)):
+        probability = taken_together(least + share * (most - least) + above, -4.0)
+        assert told([probability] * 4, [float(expit(-4.0))] * 4, gap_ms=gap_ms) == [row] * 4
 
 
 def test_what_the_screen_doubts_is_looked_at_where_it_makes_a_row_with_what_it_does_not() -> None:

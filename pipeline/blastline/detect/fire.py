@@ -52,7 +52,8 @@ def even_rows(scored: ScoredCandidates, *, rate_hz: int, tier: QualityRules) -> 
                 told[place] = "fire" if fire else "no fire"
     rounds = scored.odds.by_networks >= log_odds_of(tier.verify.round_threshold)
     for row in rows_at(scored.onsets, scored.peaks_dbfs, shot_by_shot(tier), rate_hz=rate_hz):
-        if scored.odds.by_networks[row].mean() >= log_odds_of(tier.verify.threshold):
+        gap_ms = 1e3 * float(np.median(np.diff(scored.onsets[row]))) / rate_hz
+        if scored.odds.by_networks[row].mean() >= _least_odds_at(gap_ms, tier):
             for place in row[rounds[row]].tolist():
                 told[place] = told[place] or "fire"
     return told
@@ -64,6 +65,13 @@ def _sounds_like_fire(odds: LogOdds, row: NDArray[np.intp], rules: VerifyRules) 
         odds.by_all[row].mean() >= log_odds_of(rules.even_threshold)
         or odds.by_networks[row].mean() >= log_odds_of(rules.even_networks_threshold)
     )
+
+
+def _least_odds_at(gap_ms: float, tier: QualityRules) -> float:
+    """Return the mean log-odds that a row needs that is slower than automatic fire: the more, the more like steps."""
+    slower_ms = tier.bursts.longest_gap_ms, tier.rows.shortest_gap_ms
+    least = log_odds_of(tier.verify.even_networks_threshold), log_odds_of(tier.verify.threshold)
+    return float(np.interp(gap_ms, slower_ms, least))
 
 
 def worth_a_look(
