@@ -18,7 +18,7 @@ from blastline.cli import app
 from blastline.errors import OutputError, SoundtrackError
 from blastline.export import FORMATS
 from blastline.ruleset import load_rules
-from commands import COMMAND, Ended, blastline, blastline_alone
+from commands import COMMAND, Ended, blastline, blastline_alone, write_film
 
 HEAVY = {"av", "librosa", "matplotlib", "numba", "opentimelineio", "pandas", "scipy", "sklearn", "soundfile", "soxr"}
 
@@ -147,6 +147,21 @@ def test_an_interruption_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("blastline.cli.rulefiles.load_rules", interrupt)
     ended = blastline("rules", "show")
     assert (ended.code, ended.err.splitlines()[-1]) == (130, "blastline: interrupted; nothing was written")
+
+
+def test_an_interruption_that_comes_when_all_is_written_does_not_deny_it(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    film = write_film(tmp_path / "film.wav", length_s=1.0)
+    monkeypatch.setattr("blastline.cli.film.say_summary", interrupt)
+    ended = blastline("render", film, "-o", tmp_path / "out", "--no-report")
+    assert (ended.code, ended.err.splitlines()[-1]) == (130, "blastline: interrupted; all results had been written")
+    assert (tmp_path / "out" / "timeline.json").exists()
+    monkeypatch.setattr("blastline.cli.rulefiles.load_rules", interrupt)
+    assert blastline("rules", "show").err == "blastline: interrupted; nothing was written\n"
 
 
 @pytest.mark.parametrize("error", [ValueError("Invalid matrix"), SoundtrackError("film.wav: cannot be read")])

@@ -15,11 +15,12 @@ PAGE = Path(__file__).parents[1] / "docs" / "many-films.md"
 MANY, TABLE = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 
 
-def ran(script: str, *arguments: Path | str, cwd: Path) -> str:
+def ran(script: str, *arguments: Path | str, cwd: Path, **settings: str) -> str:
     """Run a script of the page where `blastline` is found, and return what it printed."""
     paths = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     words = [sys.executable, "-c", script, *map(str, arguments)]
-    done = subprocess.run(words, cwd=cwd, env=os.environ | {"PATH": paths}, check=True, capture_output=True, text=True)
+    environment = os.environ | {"PATH": paths} | settings
+    done = subprocess.run(words, cwd=cwd, env=environment, check=True, capture_output=True, text=True, errors="replace")
     return done.stdout
 
 
@@ -37,6 +38,19 @@ def test_all_films_are_rendered_once_and_the_broken_one_is_told(tmp_path: Path) 
     before = [file.stat().st_mtime_ns for file in done]
     assert ran(MANY, films, results, cwd=tmp_path) == told
     assert [file.stat().st_mtime_ns for file in done] == before
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere every name is a text")
+@pytest.mark.parametrize("encoding", ["utf-8:strict", "latin-1", "ascii"])
+def test_a_film_whose_name_cannot_be_shown_stops_no_other(tmp_path: Path, encoding: str) -> None:
+    films = tmp_path / "films"
+    films.mkdir()
+    for name in (b"a\xff.wav", "b\u00fc.wav".encode(), b"c\xe2\x82\xac.wav"):
+        (films / os.fsdecode(name)).write_bytes(b"RIFF")
+    write_film(films / "z.wav", length_s=2.5, shots_s=(1.0,))
+    told = ran(MANY, films, tmp_path / "results", cwd=tmp_path, PYTHONIOENCODING=encoding)
+    assert told.count("exit code 2") == 3
+    assert (tmp_path / "results" / "z.wav" / "timeline.json").exists()
 
 
 @pytest.mark.parametrize("is_absolute", [True, False])

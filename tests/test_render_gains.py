@@ -66,6 +66,13 @@ def test_the_next_shots_gain_is_reached_steadily_over_the_lead_and_holds_from_it
     assert np.array_equal(window.asked, window.gains)
 
 
+@pytest.mark.parametrize("apart", [1, LEAD // 2, LEAD])
+def test_a_shot_within_the_lead_of_the_next_has_its_own_gain_at_its_onset(apart: int) -> None:
+    window = heard(np.ones(FRAMES), sounding(FIRST, FIRST + 500, FIRST + 500 + apart), [0.0, 20.0, -20.0])
+    second = FIRST + 500 - window.planned.window.start
+    assert window.gains[[second, second + apart]] == pytest.approx([10.0, 0.1])
+
+
 @pytest.mark.parametrize("peak", [2.0, 4.0])
 @pytest.mark.parametrize("gains_db", [(-6.0,), (-12.0,), (-20.0,), (-6.0, -20.0), (0.0, -6.0), (6.0,), (-6.0, 12.0)])
 def test_what_the_compensator_has_to_scale_down_is_softer_by_just_its_gain_and_no_louder_than_the_limit(

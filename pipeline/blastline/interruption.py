@@ -10,11 +10,13 @@ from threading import Event
 from types import FrameType
 
 _ASKED = Event()
+_WRITTEN = Event()
 
 
 def let_signals_interrupt() -> None:
     """Make every request to end clean up as Ctrl-C does, but for those that whoever started us has us ignore."""
     _ASKED.clear()
+    _WRITTEN.clear()
     for number in _numbers():
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _interrupt)
@@ -29,6 +31,16 @@ def ignore_interruption() -> None:
 def is_interrupted() -> bool:
     """Return whether an end was asked for, so that what goes wrong since then may come from that."""
     return _ASKED.is_set()
+
+
+def remember_written() -> None:
+    """Remember that the results of the run are in place, for who is asked to end from then on."""
+    _WRITTEN.set()
+
+
+def has_written() -> bool:
+    """Return whether the results of the run are in place."""
+    return _WRITTEN.is_set()
 
 
 def heed_interruption() -> None:

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from .abandoned import EARLIER, clear_abandoned, held_folder, keeps_earlier
 from .errors import BlastlineError, OutputError
-from .interruption import heed_interruption
+from .interruption import heed_interruption, remember_written
 from .moving import alone_in, refuse_locked
 
 _FULL = {errno.ENOSPC, errno.EFBIG, errno.EDQUOT}
@@ -194,6 +194,7 @@ def _move_all(hidden: Path, wanted: _Results) -> None:
             if target.exists() and not source.exists():
                 target.replace(source)
         raise
+    remember_written()
     with suppress(OSError):  # for nobody's use from here on: were this run killed now, the next may clear it away
         earlier.rename(hidden / "replaced")
 

@@ -3,6 +3,8 @@
 import sys
 from contextlib import suppress
 
+from ..interruption import has_written
+
 INTERRUPTED = 130
 
 
@@ -13,5 +15,6 @@ def told_interrupted() -> int:
     exec("")
     if sys.stderr is not None:
         with suppress(OSError):  # where nobody can be told, the exit code still tells
-            sys.stderr.write("blastline: interrupted; nothing was written\n")
+            written = "all results had been written" if has_written() else "nothing was written"
+            sys.stderr.write(f"blastline: interrupted; {written}\n")
     return INTERRUPTED

@@ -1,6 +1,7 @@
 """What a window hears: its sound, filtered once for all that is measured and rendered from it."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -65,15 +66,18 @@ def hear_window(
 
 
 def _gains(planned: PlannedWindow, filters: DriveFilters, rules: RenderRules) -> Samples:
-    """Return the gain of a window's every sample: each shot's from its onset on, reached over the lead before it."""
+    """Return the gain of a window's every sample: each shot's from its onset on, reached over the lead before it.
+
+    A shot that is nearer to the one before than that keeps off its onset.
+    """
     gains = np.ones(len(planned.window.span))
     lead = samples_from_ms(rules.lead_ms, filters.rate_hz)
     if planned.gains:
         _, first_db = planned.gains[0]
         gains *= gain_from_db(first_db)
-    for at, gain_db in planned.gains[1:]:
+    for (before, _), (at, gain_db) in pairwise(planned.gains):
         onset, gain = at - planned.window.start, gain_from_db(gain_db)
-        start = max(0, onset - lead)
+        start = min(onset, max(0, before - planned.window.start + 1, onset - lead))
         gains[start:onset] = np.linspace(gains[start], gain, onset - start, endpoint=False)
         gains[onset:] = gain
     return gains

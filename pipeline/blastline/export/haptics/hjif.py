@@ -18,7 +18,6 @@ from typing import Any
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import TimelineError
 from ...timecode import clock
@@ -44,7 +43,6 @@ _VALUE_DECIMALS = 4
 _SHOT, _BURST = "WeaponCombat/Gun", "WeaponCombat/Machinegun"
 
 Json = dict[str, Any]
-Ticks = NDArray[np.int64]
 
 
 def write_hjif(track: HapticTrack, folder: Path) -> Rounding:
