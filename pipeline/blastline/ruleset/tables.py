@@ -68,8 +68,9 @@ class VerifyRules(Table, frozen=True):
     `company_s`: films fire in scenes. [bursts] says how fast a gun fires: a run that fast, each of its shots reaching
     `burst_threshold`, is sure as a whole. A row of even fire is judged as one, by its odds in the mean: believed where
     they reach `even_threshold`, or those by the networks alone `even_networks_threshold`; a slower one where the
-    latter reach `threshold`, from the pace of steps on, or what lies between. Two shots that fast take along their burst's other rounds, if about as loud, from
-    `round_threshold` on. From `report_from` on a candidate is at least listed among the rejections.
+    latter reach `threshold`, from the pace of steps on, or what lies between. Two shots that fast take along their
+    burst's other rounds, if about as loud, from `round_threshold` on.
+    From `report_from` on a candidate is at least listed among the rejections.
     """
 
     model: str
