@@ -6,7 +6,8 @@ scan, without checks and files; F1 at 10 ms; of the shots of the run's own windo
 the target and the ratio of their rms, as `blastline study rendering` has them.
 
 Then it asks from which probability by the screen on a candidate is clear enough to spare it the networks: what it gives
-less than `look_from` is dropped, what it gives `sure_from` or more is believed. The first is in the quality rules.
+less than `look_from` is dropped, unless it makes a row of fire with what it gives more; what it gives `sure_from` or
+more is believed. The first is in the quality rules.
 """
 
 import argparse
@@ -86,15 +87,20 @@ def _probability(odds: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.round(1.0 / (1.0 + np.exp(-odds)), 4), np.float64)
 
 
-def passing(sieve: Sieve) -> Passes:
-    """Return what a sieve lets pass, wherever it is."""
-    return lambda rows, _: sieve.lets_pass(rows)
+def passing(sieve: Sieve, least: float | None) -> Passes:
+    """Return what a sieve lets pass, wherever it is: what it gives so much, or without that its own threshold."""
+    return lambda rows, _: sieve.probabilities(rows) >= (sieve.threshold if least is None else least)
 
 
 def look_at(track: Soundtrack, truth: Truth, rules: Rules, verifier: Verifier, *, sieved: bool) -> SeenFilm:
     """Show the candidates of a film, or what of them is `sieved`, to all networks at all speeds and segment them."""
     grid, tier = Grid(track.rate_hz), rules.tier
-    gate, screen = (passing(sieve) if sieved else let_all_pass for sieve in (verifier.gate, verifier.screen))
+    gate, screen = let_all_pass, let_all_pass
+    if sieved:
+        gate, screen = (
+            passing(verifier.gate, tier.verify.gate_from),
+            passing(verifier.screen, tier.verify.row_from),
+        )
     odds, networks, shots, look_s = [], [], [], 0.0
     for chunk in chunks(pieces(track.blocks(BLOCK), track.rate_hz)):
         found = describe_candidates(chunk, grid, tier, gate=gate, screen=screen)
@@ -206,12 +212,17 @@ def compared(films: Iterator[tuple[Path, Truth]], rules: Rules) -> tuple[Way, Wa
 def spared(seen: Sequence[SeenFilm], rules: Rules, look_from: float, sure_from: float) -> tuple[float, Counts]:
     """Return the share of candidates behind gate and screen that networks look at, and what is found then."""
     counts, shown, every = Counts(0, 0, 0), 0, 0
+    verify = msgspec.structs.replace(rules.tier.verify, look_from=look_from)
+    tier = msgspec.structs.replace(rules.tier, verify=verify)
     for film in seen:
         screened = _probability(film.screen)
+        onsets = np.array([shot.onset for shot in film.shots], np.intp)
+        peaks_dbfs = np.array([shot.peak_dbfs for shot in film.shots])
+        passed = fire.worth_a_look(onsets, peaks_dbfs, screened, least=0.0, rate_hz=film.truth.rate_hz, tier=tier)
         sure = (screened >= sure_from) & (sure_from < 1.0)
         odds = combined_log_odds(film.networks.sum(axis=0), film.networks.shape[0], film.screen)
-        probability = np.where(sure, screened, np.where(screened < look_from, 0.0, _probability(odds)))
-        shown, every = shown + int(((screened >= look_from) & ~sure).sum()), every + screened.size
+        probability = np.where(sure, screened, np.where(passed, _probability(odds), 0.0))
+        shown, every = shown + int((passed & ~sure).sum()), every + screened.size
         counts += counted(believed(film, probability, rules), film.truth)
     return shown / max(every, 1), counts
 

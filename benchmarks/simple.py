@@ -137,7 +137,27 @@ DECOYS: dict[str, Maker] = {
     "swell": lambda rng: burst(rng, decay_ms=200.0, attack_ms=150.0),
     "plosive": lambda rng: lowpassed(burst(rng, decay_ms=30.0, attack_ms=12.0), 700.0),
     "pluck": lambda rng: together(*((0.0, tone(196.0 * n, 196.0 * n, decay_ms=400.0 / n) / n) for n in range(1, 8))),
+    "step": lambda rng: step(rng, rng.uniform(300.0, 1500.0), sole=0.0),
+    "step of a shoe": lambda rng: step(rng, rng.uniform(300.0, 1500.0), sole=0.3),
+    "heel and toe": lambda rng: together(
+        (0, step(rng, rng.uniform(300.0, 1000.0), sole=0.3)),
+        (rng.uniform(30.0, 120.0), 0.5 * step(rng, rng.uniform(800.0, 1500.0), sole=0.2)),
+    ),
+    "stomp": lambda rng: together(
+        (0, step(rng, rng.uniform(200.0, 800.0), sole=0.2, decay_ms=45.0)), (0, 0.5 * tone(90.0, 60.0, decay_ms=60.0))
+    ),
 }
+
+
+def step(rng: np.random.Generator, corner_hz: float, *, sole: float, decay_ms: float = 20.0) -> Samples:
+    """Return a dull thud that rises within some milliseconds, and by how much of it a sole slaps."""
+    rise_ms = rng.uniform(2.0, 10.0)
+    frames = round(0.01 * decay_ms * RATE_HZ)
+    ms = np.arange(frames) * 1e3 / RATE_HZ
+    soft = (1.0 - np.exp(-ms / rise_ms)) * np.exp(-ms / decay_ms)
+    thud = soft * lowpassed(rng.standard_normal(frames), corner_hz)
+    slap = burst(rng, decay_ms=10.0, band_hz=(500.0, 4000.0))
+    return together((0, thud / np.abs(thud).max()), (0, sole * slap / np.abs(slap).max()))
 
 
 def lowpassed(sound: Samples, corner_hz: float) -> Samples:

@@ -8,7 +8,7 @@ import numpy as np
 
 from .corpus import Recording, read_corpus
 from .film_lessons import SPARSE, gun_free_film, synthetic_film
-from .lessons import designed_mix, outdoor_mix, plain_mix, recorded_mix, synthetic_mix
+from .lessons import blow_mix, designed_mix, outdoor_mix, plain_mix, recorded_mix, synthetic_mix
 from .mixes import LessonMaker
 
 FOLDS = 4
@@ -18,6 +18,7 @@ SPARSE_SHARE = 0.6  # so many films in which sounds stand alone come to each cro
 GUN_FREE_SHARE = 0.4  # so many films without a gun come to each film with some
 PLAIN_SHARE = 0.4  # so many mixes of textbook sounds come to each film
 DESIGNED_SHARE = 1.5  # and so many of sounds as designers build them
+BLOW_SHARE = 0.2  # and so many of steps and machines
 OUTDOOR_SHARE = 1.0  # and so many of guns recorded outdoors, and of what hands do near a microphone
 HELD_OUT_EVERY = 12  # of the films one in so many is held out
 
@@ -54,6 +55,7 @@ def datasets(
     return [
         *made,
         Dataset("plain", plain_mix(seed + 80), round(PLAIN_SHARE * synthetic), HELD_OUT_EVERY),
+        Dataset("blows", blow_mix(seed + 110), round(BLOW_SHARE * synthetic), HELD_OUT_EVERY),
         Dataset("designed", designed_mix(seed + 90), round(DESIGNED_SHARE * synthetic), HELD_OUT_EVERY),
         Dataset("outdoors", outdoor_mix(seed + 100), round(OUTDOOR_SHARE * synthetic), HELD_OUT_EVERY),
     ]

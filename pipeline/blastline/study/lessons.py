@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 
 from ..synth import (
+    NegativeKind,
     designed_negative,
     designed_shot,
     handling,
@@ -20,6 +21,7 @@ from ..synth import (
     random_bed,
     random_negative,
     random_shot,
+    soft_step,
 )
 from .corpus import Recording
 from .finishing import perhaps_coded, without_drowned
@@ -29,6 +31,12 @@ from .recorded import SHORTEST_BED_S, by_source, drawn, recorded_bed, recorded_v
 SOUNDS_PER_MIX = 20
 LEVELS = Levels(3.0, 40.0)
 OUTDOOR_LEVELS = Levels(3.0, 55.0)  # what was recorded near stands out further
+BLOWS: tuple[NegativeKind, ...] = (
+    "footsteps", "footsteps", "hooves", "hammering", "jackhammer", "machine", "mill", "motor", "ratchet", "rotor",
+    "rotor", "typewriter",
+)  # fmt: skip
+"""What goes on at an even pace, and is no gun."""
+
 ARMED_SHARES = (0.0, 0.2, 0.5, 0.8)
 
 Shot = Callable[[np.random.Generator, int], tuple[Samples, tuple[int, ...]]]
@@ -53,6 +61,11 @@ def designed_mix(seed: int) -> LessonMaker:
 def outdoor_mix(seed: int) -> LessonMaker:
     """Return lessons of guns recorded near and outdoors among what hands do near a microphone; one in four no shot."""
     return partial(_outdoor_mix, seed)
+
+
+def blow_mix(seed: int) -> LessonMaker:
+    """Return lessons of any shots among what walks and what strikes again and again; one in four has no shot."""
+    return partial(_blow_mix, seed)
 
 
 def recorded_mix(recordings: Sequence[Recording], seed: int, synthetic: float = 0.3) -> LessonMaker:
@@ -82,6 +95,23 @@ def _designed_mix(seed: int, number: int) -> Mix:
 def _outdoor_mix(seed: int, number: int) -> Mix:
     rng = np.random.default_rng([seed, number])
     return _armed_mix(rng, _outdoor_sound, _near_negative, random_bed, levels=OUTDOOR_LEVELS)
+
+
+def _blow_mix(seed: int, number: int) -> Mix:
+    return _armed_mix(np.random.default_rng([seed, number]), _any_shot, _blow, _plain_bed)
+
+
+def _any_shot(rng: np.random.Generator, rate_hz: int) -> Sound:
+    shot = (plain_shot, designed_shot, outdoor_shot)[int(rng.integers(3))]
+    return Sound(*shot(rng, rate_hz))
+
+
+def _blow(rng: np.random.Generator, rate_hz: int) -> Samples:
+    """Return a step, or now and then a walk or a machine, as it is or as a microphone hears it."""
+    kind = rng.random()
+    if kind < 0.5:
+        return soft_step(rng, rate_hz)
+    return random_negative(rng, rate_hz, BLOWS[int(rng.integers(len(BLOWS)))])[0]
 
 
 def _sound_of(shot: Shot, rng: np.random.Generator, rate_hz: int) -> Sound:

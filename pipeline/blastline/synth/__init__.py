@@ -17,6 +17,7 @@ from .plain_shots import plain_shot
 from .rooms import ENVIRONMENTS, draw_acoustics
 from .scene import Scene, load_scene
 from .shots import random_shot
+from .steps import soft_step
 from .truth import NegativeTruth, ShotTruth, Truth, decode_truth, encode_truth
 
 __all__ = [
@@ -48,6 +49,7 @@ __all__ = [
     "random_shot",
     "record",
     "render_scene",
+    "soft_step",
     "stands_out_db",
     "synthesise",
     "truth_of",

@@ -1,4 +1,4 @@
-"""Household and workshop: doors, hammers, steps and hooves, things that fall and break."""
+"""Household and workshop: doors, hammers, things that fall and break."""
 
 import math
 
@@ -66,34 +66,6 @@ def glass(rng: np.random.Generator, rate_hz: int) -> Samples:
         at_s = between(rng, (0.0, 0.03)) + spread_s * rng.exponential()
         parts.append((round(min(at_s, 3.0) * rate_hz), pick(rng, shards) * log_between(rng, (0.02, 0.6))))
     return normalised(overlaid(parts))
-
-
-def footsteps(rng: np.random.Generator, rate_hz: int) -> Samples:
-    """Return 2-8 steps, heel and toe, walking or running."""
-    ground = draw_body(rng, pick(rng, ("wood", "stone", "earth", "sheet")))
-    scuff = (log_between(rng, (200.0, 900.0)), log_between(rng, (1_500.0, 6_000.0)))
-    blows = []
-    for _ in range(4):
-        heel = struck(fork(rng), rate_hz, ground, hardness=between(rng, (0.3, 1.2)))
-        toe = band_burst(fork(rng), rate_hz, band_hz=scuff, attack_ms=4.0, decay_ms=between(rng, (8.0, 40.0)))
-        blows.append(overlaid([(0, heel), (_samples(rng, rate_hz, (0.02, 0.12)), toe * between(rng, (0.05, 0.4)))]))
-    return series(rng, blows, gaps_s=paced(rng, (1, 7), (0.25, 0.7), 0.05), levels_db=2.0, rate_hz=rate_hz)
-
-
-def hooves(rng: np.random.Generator, rate_hz: int) -> Samples:
-    """Return a horse that walks, trots or gallops: two to four beats a stride, on earth, stone or wood."""
-    ground = draw_body(rng, pick(rng, ("earth", "stone", "wood")))
-    stride_s, beats = pick(rng, ((1.1, (0.0, 0.25, 0.5, 0.75)), (0.65, (0.0, 0.5)), (0.48, (0.0, 0.2, 0.4))))
-    scrape = (log_between(rng, (150.0, 900.0)), log_between(rng, (1_500.0, 6_000.0)))
-    falls = []
-    for _ in range(4):
-        blow = struck(fork(rng), rate_hz, ground, hardness=between(rng, (0.5, 2.0)))
-        dirt = band_burst(fork(rng), rate_hz, band_hz=scrape, attack_ms=2.0, decay_ms=between(rng, (5.0, 40.0)))
-        falls.append(overlaid([(0, blow), (0, dirt * between(rng, (0.05, 0.6)))]))
-    strides = int(rng.integers(1, 7))
-    at_s = np.concatenate([stride_s * (number + np.array(beats)) for number in range(strides)])
-    gaps = np.diff(at_s) * np.exp(0.06 * rng.standard_normal(len(at_s) - 1))
-    return series(rng, falls, gaps_s=gaps, levels_db=2.5, rate_hz=rate_hz)
 
 
 def handling(rng: np.random.Generator, rate_hz: int) -> Samples:

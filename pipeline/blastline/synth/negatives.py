@@ -16,12 +16,10 @@ from .impacts import MATERIALS, draw_body, struck
 from .knocks import (
     door,
     drop,
-    footsteps,
     glass,
     hammer,
     hammering,
     handling,
-    hooves,
     knock,
     metal,
     snap,
@@ -29,6 +27,7 @@ from .knocks import (
 from .machines import jackhammer, machine, mill, motor, nail_gun, ratchet, rotor, typewriter
 from .music import bell, stinger
 from .rooms import ENVIRONMENTS, draw_acoustics
+from .steps import footsteps, hooves
 from .tone import Samples, peak, trimmed
 from .waves import noise_burst
 

@@ -13,10 +13,13 @@ from ..units import gains_from_db
 from .chance import between, chance, fork, log_between, pick
 from .echoes import overlaid
 from .impacts import modes, series
+from .steps import soft_step
 from .tone import Samples, bandpass, lowpass, rms
-from .waves import band_burst, boom, normalised
+from .waves import band_burst, boom, noise_burst, normalised
 
 _LONGEST_S = 3.0
+_DULL_HZ = 700.0
+"""What has nothing higher is no shot however it rises."""
 
 
 def plain_negative(rng: np.random.Generator, rate_hz: int) -> Samples:
@@ -81,14 +84,17 @@ def tick(rng: np.random.Generator, rate_hz: int) -> Samples:
 
 
 def thud(rng: np.random.Generator, rate_hz: int) -> Samples:
-    """Return a dull blow as a toolkit makes it: noise below some hundred hertz, perhaps over a tone that falls."""
-    noise = band_burst(
-        fork(rng),
-        rate_hz,
-        band_hz=(20.0, log_between(rng, (150.0, 700.0))),
-        attack_ms=log_between(rng, (0.3, 10.0)),
-        decay_ms=log_between(rng, (10.0, 150.0)),
-    )
+    """Return a dull blow as a toolkit makes it: low noise that rises softly where it is not the very lowest, or a step.
+
+    Perhaps it lies over a tone that falls.
+    """
+    if chance(rng, 0.4):
+        return soft_step(rng, rate_hz)
+    top_hz = log_between(rng, (150.0, 2_000.0))
+    least_ms, longest_ms = (0.3, 150.0) if top_hz < _DULL_HZ else (2.5, 50.0)
+    attack_ms, decay_ms = log_between(rng, (least_ms, 12.0)), log_between(rng, (10.0, longest_ms))
+    noise = noise_burst(fork(rng), rate_hz, attack_ms=attack_ms, decay_ms=decay_ms)
+    noise = normalised(lowpass(noise, top_hz, rate_hz=rate_hz, order=1 if top_hz < _DULL_HZ else 2))
     low_hz, decay_ms = log_between(rng, (40.0, 160.0)), log_between(rng, (30.0, 200.0))
     start_hz = low_hz * log_between(rng, (1.0, 5.0))
     tone = boom(rate_hz, start_hz=start_hz, stop_hz=low_hz, attack_ms=log_between(rng, (0.1, 5.0)), decay_ms=decay_ms)
@@ -130,6 +136,7 @@ _NEGATIVES: tuple[Callable[[np.random.Generator, int], Samples], ...] = (
     swell,
     _click,
     tick,
+    thud,
     thud,
     hit,
     _knock,
