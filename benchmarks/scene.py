@@ -95,12 +95,8 @@ def passing(sieve: Sieve, least: float | None) -> Passes:
 def look_at(track: Soundtrack, truth: Truth, rules: Rules, verifier: Verifier, *, sieved: bool) -> SeenFilm:
     """Show the candidates of a film, or what of them is `sieved`, to all networks at all speeds and segment them."""
     grid, tier = Grid(track.rate_hz), rules.tier
-    gate, screen = let_all_pass, let_all_pass
-    if sieved:
-        gate, screen = (
-            passing(verifier.gate, tier.verify.gate_from),
-            passing(verifier.screen, tier.verify.row_from),
-        )
+    gate = passing(verifier.gate, tier.verify.gate_from) if sieved else let_all_pass
+    screen = passing(verifier.screen, tier.verify.row_from) if sieved else let_all_pass
     odds, networks, shots, look_s = [], [], [], 0.0
     for chunk in chunks(pieces(track.blocks(BLOCK), track.rate_hz)):
         found = describe_candidates(chunk, grid, tier, gate=gate, screen=screen)

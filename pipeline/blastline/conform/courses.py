@@ -77,7 +77,7 @@ def measured(segments: Sequence[MatchedSegment], old: Film, new: Film) -> list[C
 
     A segment whose anchors do not agree on any line is left out: what the coarse look took for it is not there.
     """
-    return _joined([each.course for segment in segments for each in _measured(segment, old, new)])
+    return joined([each.course for segment in segments for each in _measured(segment, old, new)])
 
 
 def _measured(segment: MatchedSegment, old: Film, new: Film) -> list[Anchored]:
@@ -213,19 +213,19 @@ def _longest_run(chosen: NDArray[np.bool_]) -> slice:
     return slice(int(starts[longest]), int(stops[longest]))
 
 
-def _joined(courses: Sequence[Course]) -> list[Course]:
+def joined(courses: Sequence[Course]) -> list[Course]:
     """Return courses with those joined that run along one line with nothing taken out or put in between."""
-    joined: list[Course] = []
+    through: list[Course] = []
     for course in courses:
-        last = joined[-1] if joined else None
+        last = through[-1] if through else None
         if last is not None and last.keeps_pitch == course.keeps_pitch and _goes_on(last.segment, course.segment):
             longer = max(last, course, key=lambda each: each.anchors)
             alike = 0.5 * (last.segment.alike + course.segment.alike)
             segment = MatchedSegment(longer.segment.line, last.segment.start_s, course.segment.stop_s, alike)
-            joined[-1] = replace(longer, segment=segment, anchors=last.anchors + course.anchors)
+            through[-1] = replace(longer, segment=segment, anchors=last.anchors + course.anchors)
         else:
-            joined.append(course)
-    return joined
+            through.append(course)
+    return through
 
 
 def _goes_on(one: MatchedSegment, other: MatchedSegment) -> bool:

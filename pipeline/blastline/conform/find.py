@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from .beside import with_what_is_beside
-from .courses import Course, measured
+from .courses import Course, joined, measured
 from .ends import with_exact_ends
 from .film import Film
 from .path import find_segments
@@ -20,5 +20,5 @@ def find_courses(old: Film, new: Film, tell: Callable[[int, int], None] | None =
         if courses := measured(segments, old, new):
             courses = with_exact_ends(courses, old, new)
             more = with_what_is_beside(courses, old, new)
-            return with_exact_ends(more, old, new) if len(more) > len(courses) else courses
+            return with_exact_ends(joined(more), old, new) if len(more) > len(courses) else courses
     return []
