@@ -21,7 +21,7 @@ _SHARED_S = 0.5  # two courses may claim so much of the new film before their ex
 
 
 def with_what_is_beside(courses: Sequence[Course], old: Film, new: Film) -> list[Course]:
-    """Return the courses, whose ends are exact, and those found within some pictures of where one of them leads on."""
+    """Return the courses, whose ends are exact, and those found within a second of where one of them leads on."""
     kept, waiting = list(courses), list(courses)
     while waiting:
         course = waiting.pop(0)

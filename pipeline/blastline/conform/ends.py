@@ -43,11 +43,9 @@ def reached(course: Course, from_s: float, to_s: float, old: Film, new: Film) ->
 
     The other moment may be earlier, for the way back.
     """
-    low_s, high_s = sorted((from_s, to_s))
-    along = course.between(low_s, high_s)
-    gain = _gain(along, low_s, high_s, old, new, way_up=_way_up(along, from_s, old, new))
-    length_s = _best_count(gain if to_s > from_s else gain[::-1]) * _BLOCK_S
-    return course.between(from_s, from_s + length_s) if to_s > from_s else course.between(from_s - length_s, from_s)
+    along = course.between(*sorted((from_s, to_s)))
+    end_s = _alike_until(along, from_s, to_s, old, new, way_up=_way_up(along, from_s, old, new))
+    return course.between(*sorted((from_s, end_s)))
 
 
 def _real(courses: Sequence[Course]) -> list[Course]:
@@ -70,12 +68,19 @@ def _edges(course: Course, old: Film, new: Film) -> tuple[float, float]:
         return segment.start_s, segment.stop_s
     way_up = _way_up(course, segment.start_s, old, new)
     low_s, high_s = max(0.0, segment.start_s - _EDGE_S), min(segment.start_s + _EDGE_S, segment.stop_s)
-    gain = _gain(course, low_s, high_s, old, new, way_up=way_up)[::-1]
-    start_s = high_s - _best_count(gain) * _BLOCK_S
+    start_s = _alike_until(course, high_s, low_s, old, new, way_up=way_up)
     way_up = _way_up(course, segment.stop_s, old, new)
     low_s, high_s = max(segment.stop_s - _EDGE_S, start_s), min(old.duration_s, segment.stop_s + _EDGE_S)
+    return start_s, _alike_until(course, low_s, high_s, old, new, way_up=way_up)
+
+
+def _alike_until(course: Course, from_s: float, to_s: float, old: Film, new: Film, *, way_up: float) -> float:
+    """Return up to which moment, from one on towards another, the films are alike along a course."""
+    low_s, high_s = sorted((from_s, to_s))
     gain = _gain(course, low_s, high_s, old, new, way_up=way_up)
-    return start_s, low_s + _best_count(gain) * _BLOCK_S
+    if to_s < from_s:
+        return from_s - _best_count(gain[::-1]) * _BLOCK_S
+    return from_s + _best_count(gain) * _BLOCK_S
 
 
 def _way_up(course: Course, end_s: float, old: Film, new: Film) -> float:

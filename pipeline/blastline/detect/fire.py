@@ -69,9 +69,10 @@ def _sounds_like_fire(odds: LogOdds, row: NDArray[np.intp], rules: VerifyRules) 
 
 def _least_odds_at(gap_ms: float, tier: QualityRules) -> float:
     """Return the mean log-odds that a row needs that is slower than automatic fire: the more, the more like steps."""
-    slower_ms = tier.bursts.longest_gap_ms, tier.rows.shortest_gap_ms
+    fire_ms = tier.bursts.longest_gap_ms
+    steps_ms = max(fire_ms, tier.rows.shortest_gap_ms)
     least = log_odds_of(tier.verify.even_networks_threshold), log_odds_of(tier.verify.threshold)
-    return float(np.interp(gap_ms, slower_ms, least))
+    return float(np.interp(gap_ms, (fire_ms, steps_ms), least))
 
 
 def worth_a_look(

@@ -107,9 +107,8 @@ def _any_shot(rng: np.random.Generator, rate_hz: int) -> Sound:
 
 
 def _blow(rng: np.random.Generator, rate_hz: int) -> Samples:
-    """Return a step, or now and then a walk or a machine, as it is or as a microphone hears it."""
-    kind = rng.random()
-    if kind < 0.5:
+    """Return a step as it is, or as often a walk or a machine as a microphone hears it."""
+    if rng.random() < 0.5:
         return soft_step(rng, rate_hz)
     return random_negative(rng, rate_hz, BLOWS[int(rng.integers(len(BLOWS)))])[0]
 
