@@ -116,6 +116,33 @@ def test_what_reaches_less_than_a_round_is_never_believed() -> None:
     assert len(believed_ms(*pair(), shot(20_000 + 2 * FAST_MS, VERIFY.round_threshold - 0.01))) == 2
 
 
+@pytest.mark.parametrize(
+    ("gap_ms", "softer_db", "number"),
+    [
+        (BURSTS.shortest_gap_ms - 1.0, 0.0, 1),
+        (BURSTS.shortest_gap_ms, 0.0, 2),
+        (60.0, BURSTS.echo_drop_db - 0.1, 2),
+        (60.0, BURSTS.echo_drop_db, 1),
+        (BURSTS.longest_gap_ms, -20.0, 2),
+        (BURSTS.longest_gap_ms + 1.0, 0.0, 1),
+    ],
+)
+def test_a_sure_shot_has_a_second_one_where_that_is_as_fast_and_loud_as_a_gun_fires(
+    gap_ms: float, softer_db: float, number: int
+) -> None:
+    first = shot(20_000, VERIFY.threshold)
+    after = shot(20_000 + gap_ms, VERIFY.pair_threshold, first.peak_dbfs - softer_db)
+    assert len(believed_ms(first, after)) == number
+
+
+def test_a_second_shot_follows_one_that_is_sure_by_itself_and_has_no_second_of_its_own() -> None:
+    first, *others = (shot(20_000 + n * FAST_MS, VERIFY.pair_threshold) for n in range(4))
+    sure_ = shot(20_000 + FAST_MS, VERIFY.threshold)
+    assert believed_ms(first, sure_, *others[1:]) == [20_000 + FAST_MS, 20_000 + 2 * FAST_MS]
+    company = shot(20_000 + FAST_MS, VERIFY.company_threshold)
+    assert believed_ms(shot(15_000, VERIFY.threshold), first, company, *others[1:]) == [15_000, 20_000 + FAST_MS]
+
+
 @pytest.mark.parametrize("gap_ms", [BURSTS.shortest_gap_ms, FAST_MS, BURSTS.longest_gap_ms])
 def test_likely_shots_as_fast_as_a_gun_fires_are_sure_together(gap_ms: float) -> None:
     run = [shot(20_000 + n * gap_ms, VERIFY.burst_threshold) for n in range(BURSTS.fewest_shots)]

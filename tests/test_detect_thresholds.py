@@ -33,12 +33,13 @@ def sure(*numbers: int) -> list[Shot]:
 
 
 @pytest.mark.parametrize("heard_in", ["mains", "sides"])
-@pytest.mark.parametrize("company", ["alone", "beside a sure shot", "in a burst"])
+@pytest.mark.parametrize("company", ["alone", "beside a sure shot", "in a burst", "after a sure shot"])
 def test_a_candidate_is_believed_from_the_threshold_of_its_own_mix_on(heard_in: HeardIn, company: str) -> None:
     least, others = {
         "alone": ((VERIFY.threshold, CHANNELS.sides_threshold), []),
         "beside a sure shot": ((VERIFY.company_threshold, CHANNELS.sides_company_threshold), [shot(15_000, 0.99)]),
         "in a burst": ((VERIFY.round_threshold, CHANNELS.sides_company_threshold), sure(-2, -1)),
+        "after a sure shot": ((VERIFY.pair_threshold, CHANNELS.sides_company_threshold), sure(-1)),
     }[company]
     own = least[heard_in == "sides"]
     assert len(set(least)) == 2

@@ -7,6 +7,7 @@ run of likely ones, as fast as a gun fires ──► sure        guns do what no
 even row, likely in the mean               ──► believed    a weapon keeps its pace, and is heard so many times
 long even row, unlikely in the mean        ──► none        so do machines
 believed ──► the next as fast as a gun fires, unlikely     one round is followed by another
+surely a shot ──► the next as fast, less likely            as is one of two
 even row, slower, half of it unsure, and   ──► none        so come steps and blows
     unlikely in the mean
 even run without an end, half of it unsure     ──► none    so do machines as well
@@ -20,12 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import EvenRow, Rejection, Shot, Span
-from ..ruleset import BurstRules, QualityRules
+from ..ruleset import QualityRules
 from ..units import samples_from_ms, samples_from_s
 from .backdrop import LEVELS
 from .fire import ScoredCandidates
 from .loops import LoopCandidates, in_loops
 from .pace import rows_at, shot_by_shot
+from .rounds import in_a_run, with_rounds, with_second_shots
 from .rows import in_endless_fire, in_even_rows, runs_of
 from .verify import log_odds_of
 
@@ -63,7 +65,9 @@ def in_company(
     - what reaches `company_threshold` within `company_s` of a sure shot;
     - the rounds of a row of even fire that sounds like fire in the mean (`fire.py`);
     - of a burst with two believed shots, the other rounds that reach `round_threshold`: what lies within
-      `longest_gap_ms` from one to the next, unless it is `echo_drop_db` softer than the believed ones.
+      `longest_gap_ms` from one to the next, unless it is `echo_drop_db` softer than the believed ones;
+    - what follows a shot that is sure by itself within `longest_gap_ms`, if it reaches `pair_threshold` and is not
+      `echo_drop_db` softer: the second of a double shot.
 
     Refused all the same, so that they are company for no other, are
 
@@ -99,14 +103,16 @@ def _belief(shots: Sequence[Shot], *, rate_hz: int, tier: QualityRules) -> _Beli
     by_itself = probability >= np.where(aside, channels.sides_threshold, rules.threshold)
     rounds = probability >= np.where(aside, channels.sides_company_threshold, rules.round_threshold)
     in_run = np.where(aside, channels.sides_company_threshold, rules.burst_threshold)
-    sure = by_itself | _in_a_run(onsets, probability, in_run, rate_hz=rate_hz, rules=bursts)
+    sure = by_itself | in_a_run(onsets, probability, in_run, rate_hz=rate_hz, rules=bursts)
     likely = probability >= np.where(aside, channels.sides_company_threshold, rules.company_threshold)
     believed = sure | (likely & _near(onsets, onsets[sure], samples_from_s(rules.company_s, rate_hz)))
     peaks_dbfs = np.array([shot.peak_dbfs for shot in shots])
     rows = [shot.evidence.even_row if shot.evidence else None for shot in shots]
     fire = np.array([row == "fire" for row in rows], bool)
     believed |= fire
-    believed = _with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=bursts)
+    believed = with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=bursts)
+    perhaps = probability >= np.where(aside, channels.sides_company_threshold, rules.pair_threshold)
+    believed = with_second_shots(onsets, believed, by_itself, perhaps, peaks_dbfs, rate_hz=rate_hz, rules=bursts)
     return _Belief(believed, by_itself, likely, fire, np.array([row == "no fire" for row in rows], bool) & ~by_itself)
 
 
@@ -190,53 +196,3 @@ def _near(places: NDArray[np.intp], others: NDArray[np.intp], reach: int) -> NDA
     return np.asarray(
         np.searchsorted(others, places + reach, side="right") > np.searchsorted(others, places - reach, side="left")
     )
-
-
-def _in_a_run(
-    onsets: NDArray[np.intp],
-    probability: NDArray[np.float64],
-    least: NDArray[np.float64],
-    *,
-    rate_hz: int,
-    rules: BurstRules,
-) -> NDArray[np.bool_]:
-    """Return which candidates belong to a run that is sure as a whole; of those too near each other one counts.
-
-    Gaps are those between the ones that count, so the runs are not those of `runs_of`.
-    """
-    shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
-    runs: list[list[int]] = []
-    for place in np.flatnonzero(probability >= least).tolist():
-        gap = onsets[place] - onsets[runs[-1][-1]] if runs else longest + 1
-        if gap > longest:
-            runs.append([place])
-        elif gap >= shortest:
-            runs[-1].append(place)
-        elif probability[place] > probability[runs[-1][-1]]:
-            before = runs[-1][:-1]
-            if not before or onsets[place] - onsets[before[-1]] <= longest:
-                runs[-1][-1] = place
-    found = np.zeros(onsets.size, bool)
-    found[[place for run in runs if len(run) >= rules.fewest_shots for place in run]] = True
-    return found
-
-
-def _with_rounds(
-    onsets: NDArray[np.intp],
-    believed: NDArray[np.bool_],
-    rounds: NDArray[np.bool_],
-    peaks_dbfs: NDArray[np.float64],
-    *,
-    rate_hz: int,
-    rules: BurstRules,
-) -> NDArray[np.bool_]:
-    """Return the believed with the rounds of bursts that have two of them, as far as those are about as loud."""
-    shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
-    members = np.flatnonzero(believed | rounds)
-    kept = believed.copy()
-    for run in runs_of(onsets[members], longest):
-        burst = members[run]
-        sure = burst[believed[burst]]
-        if sure.size and onsets[sure[-1]] - onsets[sure[0]] >= shortest:
-            kept[burst] |= peaks_dbfs[burst] > np.median(peaks_dbfs[sure]) - rules.echo_drop_db
-    return kept

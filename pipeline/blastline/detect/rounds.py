@@ -1,0 +1,82 @@
+"""What comes as fast as a gun fires: runs that are sure as a whole, a burst's other rounds, second shots."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..ruleset import BurstRules
+from ..units import samples_from_ms
+from .rows import runs_of
+
+
+def in_a_run(
+    onsets: NDArray[np.intp],
+    probability: NDArray[np.float64],
+    least: NDArray[np.float64],
+    *,
+    rate_hz: int,
+    rules: BurstRules,
+) -> NDArray[np.bool_]:
+    """Return which candidates belong to a run that is sure as a whole; of those too near each other one counts.
+
+    Gaps are those between the ones that count, so the runs are not those of `runs_of`.
+    """
+    shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
+    runs: list[list[int]] = []
+    for place in np.flatnonzero(probability >= least).tolist():
+        gap = onsets[place] - onsets[runs[-1][-1]] if runs else longest + 1
+        if gap > longest:
+            runs.append([place])
+        elif gap >= shortest:
+            runs[-1].append(place)
+        elif probability[place] > probability[runs[-1][-1]]:
+            before = runs[-1][:-1]
+            if not before or onsets[place] - onsets[before[-1]] <= longest:
+                runs[-1][-1] = place
+    found = np.zeros(onsets.size, bool)
+    found[[place for run in runs if len(run) >= rules.fewest_shots for place in run]] = True
+    return found
+
+
+def with_rounds(
+    onsets: NDArray[np.intp],
+    believed: NDArray[np.bool_],
+    rounds: NDArray[np.bool_],
+    peaks_dbfs: NDArray[np.float64],
+    *,
+    rate_hz: int,
+    rules: BurstRules,
+) -> NDArray[np.bool_]:
+    """Return the believed with the rounds of bursts that have two of them, as far as those are about as loud."""
+    shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
+    members = np.flatnonzero(believed | rounds)
+    kept = believed.copy()
+    for run in runs_of(onsets[members], longest):
+        burst = members[run]
+        sure = burst[believed[burst]]
+        if sure.size and onsets[sure[-1]] - onsets[sure[0]] >= shortest:
+            kept[burst] |= peaks_dbfs[burst] > np.median(peaks_dbfs[sure]) - rules.echo_drop_db
+    return kept
+
+
+def with_second_shots(
+    onsets: NDArray[np.intp],
+    believed: NDArray[np.bool_],
+    sure: NDArray[np.bool_],
+    perhaps: NDArray[np.bool_],
+    peaks_dbfs: NDArray[np.float64],
+    *,
+    rate_hz: int,
+    rules: BurstRules,
+) -> NDArray[np.bool_]:
+    """Return the believed with those of `perhaps` that follow a sure one as fast as a gun fires, about as loud.
+
+    What is softer is more likely the echo of the first.
+    """
+    shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
+    kept = believed.copy()
+    for place in np.flatnonzero(perhaps & ~believed).tolist():
+        begin = np.searchsorted(onsets, onsets[place] - longest, side="left")
+        end = np.searchsorted(onsets, onsets[place] - shortest, side="right")
+        louder = peaks_dbfs[begin:end] - rules.echo_drop_db >= peaks_dbfs[place]
+        kept[place] = bool((sure[begin:end] & ~louder).any())
+    return kept
