@@ -21,15 +21,7 @@ RATE_HZ = 48_000
 TIER = load_rules("standard").tier
 VERIFIER = verifier_of(TIER)
 TABLES = [field.type for field in msgspec.structs.fields(QualityRules) if field.name not in ("schema", "source")]
-RISING = (
-    "report_from",
-    "round_threshold",
-    "pair_threshold",
-    "even_threshold",
-    "company_threshold",
-    "burst_threshold",
-    "threshold",
-)
+RISING = ("report_from", "round_threshold", "even_threshold", "company_threshold", "burst_threshold", "threshold")
 """An order that the thresholds of [verify] may have."""
 
 

@@ -29,10 +29,14 @@ def old(scene: Samples, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def fading(scene: Samples) -> Samples:
+    """Return a gain that falls to nothing after the first shot, over half a second."""
+    return np.asarray(np.clip((4.0 - np.arange(scene.size) / RATE_HZ) / 0.5, 0.0, 1.0))
+
+
 def voice(scene: Samples) -> Samples:
     """Return what is as loud as the first shot and over before the next."""
-    noise = 0.2 * np.random.default_rng(2).standard_normal(scene.size).clip(-3.0, 3.0)
-    return np.asarray(noise * np.clip((4.0 - np.arange(scene.size) / RATE_HZ) / 0.5, 0.0, 1.0))
+    return 0.2 * np.random.default_rng(2).standard_normal(scene.size).clip(-3.0, 3.0) * fading(scene)
 
 
 def write(path: Path, *, left: Samples, centre: Samples) -> Path:
@@ -59,9 +63,8 @@ def test_a_shot_that_is_moved_from_the_sides_to_the_middle_is_measured_there(
     old: Path, scene: Samples, tmp_path: Path
 ) -> None:
     """As one that is added there: the sides are silent, and of silence there is no blast and no decay."""
-    first = np.arange(scene.size) < 4 * RATE_HZ
-    left, centre = np.where(first, 0.3 * scene, 0.0), np.where(first, voice(scene), scene)
-    film = write(tmp_path / "film.wav", left=left, centre=centre)
+    early = fading(scene)
+    film = write(tmp_path / "film.wav", left=0.3 * scene * early, centre=voice(scene) + scene * (1.0 - early))
     run.render(film, tmp_path / "out", RenderOptions(report=False))
     timeline = read_timeline(tmp_path / "out" / "timeline.json")
     moved, there, last = timeline.events

@@ -111,7 +111,7 @@ def _belief(shots: Sequence[Shot], *, rate_hz: int, tier: QualityRules) -> _Beli
     fire = np.array([row == "fire" for row in rows], bool)
     believed |= fire
     believed = with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=bursts)
-    perhaps = probability >= np.where(aside, channels.sides_company_threshold, rules.pair_threshold)
+    perhaps = rounds & (probability >= rules.pair_threshold)
     believed = with_second_shots(onsets, believed, by_itself, perhaps, peaks_dbfs, rate_hz=rate_hz, rules=bursts)
     return _Belief(believed, by_itself, likely, fire, np.array([row == "no fire" for row in rows], bool) & ~by_itself)
 

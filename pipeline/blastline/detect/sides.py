@@ -49,7 +49,6 @@ def side_rules(tier: QualityRules) -> QualityRules:
         even_threshold=own.sides_company_threshold,
         even_networks_threshold=own.sides_company_threshold,
         round_threshold=own.sides_company_threshold,
-        pair_threshold=own.sides_company_threshold,
         report_from=min(asked.report_from, own.sides_company_threshold),
     )
     return msgspec.structs.replace(tier, verify=verify)

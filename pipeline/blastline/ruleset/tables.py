@@ -70,7 +70,7 @@ class VerifyRules(Table, frozen=True):
     they reach `even_threshold`, or those by the networks alone `even_networks_threshold`; a slower one where the
     latter reach `threshold`, from the pace of steps on, or what lies between. Two shots that fast take along their
     burst's other rounds, if about as loud, from `round_threshold` on; one that is sure by itself takes along what
-    follows it that fast and that loud from `pair_threshold` on, as the second of a double shot.
+    follows it that fast and that loud from `pair_threshold` (and `round_threshold`) on, as the second of a double shot.
     From `report_from` on a candidate is at least listed among the rejections.
     """
 
@@ -93,7 +93,6 @@ class VerifyRules(Table, frozen=True):
     def __post_init__(self) -> None:
         """Refuse thresholds out of order."""
         not_falling(self, "report_from", "round_threshold", "company_threshold", "burst_threshold", "threshold")
-        not_falling(self, "round_threshold", "pair_threshold", "company_threshold")
         not_falling(self, "round_threshold", "even_threshold", "burst_threshold")
 
 
