@@ -1,8 +1,9 @@
-"""Simple sounds in a row: `python benchmarks/bursts.py`, how many rounds of bursts, and blasts after cracks, are found.
+"""Simple sounds in a row: `python benchmarks/bursts.py`, how many rounds and second shots, and blasts after cracks.
 
 The shots of `simple.py` as automatic fire of 450 to 1200 rounds a minute: the rounds of a burst are one sound, each
-with noise of its own, up to 1.5 dB louder or softer and up to 2 % of the gap early or late. Then blasts that come some
-milliseconds after the crack of their bullet, an N-wave: found is what begins with either.
+with noise of its own, up to 1.5 dB louder or softer and up to 2 % of the gap early or late. Double shots are made in
+the same way. Then blasts that come some milliseconds after the crack of their bullet, an N-wave: found is what begins
+with either.
 """
 
 from argparse import ArgumentParser
@@ -19,6 +20,7 @@ from blastline.ruleset import QualityRules, load_rules
 RPM = (450, 600, 750, 900, 1050, 1200)
 ROUNDS = (3, 5, 8, 12, 20)
 GUNS = ("white noise", "noise that lingers", "noise in a hall", "noise and boom", "dull noise", "blast wave in a hall")
+PAIR_GAPS_MS, PAIRS = (40, 50, 60, 80, 100, 150), 6
 CRACK_EARLY_MS = (3, 5, 7, 8, 9, 10, 11, 12, 13, 16, 25)
 REST_S, LEVEL_DB, PEAK = 3.2, 24.0, 0.4
 
@@ -87,6 +89,26 @@ def bursts(tier: QualityRules, verifier: Verifier) -> Iterator[str]:
         yield f"{rpm:<24}{rounds:8}{found:8}{found / rounds:8.2f}{exact / counted:14.2f}{others:8}"
 
 
+def pairs(tier: QualityRules, verifier: Verifier) -> Iterator[str]:
+    """Yield the rows of the table of double shots."""
+    yield f"{'second shot after, ms':<24}{'pairs':>8}{'first':>8}{'second':>8}{'others':>8}"
+    for gap_ms in PAIR_GAPS_MS:
+        fired, first, second, others = 0, 0, 0, 0
+        for kind in GUNS:
+            for bed in BEDS:
+                rng = np.random.default_rng([*f"{kind} {bed}".encode(), gap_ms])
+                guns = [SHOTS[kind](rng) for _ in range(PAIRS)]
+                film, places = film_of(
+                    rng, bed, [burst_of(rng, gun / np.abs(gun).max(), 2, 1e-3 * gap_ms) for gun in guns]
+                )
+                heard = found_in(film, tier, verifier)
+                fired += len(places)
+                first += sum(near(pair[0], heard) for pair in places)
+                second += sum(near(pair[1], heard) for pair in places)
+                others += sum(not near(each, [at for pair in places for at in pair]) for each in heard)
+        yield f"{gap_ms:<24}{fired:8}{first:8}{second:8}{others:8}"
+
+
 def cracks(tier: QualityRules, verifier: Verifier) -> Iterator[str]:
     """Yield the rows of the table of cracks."""
     yield f"{'crack before, ms':<24}{'shots':>8}{'found':>8}{'share':>8}"
@@ -115,7 +137,7 @@ def main() -> None:
     options = parser.parse_args()
     tier = load_rules(options.quality).tier
     verifier = verifier_of(tier)
-    for table in (bursts(tier, verifier), cracks(tier, verifier)):
+    for table in (bursts(tier, verifier), pairs(tier, verifier), cracks(tier, verifier)):
         for row in table:
             print(row, flush=True)
         print()

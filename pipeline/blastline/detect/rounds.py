@@ -77,6 +77,5 @@ def with_second_shots(
     for place in np.flatnonzero(perhaps & ~believed).tolist():
         begin = np.searchsorted(onsets, onsets[place] - longest, side="left")
         end = np.searchsorted(onsets, onsets[place] - shortest, side="right")
-        louder = peaks_dbfs[begin:end] - rules.echo_drop_db >= peaks_dbfs[place]
-        kept[place] = bool((sure[begin:end] & ~louder).any())
+        kept[place] = (sure[begin:end] & (peaks_dbfs[place] > peaks_dbfs[begin:end] - rules.echo_drop_db)).any()
     return kept
