@@ -1,6 +1,7 @@
 """Where sound breaks off into zeros and comes back as abruptly, as where a copy of a file lacks some of its blocks."""
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from .track import Samples
 
@@ -17,7 +18,9 @@ class Dropouts:
     def __init__(self, rate_hz: int) -> None:
         """Begin before the first frame."""
         self._shortest, self._longest = round(SHORTEST_S * rate_hz), round(LONGEST_S * rate_hz)
-        self._every = max(1, self._shortest // 2)  # a frame in so many is looked at first: a lost block has some
+        # frames that far apart are looked at first: a lost block silences so many in a row, soft sound hardly ever does
+        self._every = max(1, self._shortest // 4)
+        self._in_a_row = max(1, self._shortest // self._every)
         self._frames, self._last_peak = 0, 0.0
         self._since: int | None = None  # where the zeros began that go on at the end of what was seen
         self.count, self.first = 0, 0
@@ -26,10 +29,17 @@ class Dropouts:
         """Note the next frames, all channels of them, shape (frames, channels)."""
         if not len(samples):
             return
-        if self._since is not None or not samples[:: self._every].any(axis=1).all() or not samples[-1].any():
+        if self._since is not None or not samples[-1].any() or self._may_hold_one(samples):
             self._look(samples)
         self._frames += len(samples)
         self._last_peak = float(np.abs(samples[-1]).max())
+
+    def _may_hold_one(self, samples: Samples) -> bool:
+        """Return whether zeros may begin and end in these frames."""
+        still = ~samples[:: self._every].any(axis=1)
+        if np.count_nonzero(still) < self._in_a_row:
+            return False
+        return bool(sliding_window_view(still, self._in_a_row).all(axis=1).any())
 
     def _look(self, samples: Samples) -> None:
         """Find the stretches of zeros; one at the end may go on in the next frames."""
