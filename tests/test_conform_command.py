@@ -262,6 +262,27 @@ def test_a_moved_timeline_names_the_rules_that_its_windows_are_planned_by(
     assert made.rules_digest != read_timeline(timeline).rules_digest
 
 
+def test_windows_are_planned_by_the_rules_of_a_user(films: tuple[Path, Path, Path], tmp_path: Path) -> None:
+    """Where the built-in rules planned a start, nobody has set it; where somebody has, it stays."""
+    timeline, old, new = films
+    with_windows(
+        timeline,
+        lambda e: Window(
+            e.onset_sample - (400 if e.id == "shot-4" else 96), e.window.stop, 80, e.window.fade_out_samples
+        ),
+    )
+    longer = tmp_path / "rules" / "quality" / "standard.toml"
+    longer.parent.mkdir(parents=True)
+    longer.write_text('schema = 1\nsource = "a test"\n[windows]\nsource = "a test"\nfade_in_ms = 20.0\n')
+    blastline("conform", timeline, "--from", old, "--to", new, "--rules", tmp_path / "rules", "-o", tmp_path / "out")
+    leads = {
+        each.id: each.onset_sample - each.window.start
+        for each in read_timeline(tmp_path / "out" / "timeline.json").events
+    }
+    assert leads.pop("shot-4") == 400
+    assert set(leads.values()) == {21 * RATE_HZ // 1000}  # 20 ms of fade-in, and the guard of 1 ms
+
+
 def test_what_is_left_of_a_burst_is_numbered_anew(films: tuple[Path, Path, Path], tmp_path: Path) -> None:
     timeline, old, new = films
     found = read_timeline(timeline)

@@ -31,7 +31,7 @@ from ..errors import OutputError, SoundtrackError
 from ..export import read_timeline
 from ..model import Event, Rejection, Timeline, encode
 from ..progress import Progress, no_progress, report_progress
-from ..ruleset import ConformRules, Rules, load_conform, load_rules
+from ..ruleset import ConformRules, Rules, WindowRules, load_conform, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack
 from ..staging import staged
 from ..streams import Streams
@@ -169,13 +169,18 @@ def _conformed(
         rules_digest=rules.digest,
         source=source,
         actuator=None,
-        events=moved_events(shots, begun_by_hand(events, old.rate_hz, rules.tier.windows), source, rules),
+        events=moved_events(shots, begun_by_hand(events, old.rate_hz, _plans(rules)), source, rules),
         rejections=tuple(sorted(rejections, key=lambda each: each.at_sample)),
         checks=(),
         edits=None,
         budget=None,
     )
     return Conformed(made, events, tuple(places), tuple(courses))
+
+
+def _plans(rules: Rules) -> list[WindowRules]:
+    """Return the rules that may have planned the old windows: those given, and the built-in ones."""
+    return [rules.tier.windows] + [load_rules(rules.quality).tier.windows] * (rules.overlay is not None)
 
 
 def _are_alike(one: Soundtrack, other: Soundtrack) -> bool:

@@ -110,10 +110,14 @@ def _kept_ends(
     return given
 
 
-def begun_by_hand(events: Sequence[Event], rate_hz: int, rules: WindowRules) -> set[str]:
-    """Return the ids of the events, in order of time, that are first in a window which begins as no rule plans it."""
-    lead = samples_from_ms(rules.guard_ms, rate_hz) + samples_from_ms(rules.fade_in_ms, rate_hz)
+def begun_by_hand(events: Sequence[Event], rate_hz: int, plans: Collection[WindowRules]) -> set[str]:
+    """Return the ids of the events, in order of time, that are first in a window which begins as no plan has it."""
+    leads = {samples_from_ms(rules.guard_ms, rate_hz) + samples_from_ms(rules.fade_in_ms, rate_hz) for rules in plans}
     first: dict[Window, Event] = {}
     for event in events:
         first.setdefault(event.window, event)
-    return {each.id for each in first.values() if each.window.start != max(0, each.onset_sample - lead)}
+    return {
+        each.id
+        for each in first.values()
+        if all(each.window.start != max(0, each.onset_sample - lead) for lead in leads)
+    }
