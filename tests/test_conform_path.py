@@ -41,6 +41,26 @@ def near(times: list[float | None]) -> object:
     return [None if time is None else pytest.approx(time, abs=1e-4) for time in times]
 
 
+@pytest.mark.parametrize("length_s", [9.0151, 12.337, 30.0])
+@pytest.mark.parametrize("late_s", [0.0, 2.2037])
+def test_a_stretch_reaches_from_one_end_of_the_film_to_the_other(length_s: float, late_s: float) -> None:
+    """Ends are looked for in blocks, and no film is whole blocks long."""
+    old = film(length_s, (3.0, length_s - 0.02), seed=23)
+    new = np.concatenate([murmur(late_s, seed=24), old])
+    [course] = courses(heard(old), heard(new))
+    assert (course.segment.start_s, course.segment.stop_s) == pytest.approx((0.0, len(old) / RATE_HZ), abs=1e-4)
+
+
+@pytest.mark.parametrize("left_s", [0.012, 0.3])
+def test_a_stretch_ends_where_the_last_moments_of_a_film_are_others(left_s: float) -> None:
+    old = film(20.0, (3.0, 15.0), seed=25)
+    new = old.copy()
+    new[-round(left_s * RATE_HZ) :] = 0.3 * np.random.default_rng(26).normal(size=round(left_s * RATE_HZ))
+    [course] = courses(heard(old), heard(new))
+    assert course.segment.stop_s == pytest.approx(20.0 - left_s, abs=0.02)
+    assert course.segment.stop_s < 20.0
+
+
 def test_the_same_film_is_one_segment() -> None:
     [course] = courses(heard(OLD), heard(OLD))
     assert course.segment.line.scale == pytest.approx(1.0, abs=1e-7)

@@ -17,6 +17,7 @@ from .waveform import WORK_HZ, piece
 
 _EDGE_S = 2.0  # how far around a coarse end the exact one is looked for
 _BLOCK_S = 0.02
+_SHORTEST_S = 0.001  # too little to be compared
 _ALIKE = 0.5  # blocks more alike than this are the same sound
 _AT_ONCE = 500
 """Blocks that are compared at once: two segments may claim the same minutes, where a scene comes twice."""
@@ -69,9 +70,12 @@ def _edges(course: Course, old: Film, new: Film) -> tuple[float, float]:
     way_up = _way_up(course, segment.start_s, old, new)
     low_s, high_s = max(0.0, segment.start_s - _EDGE_S), min(segment.start_s + _EDGE_S, segment.stop_s)
     start_s = _alike_until(course, high_s, low_s, old, new, way_up=way_up)
+    start_s = _to_end_of_film(course, start_s, max(0.0, segment.line.back(0.0)), old, new, way_up=way_up)
     way_up = _way_up(course, segment.stop_s, old, new)
     low_s, high_s = max(segment.stop_s - _EDGE_S, start_s), min(old.duration_s, segment.stop_s + _EDGE_S)
-    return start_s, _alike_until(course, low_s, high_s, old, new, way_up=way_up)
+    stop_s = _alike_until(course, low_s, high_s, old, new, way_up=way_up)
+    last_s = min(old.duration_s, segment.line.back(new.duration_s))
+    return start_s, _to_end_of_film(course, stop_s, last_s, old, new, way_up=way_up)
 
 
 def _alike_until(course: Course, from_s: float, to_s: float, old: Film, new: Film, *, way_up: float) -> float:
@@ -81,6 +85,16 @@ def _alike_until(course: Course, from_s: float, to_s: float, old: Film, new: Fil
     if to_s < from_s:
         return from_s - _best_count(gain[::-1]) * _BLOCK_S
     return from_s + _best_count(gain) * _BLOCK_S
+
+
+def _to_end_of_film(course: Course, end_s: float, film_s: float, old: Film, new: Film, *, way_up: float) -> float:
+    """Return where a film begins or ends if less than a block is left up to there, and that is alike or silent too."""
+    low_s, high_s = sorted((end_s, film_s))
+    if high_s - low_s >= _BLOCK_S:
+        return end_s
+    count = int(high_s - low_s > _SHORTEST_S)
+    alike = way_up * _likeness_of(course, low_s, high_s - low_s, count, old, new)
+    return end_s if np.any(alike <= _ALIKE) else film_s
 
 
 def _way_up(course: Course, end_s: float, old: Film, new: Film) -> float:

@@ -10,7 +10,7 @@ from .fingerprint import FRAME_HZ
 from .segments import STEP, Lane, MatchedSegment
 
 _TOLERATED_OVERLAP_S = 0.5
-"""Segments may share so much of the new film: their ends are put to the millisecond afterwards."""
+"""Segments may share so much of the new film: their ends are put to 20 ms afterwards."""
 
 _AS_GOOD_S = 0.1
 """Places to part two segments whose likeness differs by no more than so much of a full second are as good."""

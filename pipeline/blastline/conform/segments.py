@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from .lines import Line
 
 STEP = 10
-"""Frames between two steps of the path: a tenth of a second. Cuts are put to the millisecond afterwards."""
+"""Frames between two steps of the path: a tenth of a second. Cuts are put to 20 ms afterwards."""
 
 CHANCE_LIKENESS = 0.35
 """How alike two films are by chance: a line gains only what it is more."""
