@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import soundfile
 
-from blastline import run
+from blastline import dsp, run
 from blastline.model import DriveModel, Phase
 from blastline.render import drive_filters
 from blastline.ruleset import load_actuator
@@ -32,6 +32,46 @@ def test_a_constant_under_the_film_changes_nothing_of_its_drive(rate_hz: int, mo
     for offset in (0.8, -0.5):
         shifted = drive_of(film + offset, onset, model, filters, length=length)
         np.testing.assert_allclose(shifted, plain, rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("model", ["filter", "constrained"])
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+@pytest.mark.parametrize("onset_s", [0.0, 0.02, 0.1, 0.4])
+@pytest.mark.parametrize("bed", [0.0, 1e-4, 0.02])
+def test_a_constant_changes_nothing_where_a_film_begins(
+    model: DriveModel, phase: Phase, onset_s: float, bed: float
+) -> None:
+    """There is too little before the shot to tell the constant by, and from rest the filters hear it as a step."""
+    onset = round(onset_s * RATE_HZ)
+    film = shot_film(frames=2 * RATE_HZ, onset=onset, scale=0.1)
+    film += bed * np.random.default_rng(5).standard_normal(film.size)
+    filters = drive_filters(PROFILE, RATE_HZ, phase)
+    plain = drive_of(film, onset, model, filters)
+    for offset in (0.8, -0.05):
+        shifted = drive_of(film + offset, onset, model, filters)
+        np.testing.assert_allclose(shifted, plain, rtol=0.0, atol=1e-7 + 0.3 * bed)  # as well as noise lets it be known
+
+
+def test_a_boom_that_a_short_film_begins_with_is_no_constant() -> None:
+    boom = np.sin(2.0 * np.pi * 4.0 * np.arange(RATE_HZ // 5) / RATE_HZ + 0.1)
+    assert dsp.opening_level(boom, RATE_HZ) == 0.0
+    held = np.concatenate([np.full(RATE_HZ // 10, 0.25), boom])
+    assert dsp.opening_level(held, RATE_HZ) == 0.25
+    assert dsp.opening_level(np.zeros(0), RATE_HZ) == 0.0
+    rumble = np.random.default_rng(5).standard_normal(RATE_HZ).cumsum()
+    assert dsp.opening_level(rumble - rumble.mean(), RATE_HZ) == 0.0
+
+
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+@pytest.mark.parametrize("onset", [500, 9_600])
+def test_a_shot_soon_after_a_film_begins_off_zero_passes_its_checks(tmp_path: Path, phase: Phase, onset: int) -> None:
+    film = 0.1 * shot_film(frames=2 * RATE_HZ, onset=onset) + 0.05
+    film += 1e-4 * np.random.default_rng(5).standard_normal(film.size)
+    soundfile.write(tmp_path / "film.wav", film, RATE_HZ, subtype="FLOAT")
+    (tmp_path / "shots.csv").write_text(f"id,onset_sample,origin\nshot-0001,{onset},found\n")
+    options = RenderOptions(report=False, timeline=tmp_path / "shots.csv", phase=phase)
+    made = run.render(tmp_path / "film.wav", tmp_path / "out", options)
+    assert [check.name for check in made.checks if not check.passed] == []
 
 
 @pytest.mark.parametrize("phase", ["causal", "zero"])

@@ -141,17 +141,21 @@ def _wanted(
         sound, own = drive.copy(), slice(part.span.start - span.start, part.span.stop - span.start)
         sound[own] = wet[own]
         return wet, _without_delay(shared, sound), _without_delay(shared, drive)
-    centred = _centred(shared, audio, span)
+    centred = _centred(shared, event, audio, span)
     wet, undelayed = relative * shared.compensated(centred), relative * _without_delay(shared, centred)
     return wet, undelayed, relative * dsp.run_filter(shared.band, centred) if shared.phase == "causal" else undelayed
 
 
-def _centred(shared: Comparison, audio: Samples, span: Span) -> Samples:
-    """Return the sound of a span without what it stands off zero; a film begins in silence, beside it are zeros."""
-    if span.start <= 0:
-        return audio
-    ended = max(0, shared.audio.frames - span.start)
-    return np.concatenate([dsp.without_offset(audio[:ended], shared.settle), audio[ended:]])
+def _centred(shared: Comparison, event: Event, audio: Samples, span: Span) -> Samples:
+    """Return the sound of a span without what it stands off zero; beside the film are zeros."""
+    begun, ended = max(0, -span.start), max(0, shared.audio.frames - span.start)
+    film = audio[begun:ended]
+    if span.start > 0:
+        film = dsp.without_offset(film, shared.settle)
+    else:
+        first = Span(0, min(round(dsp.OPENING_S * shared.rate_hz), shared.audio.frames))
+        film = film - dsp.opening_level(read_padded(shared.audio, first, event.made_of), shared.rate_hz)
+    return np.concatenate([audio[:begun], film, audio[ended:]])
 
 
 def _expected(

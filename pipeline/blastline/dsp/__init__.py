@@ -4,9 +4,10 @@ from .analogue import Analogue, band, butterworth, compensator, felt_response, h
 from .digital import discretise, run_filter
 from .fades import cross_fade, fade
 from .phase import band_sections, compensator_sections, run_backwards, run_both_ways
-from .settled import Settling, settled_state, settling, without_offset
+from .settled import OPENING_S, Settling, opening_level, settled_state, settling, without_offset
 
 __all__ = [
+    "OPENING_S",
     "Analogue",
     "Settling",
     "band",
@@ -20,6 +21,7 @@ __all__ = [
     "felt_response",
     "half_band",
     "inverse",
+    "opening_level",
     "run_backwards",
     "run_both_ways",
     "run_filter",

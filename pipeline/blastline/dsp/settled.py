@@ -14,7 +14,13 @@ from numpy.typing import NDArray
 from .digital import run_filter
 
 _BLOCK = 1024
-_SILENT = 16  # so many zeros are no chance
+_SILENT = 16  # so many zeros, or equal samples, are no chance
+_LEVEL_BLOCK_S, _FEWEST_BLOCKS = 0.05, 5
+_CLEAR = 4.0  # a constant is this many times what the means of blocks differ by; less is lost in the film's own start
+
+OPENING_S = 1.0
+"""How much of a film's beginning tells what it stands on where nothing before a window does."""
+
 _AT_ONCE = 60_000  # products in a matrix product: larger ones start threads, which cost more than they save
 
 
@@ -61,6 +67,24 @@ def settled_state(settling: Settling, before: NDArray[np.float64]) -> NDArray[np
     left = [blocks[start : start + rows] @ settling.input_to_state for start in range(0, len(blocks), rows)]
     state = np.einsum("kij,kj->i", settling.transition_powers, np.concatenate(left))
     return np.asarray(state.reshape(-1, 2), dtype=np.float64)
+
+
+def opening_level(samples: NDArray[np.floating], rate_hz: int) -> float:
+    """Return what a film stands on, of its first `OPENING_S`: the level that it begins at, else that of most blocks.
+
+    A shot is over in a few blocks of 50 ms, and hardly moves the median of their means. Where those differ by as much,
+    and in less than five, sound cannot be told from a constant: then the film stands on 0.
+    """
+    first = samples[:_SILENT]
+    if len(first) and np.all(first == first[0]):
+        return float(first[0])
+    block = max(1, round(_LEVEL_BLOCK_S * rate_hz))
+    opening = samples[: min(len(samples), round(OPENING_S * rate_hz)) // block * block]
+    means = opening.reshape(-1, block).mean(axis=1, dtype=np.float64)
+    if len(means) < _FEWEST_BLOCKS:
+        return 0.0
+    level = float(np.median(means))
+    return level if abs(level) > _CLEAR * float(np.median(np.abs(means - level))) else 0.0
 
 
 def _transition(sections: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -88,9 +88,16 @@ def preroll(filters: DriveFilters, rules: RenderRules) -> int:
 
 
 def needed_audio(planned: PlannedWindow, *, frames: int, filters: DriveFilters, rules: RenderRules) -> Span:
-    """Return the part of the film that rendering a window listens to: the window, the pre-roll before it and, where
-    the phase is zero, as much after it.
+    """Return the part of the film that rendering a window listens to: what is filtered, and where that begins with the
+    film, the opening that tells what the film stands on.
     """
+    filtered = filtered_audio(planned, frames=frames, filters=filters, rules=rules)
+    opening = round(dsp.OPENING_S * filters.rate_hz) if filtered.start == 0 else 0
+    return Span(filtered.start, max(filtered.stop, min(frames, opening)))
+
+
+def filtered_audio(planned: PlannedWindow, *, frames: int, filters: DriveFilters, rules: RenderRules) -> Span:
+    """Return a window with the pre-roll before it and, where the phase is zero, as much after it."""
     roll = preroll(filters, rules)
     after = roll if filters.phase == "zero" else 0
     return Span(max(0, planned.window.start - roll), min(frames, planned.window.stop + after))

@@ -6,10 +6,10 @@ from itertools import pairwise
 import numpy as np
 
 from .. import dsp
-from ..model import Clip, MadeOf
+from ..model import Clip, MadeOf, Span
 from ..ruleset import RenderRules
 from ..units import gain_from_db, samples_from_ms
-from .filters import DriveFilters, Samples, needed_audio, settled_band, settled_compensated
+from .filters import DriveFilters, Samples, filtered_audio, settled_band, settled_compensated
 from .windows import PlannedWindow
 
 
@@ -43,12 +43,12 @@ def hear_window(
     """
     if audio.rate_hz != filters.rate_hz:
         raise ValueError(f"filters for {filters.rate_hz} Hz cannot render audio at {audio.rate_hz} Hz")
-    needed = needed_audio(planned, frames=audio.span.stop, filters=filters, rules=rules)
-    clip = audio.slice((needed & audio.span) | planned.window.span)
+    filtered = filtered_audio(planned, frames=audio.span.stop, filters=filters, rules=rules)
+    clip = audio.slice((filtered & audio.span) | planned.window.span)
     before = planned.window.start - clip.start
     inside = slice(before, before + len(planned.window.span))
     sound = np.asarray(clip.driving_of(made_of), dtype=np.float64)
-    centred = sound if clip.start == 0 else dsp.without_offset(sound, before)  # a film begins in silence
+    centred = dsp.without_offset(sound, before) if clip.start else sound - _opening_level(audio, made_of)
     gains = _gains(planned, filters, rules)
     gain = gain_from_db(rules.level_db) * gains
     return HeardWindow(
@@ -63,6 +63,12 @@ def hear_window(
         background=np.asarray(clip.driving, dtype=np.float64)[inside],
         made_of=made_of,
     )
+
+
+def _opening_level(audio: Clip, made_of: MadeOf) -> float:
+    """Return what a film stands on, of audio that begins with it: a film begins at rest, at its own level."""
+    opening = Span(0, min(round(dsp.OPENING_S * audio.rate_hz), audio.span.stop))
+    return dsp.opening_level(audio.slice(opening).driving_of(made_of), audio.rate_hz)
 
 
 def _gains(planned: PlannedWindow, filters: DriveFilters, rules: RenderRules) -> Samples:
