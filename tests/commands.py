@@ -28,6 +28,7 @@ even_threshold = 0.0
 even_networks_threshold = 0.0
 round_threshold = 0.0
 pair_threshold = 0.0
+least_fall_db = 0.0
 report_from = 0.0
 """
 """A tier's rules that take every candidate for a shot, so that no test depends on what the verifier has learnt."""

@@ -36,6 +36,7 @@ _ALONE = "alone, and not sure enough for that"
 _STEP = "one of an even row, as of steps or blows"
 _MACHINE = "one of a row that goes on as no gun does, as of a machine"
 _UNLIKE = "one of a row as even as automatic fire that does not sound like a gun"
+_SCENE = "begins at once and goes on as loud, as after a cut to another scene"
 _LOOP = "one of a loop: it comes again with all that is around it, and again"
 
 
@@ -156,9 +157,9 @@ def _onsets(shots: Sequence[Shot]) -> NDArray[np.intp]:
     return np.array([shot.onset for shot in shots], np.intp)
 
 
-def unlike_a_shot(onset: int, probability: float) -> Rejection:
-    """Return the rejection of what is hardly a shot."""
-    return Rejection(onset, "does not sound like a shot", {"probability": probability})
+def unlike_a_shot(onset: int, probability: float, *, goes_on: bool = False) -> Rejection:
+    """Return the rejection of what is hardly a shot, or `goes_on` as none does."""
+    return Rejection(onset, _SCENE if goes_on else "does not sound like a shot", {"probability": probability})
 
 
 def _refused(shot: Shot, why: str) -> Rejection:

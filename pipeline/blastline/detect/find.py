@@ -26,6 +26,7 @@ from .scan import loudest_around
 from .segment import peak_dbfs, segment
 from .sides import SAME_MS, are_audible, merge_mixes, side_as_main, side_rules
 from .spectrogram import Spectrograms, spectrograms
+from .steady import goes_on
 from .tracks import Grid, pieces
 from .verify import Verdicts, Verifier, log_odds_in
 
@@ -177,13 +178,25 @@ def _search_chunk(
     scored = ScoredCandidates(found.onsets + chunk.start, peaks_dbfs, log_odds_in(verdicts))
     rows = even_rows(scored, rate_hz=grid.rate_hz, tier=tier)
     worth = worth_segmenting(scored, rows, rate_hz=grid.rate_hz, tier=tier, core=chunk.core)
+    alone = worth & np.array([row != "fire" for row in rows], bool)  # the next round goes on for a round
+    steady = _going_on(chunk, found.onsets, grid, alone, least_fall_db=tier.verify.least_fall_db)
+    worth &= ~steady
     shots = _segmented(chunk, found, verdicts, shown, np.flatnonzero(worth), rate_hz=grid.rate_hz, tier=tier)
     refused = [
-        unlike_a_shot(int(scored.onsets[index]), float(verdicts.probability[index]))
+        unlike_a_shot(int(scored.onsets[index]), float(verdicts.probability[index]), goes_on=bool(steady[index]))
         for index in np.flatnonzero(~worth & (verdicts.probability >= tier.verify.report_from))
     ]
     in_film_at = np.array([film_sample(sample, rate_hz) for sample in scored.onsets.tolist()], np.intp)
     return ChunkResult(*in_film(shots, refused, rate_hz), {"mains": replace(scored, onsets=in_film_at)})
+
+
+def _going_on(
+    chunk: Chunk, onsets: NDArray[np.intp], grid: Grid, asked: NDArray[np.bool_], *, least_fall_db: float
+) -> NDArray[np.bool_]:
+    """Return which of the candidates that are asked for go on as no shot does, shape (n,)."""
+    found = np.zeros(onsets.size, np.bool_)
+    found[asked] = goes_on(chunk.bands, onsets[asked], grid, least_fall_db)
+    return found
 
 
 def _segmented(

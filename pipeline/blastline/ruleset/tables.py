@@ -71,7 +71,8 @@ class VerifyRules(Table, frozen=True):
     latter reach `threshold`, from the pace of steps on, or what lies between. Two shots that fast take along their
     burst's other rounds, if about as loud, from `round_threshold` on; one that is sure by itself takes along what
     follows it that fast and that loud from `pair_threshold` (and `round_threshold`) on, as the second of a double shot.
-    From `report_from` on a candidate is at least listed among the rejections.
+    From `report_from` on a candidate is at least listed among the rejections. What falls by less than `least_fall_db`
+    for a second is none, unless it is a round of even fire: it goes on, as after a cut to another scene.
     """
 
     model: str
@@ -87,6 +88,7 @@ class VerifyRules(Table, frozen=True):
     round_threshold: Ratio
     pair_threshold: Ratio
     report_from: Ratio
+    least_fall_db: Annotated[float, Meta(ge=0.0, le=60.0)]
     gate_from: Ratio | None = None
     row_from: Ratio | None = None
 

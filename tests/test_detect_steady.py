@@ -1,0 +1,95 @@
+"""What goes on as loud as it begins is a cut to another scene; what falls in some time may be a shot."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from blastline.detect import find_shots, verifier_of
+from blastline.detect.steady import goes_on
+from blastline.detect.tracks import Grid, pieces
+from blastline.model import Clip
+from blastline.ruleset import load_rules
+
+RATE_HZ = 48_000
+GRID = Grid(RATE_HZ)
+ONSET = RATE_HZ
+RULES = load_rules("standard")
+LEAST_DB = RULES.tier.verify.least_fall_db
+
+Samples = NDArray[np.float64]
+
+
+def noise(seconds: float, *, seed: int, pink: bool = False) -> Samples:
+    count = round(seconds * RATE_HZ)
+    sound = np.random.default_rng(seed).standard_normal(count)
+    if pink:
+        spectrum = np.fft.rfft(sound) / np.sqrt(np.maximum(np.arange(count // 2 + 1), 1.0))
+        sound = np.fft.irfft(spectrum, count)
+    return np.asarray(sound / np.std(sound))
+
+
+def cut(step_db: float, *, seed: int, pink: bool = False) -> Samples:
+    """Return three seconds of noise that is louder from the first second on."""
+    film = 0.1 * noise(3.0, seed=seed, pink=pink)
+    film[:ONSET] *= 10.0 ** (-step_db / 20.0)
+    return np.asarray(film, np.float64)
+
+
+def shot(decay_s: float, *, seed: int, over_db: float = 30.0) -> Samples:
+    """Return noise that dies away over three seconds of softer noise."""
+    film = 0.1 * 10.0 ** (-over_db / 20.0) * noise(3.0, seed=seed)
+    since_s = np.arange(2 * RATE_HZ) / RATE_HZ
+    film[ONSET:] += 0.1 * noise(2.0, seed=seed + 1) * np.exp(-since_s / decay_s)
+    return np.asarray(film, np.float64)
+
+
+def is_steady(film: Samples, onset: int = ONSET) -> bool:
+    blocks = [Clip(film[:, None].astype(np.float32), RATE_HZ, 0)]
+    bands = np.concatenate([piece.bands.copy() for piece in pieces(blocks, RATE_HZ)])
+    return bool(goes_on(bands, np.array([onset], np.intp), GRID, LEAST_DB)[0])
+
+
+@pytest.mark.parametrize("step_db", [8.0, 12.0, 20.0, 40.0])
+@pytest.mark.parametrize("pink", [False, True])
+@pytest.mark.parametrize("gain", [1e-4, 1.0, 8.0])
+def test_a_cut_to_louder_sound_goes_on_at_any_level(step_db: float, pink: bool, gain: float) -> None:
+    assert all(is_steady(gain * cut(step_db, seed=seed, pink=pink)) for seed in range(6))
+
+
+@pytest.mark.parametrize("decay_s", [0.01, 0.1, 0.4, 1.0])
+@pytest.mark.parametrize("over_db", [8.0, 20.0, 40.0])
+def test_what_dies_away_does_not_go_on(decay_s: float, over_db: float) -> None:
+    assert not any(is_steady(shot(decay_s, seed=seed, over_db=over_db)) for seed in range(0, 12, 2))
+
+
+def test_a_rest_between_rounds_is_a_fall() -> None:
+    film = 0.001 * noise(3.0, seed=1)
+    for number in range(18):
+        at = ONSET + number * RATE_HZ // 10
+        film[at : at + 2_400] += 0.1 * noise(0.05, seed=number)
+    assert not is_steady(film)
+
+
+def test_what_the_film_ends_before_does_not_go_on_and_what_it_begins_with_may() -> None:
+    film = cut(20.0, seed=3)
+    assert not is_steady(film[: ONSET + RATE_HZ // 2])
+    assert is_steady(film[ONSET:], 0)
+
+
+def test_where_nothing_rises_nothing_goes_on() -> None:
+    assert not is_steady(0.1 * noise(3.0, seed=4))
+    assert not goes_on(np.zeros((0, 8), np.float32), np.array([5], np.intp), GRID, LEAST_DB).any()
+    assert not is_steady(np.zeros(3 * RATE_HZ))
+
+
+def test_scenes_that_begin_with_loud_rain_shake_no_seat_and_the_shots_in_them_do() -> None:
+    film = np.concatenate([cut(20.0, seed=seed) for seed in range(4)])
+    at = 2 * 3 * RATE_HZ + 2 * RATE_HZ  # a second after the third cut
+    since_s = np.arange(RATE_HZ) / RATE_HZ
+    blast = (1.0 - since_s / 1e-3) * np.exp(-since_s / 1e-3) + 0.5 * noise(1.0, seed=9) * np.exp(-since_s / 0.05)
+    film[at : at + RATE_HZ] += 4.0 * blast
+    blocks = [Clip((film / 8.0).astype(np.float32)[:, None], RATE_HZ, 0)]
+    found = find_shots(blocks, rate_hz=RATE_HZ, tier=RULES.tier, verifier=verifier_of(RULES.tier))
+    assert [shot.onset for shot in found.shots] == [pytest.approx(at, abs=48)]
+    cuts = [each.at_sample for each in found.rejections if "another scene" in each.reason]
+    assert cuts == [pytest.approx((3 * number + 1) * RATE_HZ, abs=240) for number in range(4)]
