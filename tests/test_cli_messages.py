@@ -9,7 +9,7 @@ import pytest
 
 from blastline import run
 from blastline.cli.progress import shown_progress
-from blastline.model import Check, Edits, Timeline, encode
+from blastline.model import Check, Edits, Rejection, Timeline, encode
 from blastline.report import CHECKS
 from blastline.timebase import parse_timebase
 from commands import Ended, blastline
@@ -79,7 +79,7 @@ def test_what_passed_is_listed_once_with_the_shots_that_were_held_to_it(monkeypa
     *passed, failed, count = blastline("check", "result").out.splitlines()
     assert passed == [
         f"passed: {CHECKS['felt_lag']} (1 shot; 1 could not be held to it)",
-        f"passed: {CHECKS['drive_shift']} (nothing to measure)",
+        f"not measured: {CHECKS['drive_shift']}",
     ]
     assert failed.startswith(f"failed: {CHECKS['peak']}: not in shot-0002")
     assert count == "checks: 4 of 5 passed"
@@ -139,6 +139,30 @@ def test_what_was_asked_of_a_drive_is_told_where_it_is_not_as_usual(monkeypatch:
     monkeypatch.setattr(run, "render", lambda *_: made)
     told = blastline("render", "film.mkv", "-o", "out").err
     assert "drive: 1 filter; phase zero; level -6 dB; the film's own sound between the shots\n" in told
+
+
+def test_what_was_nearly_a_shot_is_counted_where_nobody_has_edited(monkeypatch: pytest.MonkeyPatch) -> None:
+    refused = tuple(Rejection(at, "too unsure", {"probability": odds}) for at, odds in ((1, 0.7), (2, 0.2), (3, 0.5)))
+    made = msgspec.structs.replace(timeline(), rejections=refused)
+    monkeypatch.setattr(run, "render", lambda *_: made)
+    told = "2 shots, 1 burst, 2 more nearly taken for shots (rejections in the timeline)\n"
+    assert told in blastline("render", "film.mkv", "-o", "out").err
+    by_hand = Edits("labels.txt", kept=2, moved=0, changed=0, added=0, deleted=2)
+    monkeypatch.setattr(run, "render", lambda *_: msgspec.structs.replace(made, edits=by_hand))
+    assert "2 shots, 1 burst\n" in blastline("render", "film.mkv", "-o", "out").err
+
+
+@pytest.mark.parametrize(("peak", "told"), [(0.0126, "0.013 of the actuator's limit (-38 dB)"), (0.2, ""), (0.0, "")])
+def test_a_drive_that_hardly_moves_the_seat_is_told(monkeypatch: pytest.MonkeyPatch, peak: float, told: str) -> None:
+    events = tuple(
+        event
+        if event.drive is None
+        else msgspec.structs.replace(event, drive=msgspec.structs.replace(event.drive, peak=peak))
+        for event in timeline().events
+    )
+    monkeypatch.setattr(run, "render", lambda *_: msgspec.structs.replace(timeline(), events=events))
+    said = blastline("render", "film.mkv", "-o", "out").err
+    assert (f"note: the strongest drive peaks at {told}: --level raises it\n" in said) == bool(told)
 
 
 def test_an_edited_file_without_shots_says_so(monkeypatch: pytest.MonkeyPatch) -> None:

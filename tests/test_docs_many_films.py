@@ -15,12 +15,11 @@ PAGE = Path(__file__).parents[1] / "docs" / "many-films.md"
 MANY, TABLE = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 
 
-def ran(script: str, *arguments: Path | str, cwd: Path, **settings: str) -> str:
-    """Run a script of the page where `blastline` is found, and return what it printed."""
-    paths = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+def ran(script: str, *arguments: Path | str, cwd: Path, code: int = 0, **settings: str) -> str:
+    """Run a script of the page, which ends with an exit code, and return what it printed."""
     words = [sys.executable, "-c", script, *map(str, arguments)]
-    environment = os.environ | {"PATH": paths} | settings
-    done = subprocess.run(words, cwd=cwd, env=environment, check=True, capture_output=True, text=True, errors="replace")
+    done = subprocess.run(words, cwd=cwd, env=os.environ | settings, capture_output=True, text=True, errors="replace")
+    assert (done.returncode, done.stderr.count("\n")) == (code, code)  # a failure is one line
     return done.stdout
 
 
@@ -30,13 +29,13 @@ def test_all_films_are_rendered_once_and_the_broken_one_is_told(tmp_path: Path) 
     for name in ("one.wav", "reel/one.WAV"):
         write_film(films / name, length_s=2.5, shots_s=(1.0,))
     (films / "broken.wav").write_bytes(b"RIFF")
-    told = ran(MANY, films, results, cwd=tmp_path)
+    told = ran(MANY, films, results, cwd=tmp_path, code=1)
     assert told.startswith(f"{films / 'broken.wav'}: exit code 2\nblastline: ")
     assert told.count("\n") == 2
     done = sorted(results.rglob("timeline.json"))
     assert [file.parent for file in done] == [results / "one.wav", results / "reel" / "one.WAV"]
     before = [file.stat().st_mtime_ns for file in done]
-    assert ran(MANY, films, results, cwd=tmp_path) == told
+    assert ran(MANY, films, results, cwd=tmp_path, code=1) == told
     assert [file.stat().st_mtime_ns for file in done] == before
 
 
@@ -48,7 +47,7 @@ def test_a_film_whose_name_cannot_be_shown_stops_no_other(tmp_path: Path, encodi
     for name in (b"a\xff.wav", "b\u00fc.wav".encode(), b"c\xe2\x82\xac.wav"):
         (films / os.fsdecode(name)).write_bytes(b"RIFF")
     write_film(films / "z.wav", length_s=2.5, shots_s=(1.0,))
-    told = ran(MANY, films, tmp_path / "results", cwd=tmp_path, PYTHONIOENCODING=encoding)
+    told = ran(MANY, films, tmp_path / "results", cwd=tmp_path, code=1, PYTHONIOENCODING=encoding)
     assert told.count("exit code 2") == 3
     assert (tmp_path / "results" / "z.wav" / "timeline.json").exists()
 
@@ -64,6 +63,11 @@ def test_what_was_rendered_among_the_films_is_no_film_however_the_folders_are_na
     for _ in range(2):
         assert ran(MANY, *words, cwd=tmp_path) == ""
         assert [*tmp_path.rglob("timeline.json")] == [tmp_path / "results" / "a" / "x.wav" / "timeline.json"]
+
+
+def test_a_folder_without_films_or_results_is_told(tmp_path: Path) -> None:
+    assert ran(MANY, tmp_path / "flims", tmp_path / "results", cwd=tmp_path, code=1) == ""
+    assert ran(TABLE, tmp_path, cwd=tmp_path, code=1) == ""
 
 
 def test_films_below_the_results_are_films(tmp_path: Path) -> None:

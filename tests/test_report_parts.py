@@ -197,7 +197,7 @@ def test_frames_are_told_as_a_difference(excess: int, told: str) -> None:
         ("peak_as_rendered", "dB", 0.5, "up to 0.5 dB either way"),
         ("drive_shift", "samples", 0.5, "up to 0.5 samples either way"),
         ("felt_lag", "ms", 0.5, "up to 0.5 ms either way"),
-        ("felt_onset", "ms", 1.0, "up to 1 ms late, or that and the lead early"),
+        ("felt_onset", "ms", 1.0, "up to 1 ms late, up to that and the lead of the drive early"),
         ("drive_speed", "ratio", 1.0000087, "from 0.9999913 to 1.0000087"),
         ("drive_peak", "of the limit", 1.0, "up to 1 of the limit"),
     ],

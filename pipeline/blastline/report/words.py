@@ -13,7 +13,7 @@ from ..units import SILENCE_DB
 
 CHECKS = {
     "sample_rate": "The drive has the film's sample rate",
-    "frames": "The drive has the film's number of frames",
+    "frames": "The drive is as long as the film",
     "drive_samples": "Every sample of the drive is a number",
     "drive_peak": "The drive keeps to the actuator's limit",
     "silence_outside_windows": "Nothing moves between the shots",
@@ -155,7 +155,7 @@ def allowed(check: Check) -> str:
     if check.name in _EITHER_WAY:
         return f"up to {limit} either way"
     if check.name in _ONSETS:
-        return f"up to {limit} late, or that and the lead early"
+        return f"up to {limit} late, up to that and the lead of the drive early"
     return f"at least {limit}" if check.name in _AT_LEAST else f"up to {limit}"
 
 

@@ -23,7 +23,7 @@ from .options import RenderOptions, told_options
 from .rendering import render, require_place
 from .rulefiles import check_rules
 from .synthesis import synthesise
-from .verdicts import told_failures, told_passes
+from .verdicts import told_failures, told_passes, told_unmeasured
 
 __all__ = [
     "DRIVE",
@@ -50,5 +50,6 @@ __all__ = [
     "told_failures",
     "told_options",
     "told_passes",
+    "told_unmeasured",
     "usable_actuator",
 ]

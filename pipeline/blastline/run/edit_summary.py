@@ -61,9 +61,9 @@ def summarise_edits(
         )
     if not has_original and edited.own:
         notes.append(
-            f"no {names.TIMELINE} but the file itself, neither beside it nor with --original: it tells which shots "
-            "were moved; if any were deleted, they are still felt in a window that they shared, and if gains, ends or "
-            "confidences were changed, they hold as they stand and count as kept"
+            "nothing to compare the timeline with (--original): it tells itself which shots were moved; what was "
+            "deleted cannot be known, and is still felt where it shared a window; changed gains, ends and confidences "
+            "count as kept"
         )
         notes += _gaps(edited)
     notes += _unheeded(edited, wanted)

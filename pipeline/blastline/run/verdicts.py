@@ -35,16 +35,28 @@ def _told(check: Check, timecodes: Mapping[str, str]) -> str:
 
 
 def told_passes(timeline: Timeline) -> Iterator[str]:
-    """Yield a line for each kind of check that none failed, with how many shots it could be held against."""
+    """Yield a line for each kind of check that was held and not failed, with how many shots it was held against."""
     for checks in by_name(timeline.checks):
-        if all(check.passed for check in checks):
+        if _held(checks) and all(check.passed for check in checks):
             yield f"{claim(checks[0])}{_extent(checks)}"
 
 
+def told_unmeasured(timeline: Timeline) -> Iterator[str]:
+    """Yield a line for each kind of check that could be held against nothing."""
+    for checks in by_name(timeline.checks):
+        if not _held(checks) and all(check.passed for check in checks):
+            yield claim(checks[0])
+
+
+def _held(checks: Sequence[Check]) -> int:
+    """Return how many checks were held against a limit; one without a figure or a limit says nothing."""
+    return sum(check.measured is not None and check.limit is not None for check in checks)
+
+
 def _extent(checks: Sequence[Check]) -> str:
-    """Return how many shots checks of one kind were held against; one without a figure or a limit says nothing."""
-    held = sum(check.measured is not None and check.limit is not None for check in checks)
+    """Return how many shots checks of one kind were held against."""
     if checks[0].event is None:
-        return "" if held else " (nothing to measure)"
+        return ""
+    held = _held(checks)
     spared = f"; {len(checks) - held} could not be held to it" if held < len(checks) else ""
     return f" ({held} shot{'s' * (held != 1)}{spared})"
