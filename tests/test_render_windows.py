@@ -130,6 +130,18 @@ def test_a_fade_out_that_somebody_has_set_takes_at_most_half_of_what_is_left_of_
     assert planned.window == Window(94, 300 + after, 5, min(40, max(after - sounding, after // 2)))
 
 
+def test_no_fade_out_begins_on_an_onset_of_a_shot_without_length() -> None:
+    (window,) = windows(shots((100, 300), (338, 338)))
+    assert window.stop - window.fade_out_samples > 338
+
+
+@pytest.mark.parametrize("fades", [(10, 30), (30, 10)])
+def test_of_two_windows_that_end_together_the_shorter_fade_holds(fades: tuple[int, int]) -> None:
+    given = {index: Window(94 + 20 * index, 500, 5, fade) for index, fade in enumerate(fades)}
+    (planned,) = plan_windows(shots((100, 200), (120, 220)), frames=1000, rate_hz=RATE_HZ, rules=RULES, given=given)
+    assert planned.window == Window(94, 500, 5, 10)
+
+
 def test_a_battle_without_a_pause_is_one_window() -> None:
     fire = shots(*((100 * number, 100 * number + 400) for number in range(8000)))
     (battle,) = plan_windows(fire, frames=801_000, rate_hz=RATE_HZ, rules=RULES)

@@ -59,7 +59,7 @@ def plan_windows(
     for index, shot in enumerate(shots):
         if not 0 <= shot.onset < frames:
             raise ValueError(f"shot {index} begins at sample {shot.onset}, outside the film's {frames} frames")
-        sounding = Span(shot.onset, min(max(shot.span.stop, shot.onset + 1), frames))
+        sounding = Span(shot.onset, min(_over_at(shot), frames))
         window = given.get(index) or _around(sounding, frames=frames, rate_hz=rate_hz, rules=rules)
         own.append(_OwnWindow(window, shot, index))
     own.sort(key=lambda each: (each.window.start, each.shot.onset, each.index))
@@ -86,7 +86,7 @@ def window_between(
     The fades are inside and shrink to the room there is before the onset, and to half of it after: the attack is the
     shot, and a window shorter than a fade keeps it. Raises ValueError where the onset is not inside.
     """
-    sounding = Span(shot.onset, min(max(shot.span.stop, shot.onset + 1), frames))
+    sounding = Span(shot.onset, min(_over_at(shot), frames))
     own = _around(sounding, frames=frames, rate_hz=rate_hz, rules=rules)
     begin, end = own.start if start is None else start, own.stop if stop is None else stop
     if not begin <= shot.onset < end <= frames:
@@ -120,10 +120,10 @@ def _joined(group: Sequence[_OwnWindow]) -> PlannedWindow:
     """
     window, shot = group[0].window, group[0].shot
     first = latest = shot.onset
-    sounding = shot.span.stop
+    sounding = _over_at(shot)
     for other in group[1:]:
         first, latest = min(first, other.shot.onset), max(latest, other.shot.onset)
-        sounding = max(sounding, other.shot.span.stop)
+        sounding = max(sounding, _over_at(other.shot))
         last = max(window, other.window, key=lambda w: (w.stop, -w.fade_out_samples))
         window = Window(
             window.start,
@@ -133,6 +133,11 @@ def _joined(group: Sequence[_OwnWindow]) -> PlannedWindow:
         )
     in_time = sorted(group, key=lambda each: (each.shot.onset, each.index))
     return PlannedWindow(window, tuple(each.index for each in in_time))
+
+
+def _over_at(shot: Shot) -> int:
+    """Return the sample at which a shot is over; one that has no length sounds on its onset."""
+    return max(shot.span.stop, shot.onset + 1)
 
 
 def _around(sounding: Span, *, frames: int, rate_hz: int, rules: WindowRules) -> Window:
