@@ -131,8 +131,9 @@ def test_a_fade_out_that_somebody_has_set_takes_at_most_half_of_what_is_left_of_
 
 
 def test_no_fade_out_begins_on_an_onset_of_a_shot_without_length() -> None:
-    (window,) = windows(shots((100, 300), (338, 338)))
-    assert window.stop - window.fade_out_samples > 338
+    given = {1: Window(332, 339, 5, 0)}
+    found = plan_windows(shots((100, 300), (338, 338)), frames=1000, rate_hz=RATE_HZ, rules=RULES, given=given)
+    assert [(each.window.stop, each.window.fade_out_samples) for each in found] == [(340, 1)]
 
 
 @pytest.mark.parametrize("fades", [(10, 30), (30, 10)])
