@@ -127,8 +127,14 @@ def test_a_nut_from_a_pipe_has_no_index_to_lack(tmp_path: Path) -> None:
     assert read(path)[1].warnings == ()
 
 
-def test_a_film_cut_before_its_index_is_refused(tmp_path: Path) -> None:
-    path = write_media(tmp_path / "film.mp4", [impulses(FRAMES, SHOTS)], codec="aac")
-    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+@pytest.mark.parametrize("extension", ["mp4", "mov"])
+def test_a_film_cut_before_its_index_is_refused(tmp_path: Path, extension: str) -> None:
+    path = write_media(tmp_path / f"film.{extension}", [impulses(FRAMES, SHOTS)], codec="aac")
+    whole = path.read_bytes()
+    for kept in (len(whole) // 2, 60):
+        path.write_bytes(whole[:kept])
+        with pytest.raises(SoundtrackError, match=r"film\.\w+: breaks off before its index \(moov\), without which"):
+            open_soundtrack(path)
+    path.write_bytes(b"\0" * 4_000)
     with pytest.raises(SoundtrackError, match="is not a sound file or film that can be read"):
         open_soundtrack(path)

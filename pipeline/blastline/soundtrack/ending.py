@@ -39,6 +39,8 @@ _SYNCPOINT, _INDEX = b"NK\xe4\xad\xee\xca\x45\x69", b"NX\xdd\x67\x2f\x23\xe6\x4e
 _SYNCPOINTS_APART_BYTES = 1 << 20
 """How far apart syncpoints of a NUT file are at most, with a frame that is longer than usual."""
 
+_FIRST_BOXES = (b"ftyp", b"wide", b"free", b"skip")
+
 _ODD_BYTES = 16
 """Some programs count the head of a chunk as a part of it."""
 
@@ -56,6 +58,23 @@ def stops_early(path: Path, container_format: str) -> bool:
     if container_format == "nut":
         return _lacks_its_index(path)
     return container_format == "avi" and _is_cut_avi(path)
+
+
+def ends_before_its_index(path: Path) -> bool:
+    """Return whether a file begins as an MP4 or QuickTime film, but lacks its `moov`, which comes last in most."""
+    file_bytes, place = path.stat().st_size, 0
+    with path.open("rb") as file:
+        while place < file_bytes:
+            file.seek(place)
+            head = file.read(16)
+            size, name = int.from_bytes(head[:4], "big"), head[4:8]
+            if name == b"moov" or (place == 0 and name not in _FIRST_BOXES):
+                return False
+            size = int.from_bytes(head[8:], "big") if size == 1 else size
+            if size < 8:
+                break
+            place += size
+    return place > 0
 
 
 def _tail(path: Path, count: int) -> bytes:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..errors import SoundtrackError
 from .chunks import ChunkTable, overflow_warning
 from .decode import Tally, check_sums, decoded, packed
-from .ending import stops_early
+from .ending import ends_before_its_index, stops_early
 from .facts import UNSTAMPED, film_facts, header_frames, origin_of, sound_streams
 from .placement import Placement, origin_by_others
 from .probe import opened, picture_warnings, told_start
@@ -182,6 +182,8 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None
         is_open = table is not None and table.is_wave and (table.goes_on or table.data_bytes == 0)
         container = opened(path, {"ignore_length": "1"} if is_open else {})
     except FFmpegError as error:
+        if ends_before_its_index(path):
+            raise SoundtrackError("breaks off before its index (moov), without which it cannot be read") from error
         raise SoundtrackError(f"is not a sound file or film that can be read: {error.strerror}") from error
     try:
         if container.format.name in _PLAYLISTS:

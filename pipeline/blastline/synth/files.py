@@ -1,5 +1,6 @@
 """A scene written to a folder: its sound as WAV, its truth as JSON."""
 
+import shutil
 from pathlib import Path
 
 from ..errors import OutputError
@@ -62,7 +63,10 @@ def write_scene(scene: Scene, folder: Path) -> Truth:
                 shots += audio.shot_truths(span)
                 negatives += audio.negative_truths(span)
     except soundfile.SoundFileError as error:
-        raise OutputError(f"{wav}: cannot write the sound: {error}") from error
+        left = shutil.disk_usage(folder).free
+        raise OutputError(
+            f"{wav}: cannot write the sound: it takes {bytes_long} bytes, {left} are left on the disk ({error})"
+        ) from error
     truth = _truth(audio, shots, negatives)
     (folder / f"{scene.name}.truth.json").write_bytes(encode_truth(truth))
     return truth
