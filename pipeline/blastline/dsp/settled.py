@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .digital import run_filter
 
 _BLOCK = 1024
-_SILENT = 16  # so many zeros, or equal samples, are no chance
+_SILENT = 16  # so many zeros are no chance
 _LEVEL_BLOCK_S, _FEWEST_BLOCKS = 0.05, 5
 _CLEAR = 4.0  # a constant is this many times what the means of blocks differ by; less is lost in the film's own start
 
@@ -70,14 +70,13 @@ def settled_state(settling: Settling, before: NDArray[np.float64]) -> NDArray[np
 
 
 def opening_level(samples: NDArray[np.floating], rate_hz: int) -> float:
-    """Return what a film stands on, of its first `OPENING_S`: the level that it begins at, else that of most blocks.
+    """Return what a film stands on, of its first `OPENING_S`: the median of the means of blocks of 50 ms.
 
-    A shot is over in a few blocks of 50 ms, and hardly moves the median of their means. Where those differ by as much,
-    and in less than five, sound cannot be told from a constant: then the film stands on 0.
+    A shot is over in a few blocks, and hardly moves it. A film that begins in silence stands on 0; so does one where
+    those means differ by as much, and one of less than five blocks: there, sound cannot be told from a constant.
     """
-    first = samples[:_SILENT]
-    if len(first) and np.all(first == first[0]):
-        return float(first[0])
+    if not samples[:_SILENT].any():
+        return 0.0
     block = max(1, round(_LEVEL_BLOCK_S * rate_hz))
     opening = samples[: min(len(samples), round(OPENING_S * rate_hz)) // block * block]
     means = opening.reshape(-1, block).mean(axis=1, dtype=np.float64)
