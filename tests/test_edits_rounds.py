@@ -212,5 +212,5 @@ def test_a_json_without_its_original_says_that_deletions_cannot_be_told(
     plain["events"] = [event for index, event in enumerate(plain["events"]) if index != gone]
     (tmp_path / "alone.json").write_text(json.dumps(plain))
     told = rendered(film, tmp_path / "alone.json", tmp_path / "out")
-    assert "if any were deleted, they are still felt" in told
+    assert "what was deleted cannot be known, and is still felt" in told
     assert ("missing in its burst: shot 1.2; give the original" in told) == said

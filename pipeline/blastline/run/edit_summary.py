@@ -63,7 +63,7 @@ def summarise_edits(
         notes.append(
             "nothing to compare the timeline with (--original): it tells itself which shots were moved; what was "
             "deleted cannot be known, and is still felt where it shared a window; changed gains, ends and confidences "
-            "count as kept"
+            "hold as they stand, and count as kept"
         )
         notes += _gaps(edited)
     notes += _unheeded(edited, wanted)
