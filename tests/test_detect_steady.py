@@ -1,5 +1,6 @@
 """What goes on as loud as it begins is a cut to another scene; what falls in some time may be a shot."""
 
+import msgspec
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -74,6 +75,37 @@ def test_what_the_film_ends_before_does_not_go_on_and_what_it_begins_with_may() 
     film = cut(20.0, seed=3)
     assert not is_steady(film[: ONSET + RATE_HZ // 2])
     assert is_steady(film[ONSET:], 0)
+
+
+def test_before_the_film_and_after_it_is_silence() -> None:
+    level = np.ones((600, 8), np.float32)  # 2 ms each
+    assert goes_on(level, np.array([0, 100 * GRID.hop]), GRID, LEAST_DB).tolist() == [True, False]
+    level[:50] = 0.0
+    onsets = np.array([50 * GRID.hop])
+    assert goes_on(level, onsets, GRID, LEAST_DB).tolist() == [True]
+    assert goes_on(level[:540], onsets, GRID, LEAST_DB).tolist() == [False]
+
+
+def test_a_bang_on_the_cut_is_kept() -> None:
+    film = cut(20.0, seed=5)
+    film[ONSET : ONSET + RATE_HZ // 20] *= 2.0
+    assert not is_steady(film)
+
+
+def test_rounds_of_even_fire_that_hardly_fall_are_followed() -> None:
+    """A minigun in a hall: its rounds are judged as a row."""
+    asked = dict.fromkeys(("report_from", "round_threshold", "even_threshold", "even_networks_threshold"), 0.0)
+    verify = msgspec.structs.replace(RULES.tier.verify, look_from=0.0, row_from=0.0, gate_from=0.0, **asked)
+    tier = msgspec.structs.replace(RULES.tier, verify=verify)
+    film = 0.001 * noise(4.0, seed=6)
+    onsets = [ONSET + number * RATE_HZ // 12 for number in range(24)]
+    film[ONSET : ONSET + 2 * RATE_HZ] += 0.05 * noise(2.0, seed=7)
+    for at in onsets:
+        film[at : at + 4_000] += 0.07 * noise(0.1, seed=at)[:4_000] * np.exp(-np.arange(4_000) / 900.0)
+    blocks = [Clip(film.astype(np.float32)[:, None], RATE_HZ, 0)]
+    found = find_shots(blocks, rate_hz=RATE_HZ, tier=tier, verifier=verifier_of(tier))
+    assert is_steady(film)
+    assert len(found.shots) >= 12
 
 
 def test_where_nothing_rises_nothing_goes_on() -> None:

@@ -30,8 +30,7 @@ def goes_on(
     risen = attack - before >= _RISEN_DB
     later = _levels_db(bands, onsets, grid, _ATTACK_MS[1], _GOES_ON_MS, _FRAME_MS)
     falls_db = np.where(risen[:, None], attack[:, None] - later, 0.0).sum(axis=2)
-    count = np.count_nonzero(risen, axis=1)
-    return np.asarray((count > 0) & (falls_db.max(axis=1) < least_fall_db * count))
+    return np.asarray(falls_db.max(axis=1) < least_fall_db * np.count_nonzero(risen, axis=1))
 
 
 def _levels_db(
