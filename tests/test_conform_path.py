@@ -51,14 +51,21 @@ def test_a_stretch_reaches_from_one_end_of_the_film_to_the_other(length_s: float
     assert (course.segment.start_s, course.segment.stop_s) == pytest.approx((0.0, len(old) / RATE_HZ), abs=1e-4)
 
 
-@pytest.mark.parametrize("left_s", [0.012, 0.3])
+@pytest.mark.parametrize("left_s", [0.005, 0.01, 0.015, 0.3])
 def test_a_stretch_ends_where_the_last_moments_of_a_film_are_others(left_s: float) -> None:
-    old = film(20.0, (3.0, 15.0), seed=25)
+    old = film(20.013, (3.0, 15.0), seed=25)
     new = old.copy()
     new[-round(left_s * RATE_HZ) :] = 0.3 * np.random.default_rng(26).normal(size=round(left_s * RATE_HZ))
     [course] = courses(heard(old), heard(new))
-    assert course.segment.stop_s == pytest.approx(20.0 - left_s, abs=0.02)
-    assert course.segment.stop_s < 20.0
+    assert course.segment.stop_s == pytest.approx(20.013 - left_s, abs=0.02)
+    assert course.segment.stop_s < 20.013
+
+
+@pytest.mark.parametrize("early_s", [2.0, 3.0137, 4.0251])
+def test_a_stretch_begins_where_the_new_film_does(early_s: float) -> None:
+    old = film(20.0, (6.0, 15.0), seed=27)
+    [course] = courses(heard(old), heard(old[round(early_s * RATE_HZ) :]))
+    assert course.segment.start_s == pytest.approx(early_s, abs=1e-4)
 
 
 def test_the_same_film_is_one_segment() -> None:

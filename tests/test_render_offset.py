@@ -55,6 +55,8 @@ def test_a_constant_changes_nothing_where_a_film_begins(
 def test_a_boom_that_a_short_film_begins_with_is_no_constant() -> None:
     boom = np.sin(2.0 * np.pi * 4.0 * np.arange(RATE_HZ // 5) / RATE_HZ + 0.1)
     assert dsp.opening_level(boom, RATE_HZ) == 0.0
+    hum = 0.25 + 1e-3 * np.random.default_rng(5).standard_normal(RATE_HZ // 5)
+    assert dsp.opening_level(hum, RATE_HZ) == 0.0
     quiet = np.concatenate([np.zeros(16), np.full(RATE_HZ, 0.25)])
     assert dsp.opening_level(quiet, RATE_HZ) == 0.0
     assert dsp.opening_level(np.zeros(0), RATE_HZ) == 0.0

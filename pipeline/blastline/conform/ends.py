@@ -69,22 +69,23 @@ def _edges(course: Course, old: Film, new: Film) -> tuple[float, float]:
         return segment.start_s, segment.stop_s
     way_up = _way_up(course, segment.start_s, old, new)
     low_s, high_s = max(0.0, segment.start_s - _EDGE_S), min(segment.start_s + _EDGE_S, segment.stop_s)
-    start_s = _alike_until(course, high_s, low_s, old, new, way_up=way_up)
-    start_s = _to_end_of_film(course, start_s, max(0.0, segment.line.back(0.0)), old, new, way_up=way_up)
+    first_s = max(0.0, segment.line.back(0.0))
+    start_s = max(first_s, _alike_until(course, high_s, low_s, old, new, way_up=way_up))
+    start_s = _to_end_of_film(course, start_s, first_s, old, new, way_up=way_up)
     way_up = _way_up(course, segment.stop_s, old, new)
     low_s, high_s = max(segment.stop_s - _EDGE_S, start_s), min(old.duration_s, segment.stop_s + _EDGE_S)
-    stop_s = _alike_until(course, low_s, high_s, old, new, way_up=way_up)
     last_s = min(old.duration_s, segment.line.back(new.duration_s))
+    stop_s = min(last_s, _alike_until(course, low_s, high_s, old, new, way_up=way_up))
     return start_s, _to_end_of_film(course, stop_s, last_s, old, new, way_up=way_up)
 
 
 def _alike_until(course: Course, from_s: float, to_s: float, old: Film, new: Film, *, way_up: float) -> float:
     """Return up to which moment, from one on towards another, the films are alike along a course."""
-    low_s, high_s = sorted((from_s, to_s))
-    gain = _gain(course, low_s, high_s, old, new, way_up=way_up)
+    reach_s = _block_count(abs(to_s - from_s)) * _BLOCK_S  # whole blocks, laid from where the films are alike
     if to_s < from_s:
+        gain = _gain(course, from_s - reach_s, from_s, old, new, way_up=way_up)
         return from_s - _best_count(gain[::-1]) * _BLOCK_S
-    return from_s + _best_count(gain) * _BLOCK_S
+    return from_s + _best_count(_gain(course, from_s, from_s + reach_s, old, new, way_up=way_up)) * _BLOCK_S
 
 
 def _to_end_of_film(course: Course, end_s: float, film_s: float, old: Film, new: Film, *, way_up: float) -> float:
@@ -140,8 +141,13 @@ def _likeness(course: Course, low_s: float, high_s: float, old: Film, new: Film)
 
     It is negative where the new film is upside down.
     """
-    count = int((high_s - low_s) / _BLOCK_S)
+    count = _block_count(high_s - low_s)
     return _likeness_of(course, low_s, count * _BLOCK_S, count, old, new)
+
+
+def _block_count(length_s: float) -> int:
+    """Return how many whole blocks a length holds; one that lacks no more than a rounding is whole."""
+    return int(length_s / _BLOCK_S + 1e-6)
 
 
 def _likeness_of(
