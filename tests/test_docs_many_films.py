@@ -40,7 +40,7 @@ def test_all_films_are_rendered_once_and_the_broken_one_is_told(tmp_path: Path) 
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere every name is a text")
-@pytest.mark.parametrize("encoding", ["utf-8:strict", "latin-1", "ascii"])
+@pytest.mark.parametrize("encoding", ["utf-8:strict", "ascii"])
 def test_a_film_whose_name_cannot_be_shown_stops_no_other(tmp_path: Path, encoding: str) -> None:
     films = tmp_path / "films"
     films.mkdir()

@@ -36,8 +36,8 @@ def test_a_constant_under_the_film_changes_nothing_of_its_drive(rate_hz: int, mo
 
 @pytest.mark.parametrize("model", ["filter", "constrained"])
 @pytest.mark.parametrize("phase", ["causal", "zero"])
-@pytest.mark.parametrize("onset_s", [0.0, 0.02, 0.1, 0.4])
-@pytest.mark.parametrize("bed", [0.0, 1e-4, 0.02])
+@pytest.mark.parametrize("onset_s", [0.0, 0.02, 0.1])
+@pytest.mark.parametrize("bed", [0.0, 0.02])
 def test_a_constant_changes_nothing_where_a_film_begins(
     model: DriveModel, phase: Phase, onset_s: float, bed: float
 ) -> None:

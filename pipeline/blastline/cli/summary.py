@@ -5,11 +5,9 @@ from pathlib import Path
 import typer
 
 from ..model import Edits, Timeline
-from ..units import db_from_gain
 
 FAILED_CHECK = 1
 _NEARLY = 0.5  # as likely a shot as not
-_FAINT = 0.1  # of the limit: 20 dB beneath the strongest that the seat can do
 
 
 def say_summary(timeline: Timeline, results: Path) -> None:
@@ -23,7 +21,8 @@ def say_summary(timeline: Timeline, results: Path) -> None:
     if models:
         driven = ", ".join(f"{models.count(model)} {model}" for model in sorted(set(models)))
         typer.echo("; ".join([f"drive: {driven}", *run.told_options(timeline)]), err=True)
-        _say_faint(timeline)
+        for line in run.told_faintness(timeline):
+            typer.echo(f"note: {line}", err=True)
     typer.echo(f"results: {results}", err=True)
 
 
@@ -37,14 +36,6 @@ def say_found(timeline: Timeline) -> None:
             f"{nearly} more nearly taken for {'a shot' if nearly == 1 else 'shots'} (rejections in the timeline)"
         )
     typer.echo(", ".join(told), err=True)
-
-
-def _say_faint(timeline: Timeline) -> None:
-    """Say where even the strongest drive is so weak that the seat will hardly be felt."""
-    strongest = max(event.drive.peak for event in timeline.events if event.drive is not None)
-    if 0.0 < strongest < _FAINT:
-        at_db = f"{strongest:.2g} of the actuator's limit ({db_from_gain(strongest):.0f} dB)"
-        typer.echo(f"note: the strongest drive peaks at {at_db}: --level raises it", err=True)
 
 
 def say_warnings(timeline: Timeline) -> None:

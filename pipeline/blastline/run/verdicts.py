@@ -4,9 +4,13 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from ..model import Check, Timeline
 from ..report import allowed, by_name, claim, measured
+from ..units import db_from_gain
 
 MOST_TOLD = 10
 """So many failures of one kind are told one by one: the wrong drive fails for every shot of a film."""
+
+
+_FAINT = 0.1  # of the limit: 20 dB beneath the strongest that the seat can do
 
 
 def told_failures(timeline: Timeline) -> Iterator[str]:
@@ -32,6 +36,14 @@ def _told(check: Check, timecodes: Mapping[str, str]) -> str:
         where = f"not in {check.event}{at}, "
     limit = f" ({allowed(check)})" if check.limit is not None else ""
     return f"{claim(check)}: {where}{measured(check)}{limit}"
+
+
+def told_faintness(timeline: Timeline) -> Iterator[str]:
+    """Yield a line where even the strongest drive will hardly be felt; no check fails there."""
+    strongest = max((event.drive.peak for event in timeline.events if event.drive is not None), default=0.0)
+    if 0.0 < strongest < _FAINT:
+        at_db = f"{strongest:.2g} of the actuator's limit ({db_from_gain(strongest):.0f} dB)"
+        yield f"the strongest drive peaks at {at_db}: --level raises it"
 
 
 def told_passes(timeline: Timeline) -> Iterator[str]:
