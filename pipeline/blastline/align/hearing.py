@@ -153,8 +153,8 @@ def _centred(shared: Comparison, event: Event, audio: Samples, span: Span) -> Sa
     if span.start > 0:
         film = dsp.without_offset(film, shared.settle)
     else:
-        first = Span(0, min(round(dsp.OPENING_S * shared.rate_hz), shared.audio.frames))
-        film = film - dsp.opening_level(read_padded(shared.audio, first, event.made_of), shared.rate_hz)
+        opening = Span(0, dsp.opening_frames(shared.audio.frames, shared.rate_hz))
+        film = film - dsp.opening_level(read_padded(shared.audio, opening, event.made_of), shared.rate_hz)
     return np.concatenate([audio[:begun], film, audio[ended:]])
 
 

@@ -120,7 +120,7 @@ def _apart(one: Course, other: Course, old: Film, new: Film, *, in_old: bool) ->
     """Return two courses that follow each other in a film, parted where together they are most alike."""
     first, second = one.segment, other.segment
     low_s, high_s = (second.start_s, first.stop_s) if in_old else (second.new_span_s[0], first.new_span_s[1])
-    count = int((high_s - low_s) / _BLOCK_S)
+    count = _block_count(high_s - low_s)
     if count < 1 or one.keeps_pitch or other.keeps_pitch:
         return one, other
     sides = []

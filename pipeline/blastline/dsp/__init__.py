@@ -4,10 +4,9 @@ from .analogue import Analogue, band, butterworth, compensator, felt_response, h
 from .digital import discretise, run_filter
 from .fades import cross_fade, fade
 from .phase import band_sections, compensator_sections, run_backwards, run_both_ways
-from .settled import OPENING_S, Settling, opening_level, settled_state, settling, without_offset
+from .settled import Settling, opening_frames, opening_level, settled_state, settling, without_offset
 
 __all__ = [
-    "OPENING_S",
     "Analogue",
     "Settling",
     "band",
@@ -21,6 +20,7 @@ __all__ = [
     "felt_response",
     "half_band",
     "inverse",
+    "opening_frames",
     "opening_level",
     "run_backwards",
     "run_both_ways",

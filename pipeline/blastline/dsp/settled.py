@@ -17,9 +17,7 @@ _BLOCK = 1024
 _SILENT = 16  # so many zeros are no chance
 _LEVEL_BLOCK_S, _FEWEST_BLOCKS = 0.05, 5
 _CLEAR = 4.0  # a constant is this many times what the means of blocks differ by; less is lost in the film's own start
-
-OPENING_S = 1.0
-"""How much of a film's beginning tells what it stands on where nothing before a window does."""
+_OPENING_S = 1.0
 
 _AT_ONCE = 60_000  # products in a matrix product: larger ones start threads, which cost more than they save
 
@@ -69,17 +67,21 @@ def settled_state(settling: Settling, before: NDArray[np.float64]) -> NDArray[np
     return np.asarray(state.reshape(-1, 2), dtype=np.float64)
 
 
-def opening_level(samples: NDArray[np.floating], rate_hz: int) -> float:
-    """Return what a film stands on, of its first `OPENING_S`: the median of the means of blocks of 50 ms.
+def opening_frames(frames: int, rate_hz: int) -> int:
+    """Return how much of a film's beginning tells what it stands on, where nothing before a window does."""
+    return min(frames, round(_OPENING_S * rate_hz))
+
+
+def opening_level(opening: NDArray[np.floating], rate_hz: int) -> float:
+    """Return what a film stands on, of its first `opening_frames`: the median of the means of blocks of 50 ms.
 
     A shot is over in a few blocks, and hardly moves it. A film that begins in silence stands on 0; so does one where
     those means differ by as much, and one of less than five blocks: there, sound cannot be told from a constant.
     """
-    if not samples[:_SILENT].any():
+    if not opening[:_SILENT].any():
         return 0.0
     block = max(1, round(_LEVEL_BLOCK_S * rate_hz))
-    opening = samples[: min(len(samples), round(OPENING_S * rate_hz)) // block * block]
-    means = opening.reshape(-1, block).mean(axis=1, dtype=np.float64)
+    means = opening[: len(opening) // block * block].reshape(-1, block).mean(axis=1, dtype=np.float64)
     if len(means) < _FEWEST_BLOCKS:
         return 0.0
     level = float(np.median(means))

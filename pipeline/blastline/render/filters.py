@@ -92,8 +92,8 @@ def needed_audio(planned: PlannedWindow, *, frames: int, filters: DriveFilters, 
     film, the opening that tells what the film stands on.
     """
     filtered = filtered_audio(planned, frames=frames, filters=filters, rules=rules)
-    opening = round(dsp.OPENING_S * filters.rate_hz) if filtered.start == 0 else 0
-    return Span(filtered.start, max(filtered.stop, min(frames, opening)))
+    opening = dsp.opening_frames(frames, filters.rate_hz) if filtered.start == 0 else 0
+    return Span(filtered.start, max(filtered.stop, opening))
 
 
 def filtered_audio(planned: PlannedWindow, *, frames: int, filters: DriveFilters, rules: RenderRules) -> Span:

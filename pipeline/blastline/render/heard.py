@@ -67,7 +67,7 @@ def hear_window(
 
 def _opening_level(audio: Clip, made_of: MadeOf) -> float:
     """Return what a film stands on, of audio that begins with it: a film begins at rest, at its own level."""
-    opening = Span(0, min(round(dsp.OPENING_S * audio.rate_hz), audio.span.stop))
+    opening = Span(0, dsp.opening_frames(audio.span.stop, audio.rate_hz))
     return dsp.opening_level(audio.slice(opening).driving_of(made_of), audio.rate_hz)
 
 

@@ -180,7 +180,9 @@ def _conformed(
 
 def _plans(rules: Rules) -> list[WindowRules]:
     """Return the rules that may have planned the old windows: those given, and the built-in ones."""
-    return [rules.tier.windows] + [load_rules(rules.quality).tier.windows] * (rules.overlay is not None)
+    if rules.overlay is None:
+        return [rules.tier.windows]
+    return [rules.tier.windows, load_rules(rules.quality).tier.windows]
 
 
 def _are_alike(one: Soundtrack, other: Soundtrack) -> bool:
