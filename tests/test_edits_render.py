@@ -134,9 +134,11 @@ def test_no_events_are_a_silent_drive_and_said(tmp_path: Path, film: Path, resul
     assert drive.size == FRAMES
     assert not np.any(drive)
     assert "edits: edited.csv: 4 deleted" in ended.err
-    assert "note: no events: the drive is silent" in ended.err
+    assert "warning: edited.csv: no events: the drive is silent" in ended.err
     (tmp_path / "labels.txt").write_bytes(b"")
-    assert rendered(film, tmp_path / "labels.txt")[1].events == ()
+    ended, after, _ = rendered(film, tmp_path / "labels.txt", "--quiet")
+    assert after.events == ()
+    assert ended.err == "warning: labels.txt: no events: the drive is silent\n"
 
 
 def test_the_edited_result_passes_its_checks_again_and_shows_in_its_report(

@@ -142,6 +142,34 @@ def test_more_iterations_are_never_worse(peak: float) -> None:
     assert np.all(np.diff(values) <= 1e-12 * abs(values[-1]))
 
 
+def textbook_fista(matrix: Samples, whole: Samples, *, iterations: int) -> Samples:
+    """Return the best point of Beck and Teboulle's FISTA over |u| <= 1, begun anew whenever the objective rises."""
+    lipschitz = full_problem(whole, IMPULSE, frames=matrix.shape[1]).lipschitz
+    best = y = np.zeros(matrix.shape[1])
+    t, lowest = 1.0, 0.5 * float(np.sum(whole**2))
+    for _ in range(iterations):
+        step = np.clip(y - matrix.T @ (matrix @ y - whole) / lipschitz, -1.0, 1.0)
+        objective = 0.5 * float(np.sum((matrix @ step - whole) ** 2))
+        if objective > lowest:
+            y, t = best, 1.0
+            continue
+        t_next = (1.0 + np.sqrt(1.0 + 4.0 * t * t)) / 2.0
+        y, t = step + (t - 1.0) / t_next * (step - best), t_next
+        best, lowest = step, objective
+    return best
+
+
+@pytest.mark.parametrize("iterations", [3, 21, 60, 450])
+def test_iterates_are_those_of_the_textbook(iterations: int) -> None:
+    frames = 240
+    target = blast_target(frames, peak=3.0)  # it begins anew after 21
+    matrix = convolution(IMPULSE, frames)
+    whole = np.concatenate([target, np.zeros(len(matrix) - frames)])
+    problem = full_problem(target, IMPULSE, frames=frames)
+    found = restarted_fista(problem, problem.at(np.zeros(frames)), iterations=iterations, tolerance=0.0).drive
+    np.testing.assert_allclose(found, textbook_fista(matrix, whole, iterations=iterations), atol=1e-6)
+
+
 def test_tolerance_stops_early_and_near_the_minimum() -> None:
     target, warm = shot_target(KINDS[0])
     problem = full_problem(target, CAUSAL.impulse, frames=len(target))

@@ -166,6 +166,16 @@ def test_a_constant_does_not_change_what_a_window_is_made_of(onset: int, constan
         assert choose_made_of(clip, [clip.start + onset]) == expected
 
 
+@pytest.mark.parametrize("onset", [192, 320, 500, 960, 12_000])
+def test_a_hum_does_not_change_what_a_window_is_made_of(onset: int) -> None:
+    """However little of the film is before the shot to tell by how much is the hum's."""
+    hum = 0.4 * np.sin(2.0 * np.pi * 500.0 * np.arange(48_000) / RATE_HZ)
+    swing = shots_at([onset])
+    for right, expected in ((-swing, "sides"), (swing, "mains")):
+        clip = clip_of(hum + swing, hum + right)
+        assert choose_made_of(clip, [clip.start + onset]) == expected
+
+
 def test_a_shot_that_is_wide_keeps_the_body_that_the_mains_hold() -> None:
     """Its highs are in antiphase, and loud; what is felt is its lows, and these are in the middle."""
     body = shots_at([12_000])

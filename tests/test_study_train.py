@@ -33,9 +33,11 @@ def model(work: Path) -> ModelFile:
 
 
 def test_what_is_learnt_of_some_minutes_is_worth_something_in_others(model: ModelFile) -> None:
-    by_screen, by_all = model.training["held_out"]["plain"]["f1_by_networks"]
-    assert by_screen > 0.5
-    assert by_all > 0.5
+    """One candidate in eighteen is a shot: who believes them all has an F1 of .1."""
+    believing_all = 2.0 / (1.0 + model.training["candidates"] / model.training["shots"])
+    assert believing_all < 0.12
+    for f1 in model.training["held_out"]["plain"]["f1_by_networks"]:
+        assert f1 > 3.5 * believing_all
 
 
 def test_the_same_lessons_teach_the_same(model: ModelFile, work: Path) -> None:

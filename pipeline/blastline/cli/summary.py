@@ -39,9 +39,14 @@ def say_found(timeline: Timeline) -> None:
 
 
 def say_warnings(timeline: Timeline) -> None:
-    """Say on stderr what of the film was damaged and how it was mended; it is no progress, so quiet hides nothing."""
+    """Say on stderr what of the film was damaged and how it was mended; it is no progress, so quiet hides nothing.
+
+    An edited file without events may be meant, or a copy that failed.
+    """
     for warning in timeline.source.warnings:
         typer.echo(f"warning: {warning}", err=True)
+    if timeline.edits is not None and not timeline.events:
+        typer.echo(f"warning: {timeline.edits.file}: no events: the drive is silent", err=True)
 
 
 def _say_edits(edits: Edits) -> None:

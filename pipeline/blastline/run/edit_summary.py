@@ -69,8 +69,6 @@ def summarise_edits(
     notes += _unheeded(edited, wanted)
     starts, stops = _overruled(wanted.wishes, windows)
     notes += _overruled_ends(starts, stops)
-    if not wanted.wishes:
-        notes.append("no events: the drive is silent")
     told = {edit.place for edit in edited.edits if edit.blast_start is not None}
     known = has_original or bool(edited.own)
     used = [_as_used(wish, starts, stops) for wish in wanted.wishes]
