@@ -309,6 +309,21 @@ def test_a_network_for_other_spectrograms_is_refused_by_its_number(tmp_path: Pat
     assert len(load_verifier(path, networks=1).networks) == 1  # what is not asked is not read
 
 
+def test_a_model_is_read_again_when_its_file_has_changed_and_only_then(tmp_path: Path) -> None:
+    shipped = msgspec.json.decode(verifier_path(RULES.tier).read_bytes(), type=ModelFile)
+    path = tmp_path / "model.json"
+    path.write_bytes(msgspec.json.encode(shipped))
+    before = load_verifier(path, networks=1)
+    assert load_verifier(path, networks=1) is before
+    assert len(load_verifier(path, networks=2).networks) == 2
+    severe = msgspec.structs.replace(shipped.gate, threshold=0.5)
+    path.write_bytes(msgspec.json.encode(msgspec.structs.replace(shipped, gate=severe)))
+    assert load_verifier(path, networks=1).gate.threshold == 0.5
+    path.unlink()
+    with pytest.raises(RuleError, match=r"model\.json: not a verifier model"):
+        load_verifier(path, networks=1)
+
+
 def test_a_tier_that_asks_for_more_networks_than_there_are_is_refused() -> None:
     path = verifier_path(RULES.tier)
     with pytest.raises(RuleError, match=r"networks: expected at least 99, as \[verify\] asks, got \d"):

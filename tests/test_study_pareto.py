@@ -159,7 +159,10 @@ def test_the_commands_print_and_write(folder: Path, tmp_path: Path, monkeypatch:
     assert "or rms:6,30" in blastline("study", "detection", "--corpus", folder, "--mix", "loudness:6,30").complaint
 
 
-def test_the_command_ends_with_one_where_a_bar_is_missed(folder: Path, tmp_path: Path) -> None:
+def test_the_command_ends_with_one_where_a_bar_is_missed(tmp_path: Path) -> None:
+    folder = tmp_path / "scenes"
+    folder.mkdir()
+    (folder / "shot.toml").write_text(SCENE.rpartition("[[shots]]")[0].replace("5.0", "2.0"))
     done = blastline("study", "pareto", "--fixtures", folder, "--no-rendering", "-o", tmp_path / "out")
     study = msgspec.json.decode((tmp_path / "out" / "pareto.json").read_bytes(), type=ParetoStudy)
     assert study.rendering is None

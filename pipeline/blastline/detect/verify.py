@@ -5,6 +5,7 @@ Trained offline (`study.train`) and shipped as one readable JSON file.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -166,7 +167,19 @@ def verifier_of(tier: QualityRules, overlay: Path | None = None) -> Verifier:
 
 
 def load_verifier(path: Path, *, networks: int) -> Verifier:
-    """Read the sieves and the first `networks` networks of a model file; RuleError as `read_model`."""
+    """Read the sieves and the first `networks` networks of a model file; RuleError as `read_model`.
+
+    A file that has not changed since is not read again: that takes longer than a short film.
+    """
+    try:
+        status = path.stat()
+    except OSError as error:
+        raise RuleError(f"{path}: not a verifier model: {error}") from error
+    return _read_once(path, networks, (status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns))
+
+
+@lru_cache(maxsize=2)
+def _read_once(path: Path, networks: int, _version: tuple[int, ...]) -> Verifier:
     model = read_model(path, networks=networks)
     gate, screen = (Sieve(forest_from(sieve.forest), sieve.threshold) for sieve in (model.gate, model.screen))
     return Verifier(gate, screen, tuple(network_from(network) for network in model.networks))

@@ -61,8 +61,8 @@ class Gauge:
         if self._known is None:
             self._known = self._same_for_all(setup)
             _spare_from_collection()
-        known, detecting = self._known, self._detecting(setup.rules)
-        cost = FilmCost(detecting.fixed_s + sample.hash_s, detecting.each_s + sample.decode_per_s)
+        known = self._known
+        cost = FilmCost(sample.hash_s, self._detection_per_s(setup.rules) + sample.decode_per_s)
         if not self._drives:
             return cost
         drives = self._drives_of(known, setup)
@@ -116,11 +116,9 @@ class Gauge:
         picture_s = max(0.0, all_s - first_s) / others if others else max(0.0, first_s - empty.report_s)
         return SharedCosts(heard, empty, max(0.0, first_s - empty.report_s - picture_s), picture_s)
 
-    def _detecting(self, rules: Rules) -> LinearCost:
-        """Return what reading the verifier takes, and finding the shots in each second of film."""
-        began = process_time()
+    def _detection_per_s(self, rules: Rules) -> float:
+        """Return what finding the shots takes in each second of film; the verifier, once read, is there for the run."""
         verifier = verifier_of(rules.tier, rules.overlay)
-        verifier_s = process_time() - began
         timed = shorter_sample(self._track, self._sample.stride, sides=rules.tier.channels.sides)
         rate_hz = self._track.rate_hz
         heard_s: list[float] = []
@@ -129,7 +127,7 @@ class Gauge:
             blocks = timed if self._meter is None else OverviewMeter(rate_hz).watch(timed)
             find_shots(blocks, rate_hz=rate_hz, tier=rules.tier, verifier=verifier)
             heard_s.append(process_time() - began)
-        return LinearCost(verifier_s, min(heard_s) / (timed[-1].span.stop / rate_hz))
+        return min(heard_s) / (timed[-1].span.stop / rate_hz)
 
     def _shots(self, heard: HeardFilm, rules: Rules, most: int) -> Sequence[Shot]:
         """Return the first shots of windows from all over the sample, `most` or a few more; else its loudest moment.
