@@ -4,6 +4,7 @@ import json
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -130,6 +131,26 @@ def test_an_edit_in_a_key_that_is_not_read_is_told(tmp_path: Path, film: Path, r
         "note: not used: the timecode of shot-0001, which was edited; onset_s or onset_sample moves a shot",
         "note: not used: the drive.model of shot-0002, which was edited; --drive chooses it, for all shots",
     ]
+
+
+def with_reflection(event: dict[str, Any], *, level_db: float) -> dict[str, Any]:
+    onset = event["onset_sample"]
+    echo = {"start_sample": onset + 4_800, "stop_sample": onset + 5_280, "delay_ms": 100.0, "level_db": level_db}
+    return event | {"reflections": [echo]}
+
+
+@pytest.mark.parametrize("left", [1, 2])
+@pytest.mark.parametrize("level_db", [-9.0, -3.0])
+def test_an_edit_of_reflections_is_told_and_no_other_is(
+    tmp_path: Path, film: Path, result: Path, left: int, level_db: float
+) -> None:
+    plain = json.loads((result / "timeline.json").read_text())
+    events = [with_reflection(event, level_db=-9.0) for event in plain["events"]]
+    (tmp_path / "original.json").write_text(json.dumps(plain | {"events": events}))
+    edits = [with_reflection(events[0], level_db=level_db), *events[1:left]]
+    (tmp_path / "edited.json").write_text(json.dumps(plain | {"events": edits}))
+    told = rendered(film, tmp_path / "edited.json", "--original", tmp_path / "original.json")[0].err
+    assert ("not used: the reflections of shot-0001, which was edited" in told) == (level_db != -9.0)
 
 
 @pytest.mark.parametrize("moved", [False, True])

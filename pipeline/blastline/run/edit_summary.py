@@ -9,7 +9,7 @@ import msgspec
 
 from ..export.edits import EditedFile, Wanted, Wish, value_at
 from ..misfits import listed
-from ..model import Edits, Timeline
+from ..model import Edits, Event, Timeline
 from ..render import PlannedWindow
 from . import names
 
@@ -39,7 +39,7 @@ _STAYS = frozenset({"drive_model", "drive.model", "window.fade_in_samples", "win
 
 def unused_settings(edited: EditedFile, original: Timeline) -> Iterator[str]:
     """Yield a note for each key of the whole film that an edited JSON has otherwise than its original."""
-    plain = msgspec.to_builtins(original)
+    plain = _as_in_json(original)
     for name, now in edited.aside.items():
         if now != value_at(plain, name):
             yield f"not used: {name}, which was edited; {_INSTEAD.get(name, _MEASURED)}"
@@ -91,7 +91,7 @@ def _unheeded(edited: EditedFile, wanted: Wanted) -> Iterator[str]:
     Where it is another for every shot, nobody typed it: the file was exported or rendered with other options.
     """
     aside = {edit.place: edit.aside for edit in edited.edits}
-    originals = {wish.was.id: msgspec.to_builtins(wish.was) for wish in wanted.wishes if wish.was is not None}
+    originals = {wish.was.id: _as_in_json(wish.was) for wish in wanted.wishes if wish.was is not None}
     for name in dict.fromkeys(name for said in aside.values() for name in said):
         told = [
             (wish.id, aside[wish.place][name], _exported(originals[wish.was.id], name))
@@ -132,6 +132,11 @@ def _as_used(wish: Wish, starts: Collection[str], stops: Collection[str]) -> Wis
 
 def _listed(ids: Collection[str]) -> str:
     return listed(sorted(ids))
+
+
+def _as_in_json(kept: Timeline | Event) -> Any:
+    """Return what an edited JSON has where nothing was edited: lists, where ours has tuples."""
+    return msgspec.json.decode(msgspec.json.encode(kept))
 
 
 def _exported(plain: Mapping[str, Any], name: str) -> Any:

@@ -20,6 +20,9 @@ _COARSEST_S = Fraction(1, 1000)
 _WHOLE = re.compile(r"[+-]?\d+(,0*|\.0?)?|[^.,]*")
 """A whole number of a table with decimal commas, where a point may part thousands: `48.000` is 48000 or 48."""
 
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}\.\d{3}")
+"""What may have a point between its thousands in any table: `96.000` is 96000 where it was written with one."""
+
 _NO_TIMECODE = "a number of seconds from the film's first sample, such as 19.75, and no timecode"
 
 _LONGEST_NUMBER = 40
@@ -149,7 +152,8 @@ class Cell:
     def sample(self, *, decimal_comma: bool = False) -> int:
         """Return the sample index that the text is; `48001.0` is one, `1.2E+08` has lost digits."""
         number = self.number(decimal_comma=decimal_comma)
-        if decimal_comma and not _WHOLE.fullmatch(self.text.strip()):
+        text = self.text.strip()
+        if _THOUSANDS.fullmatch(text) or (decimal_comma and not _WHOLE.fullmatch(text)):
             raise self.refused("a whole number of samples, without a point between its thousands")
         if number != number.to_integral_value() or _exponent(number) > 0:
             raise self.refused("a whole number of samples, with all its digits")
