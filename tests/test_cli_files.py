@@ -344,7 +344,9 @@ def test_a_full_disk_is_one_line_and_leaves_nothing(tmp_path: Path, film: Path, 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX limits")
 def test_a_full_disk_is_told_by_detect_and_synth_with_the_name_that_was_asked_for(tmp_path: Path, film: Path) -> None:
     out, scene = tmp_path / "out", tmp_path / "demo.toml"
-    scene.write_text('schema = 1\nrate_hz = 48000\nduration_s = 2.0\nseed = 1\n[[beds]]\nkind = "rain"\nlevel_dbfs = -40.0\n')
+    scene.write_text(
+        'schema = 1\nrate_hz = 48000\nduration_s = 2.0\nseed = 1\n[[beds]]\nkind = "rain"\nlevel_dbfs = -40.0\n'
+    )
     found = blastline_alone("detect", film, "-q", "-o", out / "f.json", prepare=partial(small_files_only, 100))
     made = blastline_alone("synth", scene, "-q", "-o", out, prepare=small_files_only)
     assert found.complaint == f"{out / 'f.json'}: cannot write: File too large"

@@ -142,7 +142,9 @@ def test_frames_with_a_wrong_checksum_are_lost_and_told(tmp_path: Path, codec: s
     assert float(failed.split()[-2]) == pytest.approx(place_s, abs=0.006)  # the delay of AC-3 is cut off
     assert filled.startswith("1 gap was filled with silence")
     path.write_bytes(every)
-    with pytest.raises(SoundtrackError, match=r"(\d\d+) of \1 packets of sound cannot be decoded"):
+    place = "" if extension == "eac3" else r", first at 0\.0\d\d s"  # its stamps come from what can be decoded
+    told = rf"(\d\d+) of \1 packets of sound cannot be decoded \(.*\){place}; expected no more than 10%"
+    with pytest.raises(SoundtrackError, match=told):
         read(path)
 
 

@@ -54,8 +54,11 @@ class Tally:
     def require_readable(self) -> None:
         """Raise SoundtrackError where too much failed for the rest to be trusted."""
         if self.failed > max(1, MAX_FAILED_SHARE * self.packets) or (self.failed and not self.frames):
+            first_s, failed_s = self.first_time, self.first_failed_time
+            place = "" if first_s is None or failed_s is None else f", first at {float(failed_s - first_s):.3f} s"
             raise SoundtrackError(
-                f"{self.failed} of {self.packets} packets of sound cannot be decoded ({self.last_error})"
+                f"{self.failed} of {self.packets} packets of sound cannot be decoded ({self.last_error}){place}; "
+                f"expected no more than {MAX_FAILED_SHARE:.0%}"
             )
 
 
