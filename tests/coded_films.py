@@ -18,7 +18,13 @@ FRAMES = 120_000
 LONG_SHOTS = [5_000, 247_000, 399_000]
 LONG = 480_000
 FILM_RATE = Fraction(24_000, 1001)
-BROKEN_OFF = "the file stops or breaks before its own end: the end of the sound is missing"
+
+
+def is_broken_off(source: Source) -> bool:
+    """Return whether a warning says that a film stops before its own end, and where its sound does."""
+    end_s = source.frames / source.sample_rate_hz
+    told = "the file stops or breaks before its own end: the end of the sound is missing, from {:.3f} s on"
+    return told.format(end_s) in source.warnings
 
 
 def read(path: Path, **options: Any) -> tuple[NDArray[np.float32], Source]:

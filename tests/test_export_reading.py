@@ -69,7 +69,7 @@ def refusal(file: Path) -> str:
         ),
         (
             lambda t: t["rejections"][0]["evidence"].update(probability="x"),
-            "rejections[0].evidence[...]: expected a number",
+            "rejections[0].evidence.probability = 'x': expected a number",
         ),
         (
             lambda t: t["source"].update(sample_rate_hz=0),

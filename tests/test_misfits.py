@@ -52,7 +52,6 @@ def with_value(key: str, value: Any) -> Any:
 
 @pytest.mark.parametrize("key", sorted(set(keys(PLAIN))))
 def test_whatever_stands_at_a_key_of_a_timeline_is_refused_in_words_of_the_file(key: str) -> None:
-    """A key of a mapping that takes any is not told: `evidence[...]`."""
     for value in STRANGERS:
         told = refusal(with_value(key, value), Timeline)
         if told is not None:
@@ -69,6 +68,7 @@ def test_whatever_stands_at_a_key_of_a_timeline_is_refused_in_words_of_the_file(
         ("events[0].onset_sample", 1.5, "events[0].onset_sample = 1.5: expected a whole number, not one with decimals"),
         ("events[0].burst", "1", "events[0].burst = '1': expected a whole number or null, not a text"),
         ("events[0].gain_db", None, "events[0].gain_db = null: expected a number, not null"),
+        ("rejections[0].evidence.crest", [], "rejections[0].evidence.crest: expected a number, not a list"),
         ("source.stream", [1], "source.stream: expected a list of at least 2 entries"),
         ("events", {}, "events: expected a list, not a group of keys"),
         ("events[0].window", {}, "events[0].window.start_sample: is missing; expected a whole number"),

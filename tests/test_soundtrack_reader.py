@@ -170,6 +170,15 @@ def test_a_film_that_is_silent_throughout_is_told(tmp_path: Path) -> None:
     assert not read(wav(tmp_path / "last.wav", still))[1].warnings
 
 
+@pytest.mark.parametrize("mix", ["mains", "1"])
+def test_a_constant_is_no_sound(tmp_path: Path, mix: str) -> None:
+    still = np.tile([0.0, 0.25], (70_000, 1))
+    silent = wav(tmp_path / "still.wav", still)
+    assert read(silent, mix=mix)[1].warnings == ("sound stream 0 is silent from beginning to end",)
+    still[-1, 1] += 1e-4
+    assert not read(wav(tmp_path / "last.wav", still), mix=mix)[1].warnings
+
+
 def test_a_silent_channel_that_drives_is_told_though_what_is_heard_is_not(tmp_path: Path) -> None:
     sounding = np.random.default_rng(1).uniform(-0.3, 0.3, (4_800, 6))
     sounding[:, 3] = 0

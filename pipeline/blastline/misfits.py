@@ -19,6 +19,8 @@ _WORDS = {
 }
 """What the names of types in a complaint are called."""
 
+_TYPES = {"float": float, "int": int, "str": str, "bool": bool, "array": list, "object": dict, "null": type(None)}
+
 _COMPARISONS = {">=": "{} or more", "<=": "{} or less", ">": "more than {}", "<": "less than {}"}
 _EXPECTED = re.compile(r"Expected (?P<kinds>`[^`]+`)(?P<long> of length)?(?: (?P<sign>[<>]=?) (?P<bound>[-+.\de]+))?")
 _MISSING = re.compile(r"Object missing required field `(.+)`")
@@ -43,6 +45,7 @@ def misfit(plain: Any, error: Exception, table: type | None = None) -> str:
         return f"{inner}: is missing{_wanted(table, inner)}"
     if unknown := _UNKNOWN.fullmatch(complaint):
         return f"{_joined(key, unknown[1])}: no such key{_meant(table, key, unknown[1])}"
+    key = _with_key(plain, key, complaint)
     value = _value_at(plain, key)
     said = "" if isinstance(value, dict | list) else f" = {shown(value)}"
     words = _words_at(table, key) if table and complaint.startswith("Invalid enum value") else ()
@@ -120,6 +123,16 @@ def _wanted(table: type | None, key: str) -> str:
 def _steps(key: str) -> list[str]:
     """Return the steps of a msgspec path such as `response.zeros[0]`; `...` stands for any key of a mapping."""
     return re.findall(r"\.\.\.|[^.\[\]]+", key)
+
+
+def _with_key(plain: Any, path: str, complaint: str) -> str:
+    """Return a path that ends in any key of a mapping with the first one whose value is of the type that was found."""
+    found = _FOUND.search(complaint)
+    if not path.endswith("[...]") or found is None:
+        return path
+    outer = path.removesuffix("[...]")
+    kind = _TYPES.get(found[1], object)
+    return next((f"{outer}.{key}" for key, value in _value_at(plain, outer).items() if type(value) is kind), path)
 
 
 def _value_at(plain: Any, key: str) -> Any:

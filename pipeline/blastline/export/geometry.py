@@ -60,6 +60,9 @@ def _negative(event: Event, place: str) -> Iterator[str]:
     for key, value in times:
         if value < 0:
             yield f"{place}.{key} = {value}: expected a time from 0, the first frame of the track"
+    for key, number in (("burst", event.burst), ("shot_in_burst", event.shot_in_burst)):
+        if number is not None and number < 1:
+            yield f"{place}.{key} = {number}: expected a number from 1, the first, or null"
 
 
 def _window_complaints(event: Event, place: str, source: Source) -> Iterator[str]:

@@ -17,9 +17,9 @@ class IdentifyRules(Table, frozen=True):
     """
 
     segments_s: Annotated[tuple[Annotated[float, Meta(ge=0.1, le=60.0)], ...], Meta(min_length=1)]
-    fewest_segments: Annotated[int, Meta(ge=4)]
+    fewest_segments: Annotated[int, Meta(ge=4, le=10_000)]
     longest_delay_s: Annotated[float, Meta(ge=0.001, le=10.0)]
-    highest_hz: Annotated[float, Meta(ge=20.0)]
+    highest_hz: Annotated[float, Meta(ge=20.0, le=1e6)]
     random_error_db: Positive
     least_coherence: Ratio
     clipped_ratio: Ratio
@@ -39,7 +39,7 @@ class FitRules(Table, frozen=True):
     negligible_db: Positive
     highest_hz: Positive
     band_hz: Positive
-    rumble_hz: Annotated[float, Meta(ge=0.1)]
+    rumble_hz: Annotated[float, Meta(ge=0.1, le=1e6)]
 
     def __post_init__(self) -> None:
         """Refuse a high-pass that leaves nothing of the band below the low-pass, or above what is fitted."""

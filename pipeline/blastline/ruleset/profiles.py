@@ -25,7 +25,7 @@ class LowPass(Table, frozen=True):
 class HighPass(Table, frozen=True):
     """The Butterworth high-pass that keeps DC and rumble out of the drive: its `corner_hz` and its `order`."""
 
-    corner_hz: Annotated[float, Meta(ge=0.1)]
+    corner_hz: Annotated[float, Meta(ge=0.1, le=1e6)]
     order: Annotated[int, Meta(ge=1, le=4)]
 
 

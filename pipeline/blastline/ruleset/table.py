@@ -8,8 +8,9 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
-Positive = Annotated[float, Meta(gt=0.0)]
-NonNegative = Annotated[float, Meta(ge=0.0)]
+_LARGEST = 1e6  # more of anything that a rule counts in is a slip of the keyboard
+Positive = Annotated[float, Meta(gt=0.0, le=_LARGEST)]
+NonNegative = Annotated[float, Meta(ge=0.0, le=_LARGEST)]
 Ratio = Annotated[float, Meta(ge=0.0, le=1.0)]
 Level = Annotated[float, Meta(ge=-200.0, le=200.0)]
 Difference = Annotated[float, Meta(ge=0.1, le=60.0)]

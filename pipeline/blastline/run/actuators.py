@@ -34,7 +34,6 @@ from ..actuator import (
 from ..dsp import compensator, felt_response
 from ..errors import OutputError, SoundtrackError
 from ..progress import Progress, no_progress
-from ..render import require_renderable
 from ..ruleset import (
     ActuatorProfile,
     FitRules,
@@ -46,6 +45,7 @@ from ..soundtrack import Soundtrack, open_soundtrack
 from ..staging import require_free, staged
 from ..units import levels_db
 from .bode_plots import NO_PERCEPTION, perception_curve
+from .options import require_seat
 
 _TABLE_HZ = (1.0, 3.18, 10.0, 20.0, 31.5, 50.0, 80.0, 100.0, 150.0, 200.0, 292.0, 400.0, 500.0, 700.0, 1000.0, 2000.0)
 
@@ -93,7 +93,7 @@ class MadeProfile:
 def usable_actuator(name: str, rules: Path | None = None) -> tuple[ActuatorProfile, str]:
     """Return a profile and its digest; RuleError for one of which no drive can be made at any rate that films have."""
     profile, digest = load_actuator(name, rules)
-    require_renderable(profile, _HIGHEST_RATE_HZ)
+    require_seat(name, profile, _HIGHEST_RATE_HZ)
     return profile, digest
 
 

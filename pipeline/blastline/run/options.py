@@ -9,6 +9,7 @@ import msgspec
 from ..errors import RuleError
 from ..model import ActuatorRef, Background, Budget, DriveChoice, Phase, Quality, Timeline
 from ..progress import Progress
+from ..render import require_renderable
 from ..report import asked_of
 from ..ruleset import (
     DEFAULT_ACTUATOR,
@@ -61,6 +62,14 @@ class Setup:
     profile: ActuatorProfile
     actuator: ActuatorRef
     progress: Progress = field(repr=False)
+
+
+def require_seat(named: str, profile: ActuatorProfile, rate_hz: int) -> None:
+    """Raise RuleError, which names the profile as the user did, where it cannot drive a film at this rate."""
+    try:
+        require_renderable(profile, rate_hz)
+    except RuleError as error:
+        raise (error if named == profile.name else RuleError(f"{named}: {error}")) from error
 
 
 def with_files(options: RenderOptions) -> RenderOptions:

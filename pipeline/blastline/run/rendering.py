@@ -10,11 +10,9 @@ from pathlib import Path
 
 import msgspec
 
-from ..errors import RuleError
 from ..export import export_timeline, known_formats, needs_drive, require_frame_rate, require_late_enough, rounding
 from ..model import DriveInfo, Edits, Timeline
 from ..progress import Note, Progress, no_note, no_progress
-from ..render import require_renderable
 from ..report import OverviewMeter, typeset, write_report
 from ..soundtrack import Soundtrack, open_soundtrack
 from ..staging import require_free, require_utf_8, staged
@@ -27,7 +25,7 @@ from .editing import Editing, hear_edited, read_editing, timebase_of
 from .export_rows import export_rows, files_of_results
 from .haptics import rounding_notes, tell_silent, track_of
 from .listening import HeardFilm, assemble, listen
-from .options import RenderOptions, Setup, set_up, with_files
+from .options import RenderOptions, Setup, require_seat, set_up, with_files
 
 
 def render(
@@ -53,7 +51,7 @@ def render(
     ):
         require_frame_rate(options.formats, track.describe())
         require_late_enough(options.formats, track.describe())
-        _require_seat(setup, track.rate_hz)
+        require_seat(setup.options.actuator, setup.profile, track.rate_hz)
         meter = OverviewMeter(track.rate_hz) if options.report else None
         timeline = _driven(track, hidden, setup, editing, meter)
         with open_drive(hidden / names.DRIVE) as drive:
@@ -99,15 +97,6 @@ def _place(film: Path, folder: Path, options: RenderOptions, stale: Collection[s
         seal=names.TIMELINE,
         overwrite=options.overwrite,
     )
-
-
-def _require_seat(setup: Setup, rate_hz: int) -> None:
-    """Raise RuleError, which names the profile as the user did, where it cannot drive a film at this rate."""
-    named = setup.options.actuator
-    try:
-        require_renderable(setup.profile, rate_hz)
-    except RuleError as error:
-        raise (error if named == setup.profile.name else RuleError(f"{named}: {error}")) from error
 
 
 def _driven(

@@ -32,6 +32,7 @@ class Condition:
         self._cancelling = Cancelling(matrix[:, 0], facts.rate_hz)
         self._frames, self._blocks, self._mended, self._first_mended = 0, 0, 0, 0
         self._mix_sounds, self._track_sounds = False, False
+        self._still: tuple[Samples, np.floating] | None = None
         self._peak, self._first_loud = 0.0, 0
         self._dropouts = Dropouts(facts.rate_hz)
 
@@ -69,8 +70,11 @@ class Condition:
             self._dropouts.hear(samples)
         if self._mixed_channels > 2 or (self._mixed_channels == 2 and not sides):
             self._cancelling.hear(samples, mix[:, 0])
-        self._mix_sounds = self._mix_sounds or bool(mix[:, -1].any())
-        self._track_sounds = self._track_sounds or self._mix_sounds or bool(samples.any())
+        if self._still is None and len(samples):
+            self._still = samples[0].copy(), mix[0, -1].copy()
+        if self._still is not None:  # a constant is no sound
+            self._mix_sounds = self._mix_sounds or bool((mix[:, -1] != self._still[1]).any())
+            self._track_sounds = self._track_sounds or self._mix_sounds or bool((samples != self._still[0]).any())
 
     def require_usable(self) -> None:
         """Raise SoundtrackError where so many samples are no numbers that what is left is no sound."""

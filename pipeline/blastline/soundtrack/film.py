@@ -137,7 +137,10 @@ class FilmTrack:
         if self.facts.declared_frames is None:
             lines += tally.reach.warnings(Path(self._container.name), self._played / rate_hz)
         if self._end_is_missing:
-            lines.append("the file stops or breaks before its own end: the end of the sound is missing")
+            lines.append(
+                "the file stops or breaks before its own end: the end of the sound is missing, from "
+                f"{self._played / rate_hz:.3f} s on"
+            )
         if tally.stopped:
             lines.append(f"reading stopped early: {tally.stopped}")
         return lines + picture_warnings(self.facts) + stamp_warnings(self.facts)
