@@ -18,7 +18,7 @@ from blastline.model import Clip, Quality
 from blastline.ruleset import QualityRules, load_rules
 
 RPM = (450, 600, 750, 900, 1050, 1200)
-ROUNDS = (3, 5, 8, 12, 20)
+ROUNDS, LONG = (3, 5, 8, 12, 20), (30, 40, 60, 100)
 GUNS = ("white noise", "noise that lingers", "noise in a hall", "noise and boom", "dull noise", "blast wave in a hall")
 PAIR_GAPS_MS, PAIRS = (40, 50, 60, 80, 100, 150), 6
 CRACK_EARLY_MS = (3, 5, 7, 8, 9, 10, 11, 12, 13, 16, 25)
@@ -64,18 +64,18 @@ def near(at: int, places: Sequence[int]) -> bool:
     return any(abs(at - each) * 1e3 / RATE_HZ < WITHIN_MS for each in places)
 
 
-def bursts(tier: QualityRules, verifier: Verifier) -> Iterator[str]:
-    """Yield the rows of the table of bursts."""
-    yield f"{'rounds a minute':<24}{'rounds':>8}{'found':>8}{'share':>8}{'exact bursts':>14}{'others':>8}"
+def bursts(lengths: Sequence[int], tier: QualityRules, verifier: Verifier) -> Iterator[str]:
+    """Yield the rows of the table of bursts of so many rounds."""
+    yield f"{f'{lengths[0]} to {lengths[-1]} rounds, a minute':<24}{'rounds':>8}{'found':>8}{'share':>8}{'exact bursts':>14}{'others':>8}"
     for rpm in RPM:
         rounds = found = exact = counted = others = 0
         for kind in GUNS:
             for bed in BEDS:
                 rng = np.random.default_rng([*f"{kind} {bed}".encode(), rpm])
-                guns = [SHOTS[kind](rng) for _ in ROUNDS]
+                guns = [SHOTS[kind](rng) for _ in lengths]
                 scenes = [
                     burst_of(rng, gun / np.abs(gun).max(), number, 60.0 / rpm)
-                    for gun, number in zip(guns, ROUNDS, strict=True)
+                    for gun, number in zip(guns, lengths, strict=True)
                 ]
                 film, places = film_of(rng, bed, scenes)
                 heard = found_in(film, tier, verifier)
@@ -137,7 +137,8 @@ def main() -> None:
     options = parser.parse_args()
     tier = load_rules(options.quality).tier
     verifier = verifier_of(tier)
-    for table in (bursts(tier, verifier), pairs(tier, verifier), cracks(tier, verifier)):
+    tables = bursts(ROUNDS, tier, verifier), bursts(LONG, tier, verifier), pairs(tier, verifier), cracks(tier, verifier)
+    for table in tables:
         for row in table:
             print(row, flush=True)
         print()

@@ -232,18 +232,41 @@ def test_of_a_row_that_is_no_fire_only_what_is_sure_by_itself_is_left() -> None:
     }
 
 
-def test_an_even_run_beyond_a_magazine_is_a_machine_unless_half_of_it_is_sure() -> None:
+@pytest.mark.parametrize("row", [None, "fire"])
+def test_an_even_run_beyond_a_magazine_is_a_machine_unless_half_of_it_is_sure_or_it_is_fire_as_a_whole(
+    row: EvenRow | None,
+) -> None:
     likely, sure = VERIFY.burst_threshold, VERIFY.threshold
     most, half = BURSTS.most_unsure, (BURSTS.most_unsure + 2) // 2
 
     def run(*confidences: float) -> list[Shot]:
-        return [in_row(shot(20_000 + n * FAST_MS, each), "fire") for n, each in enumerate(confidences)]
+        return [in_row(shot(20_000 + n * FAST_MS, each), row) for n, each in enumerate(confidences)]
 
     assert len(believed_ms(*run(*[likely] * most))) == most
     kept, refused = in_company(run(*[likely] * most, sure), rate_hz=RATE_HZ, tier=TIER)
-    assert kept == ()
-    assert {each.reason for each in refused} == {"one of a row that goes on as no gun does, as of a machine"}
+    assert len(kept) == (0 if row is None else most + 1)
+    assert {each.reason for each in refused} <= {"one of a row that goes on as no gun does, as of a machine"}
     assert len(believed_ms(*run(*[likely, sure] * half))) == 2 * half
+
+
+def test_rows_that_are_fire_each_do_not_make_sustained_fire() -> None:
+    """Two of them with a gap between that is no multiple of the pace: a machine that stumbles."""
+    half = BURSTS.most_unsure // 2 + 2
+    places = [20_000 + n * FAST_MS for n in range(half)]
+    places += [places[-1] + BURSTS.longest_gap_ms - 1.0 + n * FAST_MS for n in range(half)]
+    assert believed_ms(*[in_row(shot(at_ms, VERIFY.burst_threshold), "fire") for at_ms in places]) == []
+
+
+def test_long_fire_is_no_loop() -> None:
+    """A designer copies one sample: it comes again after the same time, each time after the same."""
+
+    def known(at_ms: float) -> Shot:
+        evidence = ShotEvidence(0.5, 2, None, "background", backdrop=5, sound=(20,) * LEVELS, even_row="fire")
+        return msgspec.structs.replace(shot(at_ms, VERIFY.burst_threshold), evidence=evidence)
+
+    for count in (BURSTS.most_unsure + 20, BURSTS.most_unsure):
+        rounds = [known(20_000 + n * 100.0) for n in range(count)]
+        assert (len(believed_ms(*rounds)) == count) == (count > BURSTS.most_unsure)
 
 
 def test_several_guns_may_fire_for_long() -> None:

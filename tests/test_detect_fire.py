@@ -205,6 +205,34 @@ def test_what_the_screen_doubts_is_looked_at_where_it_makes_a_row_with_what_it_d
     assert looked_at(VERIFY.look_from, *[doubted] * (count - 2), 0.9 * least) == [True] + [False] * (count - 1)
 
 
+@pytest.mark.parametrize("count", [BURSTS.most_unsure + 1, 100])
+@pytest.mark.parametrize("at", [0, 10, -BURSTS.fewest_even])
+def test_of_a_row_longer_than_a_magazine_all_is_looked_at_where_some_is_likely(count: int, at: int) -> None:
+    """The screen takes what goes on before and after for a machine's, however much it sounds like a shot."""
+    likely = np.zeros(count)
+    likely[at:][: BURSTS.fewest_even] = VERIFY.look_from
+    onsets = np.array([samples_from_ms(n * FAST_MS, RATE_HZ) for n in range(count)], np.intp)
+
+    def looked_at(first: int) -> list[bool]:
+        said = likely[first:]
+        passed = worth_a_look(onsets[first:], np.zeros(said.size), said, least=0.01, rate_hz=RATE_HZ, tier=TIER)
+        return passed.tolist()
+
+    assert looked_at(0) == [True] * count
+    assert looked_at(count - BURSTS.most_unsure) == (likely[-BURSTS.most_unsure :] > 0.0).tolist()
+
+
+def test_a_row_longer_than_a_magazine_is_judged_by_its_ends_and_as_strictly_as_a_single_shot() -> None:
+    """Jackhammers go on as well; and what is amid a long row gets less, since it goes on."""
+    half, doubted = BURSTS.most_unsure // 2, 0.02
+    enough = float(expit(logit(VERIFY.threshold) + 0.01))
+    ends = [enough] * half
+    assert told([*ends, *[doubted] * 50, *ends]) == ["fire"] * (50 + 2 * half)
+    assert told([*ends, *[doubted] * 50, *[VERIFY.even_threshold] * half]) == ["no fire"] * (50 + 2 * half)
+    assert told([VERIFY.even_threshold + 0.1] * (2 * half)) == ["fire"] * (2 * half)
+    assert told([VERIFY.even_threshold + 0.1] * (2 * half + 1)) == ["no fire"] * (2 * half + 1)
+
+
 def test_of_two_sounds_where_a_round_is_due_the_nearer_is_the_round() -> None:
     row_ms = 100.0 * np.arange(8)
     all_ms = np.sort(np.concatenate([row_ms, row_ms[2:] - 0.8 * BURSTS.unevenness * 100.0])).tolist()

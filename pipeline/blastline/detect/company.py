@@ -24,7 +24,7 @@ from ..model import EvenRow, Rejection, Shot, Span
 from ..ruleset import QualityRules
 from ..units import samples_from_ms, samples_from_s
 from .backdrop import LEVELS
-from .fire import ScoredCandidates
+from .fire import ScoredCandidates, in_sustained_fire
 from .loops import LoopCandidates, in_loops
 from .pace import rows_at, shot_by_shot
 from .rounds import in_a_run, with_rounds, with_second_shots
@@ -45,13 +45,15 @@ class _Belief:
     """What is thought of n candidates, shape (n,) each.
 
     `believed` are shots, unless their row is refused. `by_itself` would be believed alone, `likely` in company. `fire`
-    are rounds of a row of even fire; `unlike` belong to a row at that pace that does not sound like a gun.
+    are rounds of a row of even fire, `sustained` those of one that is longer than a magazine lasts; `unlike` belong to
+    a row at that pace that does not sound like a gun.
     """
 
     believed: NDArray[np.bool_]
     by_itself: NDArray[np.bool_]
     likely: NDArray[np.bool_]
     fire: NDArray[np.bool_]
+    sustained: NDArray[np.bool_]
     unlike: NDArray[np.bool_]
 
 
@@ -114,18 +116,20 @@ def _belief(shots: Sequence[Shot], *, rate_hz: int, tier: QualityRules) -> _Beli
     believed = with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=bursts)
     perhaps = rounds & (probability >= rules.pair_threshold)
     believed = with_second_shots(onsets, believed, by_itself, perhaps, peaks_dbfs, rate_hz=rate_hz, rules=bursts)
-    return _Belief(believed, by_itself, likely, fire, np.array([row == "no fire" for row in rows], bool) & ~by_itself)
+    unlike = np.array([row == "no fire" for row in rows], bool) & ~by_itself
+    sustained = in_sustained_fire(onsets, peaks_dbfs, fire, rate_hz=rate_hz, rules=bursts)
+    return _Belief(believed, by_itself, likely, fire, sustained, unlike)
 
 
 def _rows(shots: Sequence[Shot], belief: _Belief, *, rate_hz: int, tier: QualityRules) -> list[str]:
     """Return of each candidate why it is refused as one of a row, and nothing of those that are not."""
     believed = np.flatnonzero(belief.believed)
     onsets, by_itself = _onsets(shots), belief.by_itself
-    vouched = by_itself | belief.fire
+    vouched, lasting = by_itself | belief.fire, by_itself | belief.sustained
     steps = in_even_rows(onsets[believed], vouched[believed], rate_hz=rate_hz, rules=tier.rows)
-    machines = in_endless_fire(onsets[believed], by_itself[believed], rate_hz=rate_hz, rules=tier.bursts)
+    machines = in_endless_fire(onsets[believed], lasting[believed], rate_hz=rate_hz, rules=tier.bursts)
     returning = np.flatnonzero(belief.likely)  # a turn may be out of all company; what is less is not always segmented
-    looping = _loop_candidates([shots[place] for place in returning.tolist()], by_itself[returning])
+    looping = _loop_candidates([shots[place] for place in returning.tolist()], lasting[returning])
     loops = in_loops(looping, rate_hz=rate_hz, rules=tier.rows)
     why = [""] * len(shots)
     for refused, reason in (

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import EvenRow
-from ..ruleset import QualityRules, VerifyRules
-from .pace import automatic, rows_at, shot_by_shot
+from ..ruleset import BurstRules, QualityRules
+from .pace import automatic, evenly_placed, rows_at, shot_by_shot
 from .verify import LogOdds, log_odds_of
 
 
@@ -46,7 +46,7 @@ def even_rows(scored: ScoredCandidates, *, rate_hz: int, tier: QualityRules) -> 
     """Return of each candidate, ascending, whether it is a round of even fire or one of a long row that is none."""
     told: list[EvenRow | None] = [None] * scored.onsets.size
     for row in rows_at(scored.onsets, scored.peaks_dbfs, automatic(tier.bursts), rate_hz=rate_hz):
-        fire = _sounds_like_fire(scored.odds, row, tier.verify)
+        fire = _sounds_like_fire(scored.odds, row, tier)
         if fire or row.size >= tier.bursts.fewest_as_one:
             for place in row.tolist():
                 told[place] = "fire" if fire else "no fire"
@@ -59,8 +59,32 @@ def even_rows(scored: ScoredCandidates, *, rate_hz: int, tier: QualityRules) -> 
     return told
 
 
-def _sounds_like_fire(odds: LogOdds, row: NDArray[np.intp], rules: VerifyRules) -> bool:
-    """Return whether a row at the pace of automatic fire is likely enough in the mean, or so by the networks alone."""
+def in_sustained_fire(
+    onsets: NDArray[np.intp],
+    peaks_dbfs: NDArray[np.float64],
+    fire: NDArray[np.bool_],
+    *,
+    rate_hz: int,
+    rules: BurstRules,
+) -> NDArray[np.bool_]:
+    """Return which of n shots, ascending, are in a row of even fire longer than a magazine lasts, shape (n,)."""
+    found = np.zeros(onsets.size, np.bool_)
+    rounds = np.flatnonzero(fire)
+    for row in rows_at(onsets[rounds], peaks_dbfs[rounds], automatic(rules), rate_hz=rate_hz):
+        found[rounds[row]] = row.size > rules.most_unsure
+    return found
+
+
+def _sounds_like_fire(odds: LogOdds, row: NDArray[np.intp], tier: QualityRules) -> bool:
+    """Return whether a row at the pace of automatic fire is likely enough in the mean, or so by the networks alone.
+
+    One that is longer than a magazine lasts has to be as likely as a single shot, since machines go on as well; but its
+    ends alone are asked, as many rounds as a magazine holds: all in its midst gets less for going on.
+    """
+    rules, most = tier.verify, tier.bursts.most_unsure
+    if row.size > most:
+        ends = np.concatenate([row[: (most + 1) // 2], row[-((most + 1) // 2) :]])
+        return bool(odds.by_networks[ends].mean() >= log_odds_of(rules.threshold))
     return bool(
         odds.by_all[row].mean() >= log_odds_of(rules.even_threshold)
         or odds.by_networks[row].mean() >= log_odds_of(rules.even_networks_threshold)
@@ -86,10 +110,19 @@ def worth_a_look(
 ) -> NDArray[np.bool_]:
     """Return which of n candidates, ascending, the screen finds likely enough to be looked at closely, shape (n,).
 
-    That is `look_from`, and where it finds some of a row of fire so likely, `least` for the others.
+    That is `look_from`, and where it finds some of a row of fire so likely, `least` for the others. Of a row that is
+    longer than a magazine lasts the screen takes the midst for a machine's, since it goes on before and after: where
+    it finds four likely enough, at an end as it may be, all are looked at.
     """
     passed = likely >= tier.verify.look_from
     perhaps = np.flatnonzero(likely >= least)
-    for row in rows_at(onsets[perhaps], peaks_dbfs[perhaps], automatic(tier.bursts), rate_hz=rate_hz):
-        passed[perhaps[row]] |= passed[perhaps[row]].any()
+    pace, is_any = automatic(tier.bursts), False
+    for row in rows_at(onsets[perhaps], peaks_dbfs[perhaps], pace, rate_hz=rate_hz):
+        if passed[perhaps[row]].any():
+            passed[perhaps[row]] = is_any = True
+    if is_any:
+        paced = np.flatnonzero(evenly_placed(onsets, peaks_dbfs, pace, rate_hz=rate_hz))
+        for row in rows_at(onsets[paced], peaks_dbfs[paced], pace, rate_hz=rate_hz):
+            if row.size > tier.bursts.most_unsure and np.count_nonzero(passed[paced[row]]) >= tier.bursts.fewest_even:
+                passed[paced[row]] = True
     return passed
