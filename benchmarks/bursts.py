@@ -66,7 +66,8 @@ def near(at: int, places: Sequence[int]) -> bool:
 
 def bursts(lengths: Sequence[int], tier: QualityRules, verifier: Verifier) -> Iterator[str]:
     """Yield the rows of the table of bursts of so many rounds."""
-    yield f"{f'{lengths[0]} to {lengths[-1]} rounds, a minute':<24}{'rounds':>8}{'found':>8}{'share':>8}{'exact bursts':>14}{'others':>8}"
+    told = f"{lengths[0]} to {lengths[-1]} rounds, a minute"
+    yield f"{told:<24}{'rounds':>8}{'found':>8}{'share':>8}{'exact bursts':>14}{'others':>8}"
     for rpm in RPM:
         rounds = found = exact = counted = others = 0
         for kind in GUNS:

@@ -216,7 +216,7 @@ def test_of_a_row_longer_than_a_magazine_all_is_looked_at_where_some_is_likely(c
     def looked_at(first: int) -> list[bool]:
         said = likely[first:]
         passed = worth_a_look(onsets[first:], np.zeros(said.size), said, least=0.01, rate_hz=RATE_HZ, tier=TIER)
-        return passed.tolist()
+        return [bool(each) for each in passed]
 
     assert looked_at(0) == [True] * count
     assert looked_at(count - BURSTS.most_unsure) == (likely[-BURSTS.most_unsure :] > 0.0).tolist()

@@ -4,6 +4,7 @@ import msgspec
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.signal import butter, sosfilt
 
 from blastline.detect.bursts import drop_claimed_reflections
 from blastline.detect.segment import peak_dbfs, running_peak, segment
@@ -68,6 +69,30 @@ def test_the_decay_ends_and_says_so_where_another_sound_begins(next_ms: float, g
     length_ms, reason = ended(segmented((0.0, one), (next_ms, other)))
     assert reason == "next sound"
     assert length_ms == pytest.approx(next_ms, abs=25.0)  # in whole grains of that length
+
+
+def beside(kind: str) -> NDArray[np.float64]:
+    """Return three seconds of what no seat plays: above the band of vibration or below it."""
+    time_s, rng = np.arange(3 * RATE_HZ) / RATE_HZ, np.random.default_rng(4)
+    if kind == "rain":
+        hiss = butter(6, 4_000.0, "high", fs=RATE_HZ, output="sos")
+        return np.asarray(0.2 * sosfilt(hiss, rng.normal(size=time_s.size)))
+    return {
+        "pilot tone": 0.1 * np.sin(2.0 * np.pi * 19_500.0 * time_s),
+        "swell": 0.05 * np.sin(2.0 * np.pi * 1.0 * time_s),
+    }[kind]
+
+
+@pytest.mark.parametrize("kind", ["rain", "pilot tone", "swell"])
+def test_what_cannot_be_felt_neither_shortens_nor_lengthens_what_is(kind: str) -> None:
+    """A boom under rain is the boom that it is without: its window would be a stump."""
+    time_s = np.arange(RATE_HZ) / RATE_HZ
+    boom = 0.5 * np.sin(2.0 * np.pi * 70.0 * time_s) * np.exp(-time_s / 0.1) + 0.5 * decaying(1000.0, seconds=1.0)
+    film = 1e-5 * np.random.default_rng(9).standard_normal(3 * RATE_HZ)
+    film[ONSET : ONSET + boom.size] += boom
+    alone_ms, _ = ended(measured(film))
+    assert 250.0 < alone_ms < 450.0
+    assert ended(measured(film + beside(kind)))[0] == pytest.approx(alone_ms, abs=50.0)
 
 
 def test_what_begins_while_the_shot_is_still_loud_does_not_end_it() -> None:

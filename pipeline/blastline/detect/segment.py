@@ -9,6 +9,8 @@ it, or where its first reflection begins. Reflections are lags at which the soun
 have to stand out of their own neighbourhood: a tail full of overlapping echoes holds no discrete one.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,6 +24,9 @@ PEAK_MS = 20.0
 _SMOOTH_MS = 25.0  # a period of the lowest boom that a film puts under a shot
 _RISE_AGAIN = 2.0  # the decay is over where the level, once 12 dB down, doubles: something else has begun
 _DECAYED = 0.25
+_SLOW_MS, _FAST_MS = 100.0, 0.5
+"""A seat is driven from 5 Hz to 1 kHz: means over the first hold what is slower, over the second nothing far above."""
+
 _OVER_BACKGROUND = 1.4  # 3 dB: at less, the sound itself is softer than the background
 # A Friedlander blast stays below a tenth of its peak for two thirds of its positive phase where it crosses zero: a peak
 # held a little longer does not take the crossing for the end.
@@ -65,7 +70,7 @@ def segment(
             echoes = _strong_enough(found, rules.reflection_level_db, room_db)
     blast = min([blast, *(lag for lag, _ in echoes[:1])])
     at = film_start + onset
-    length, ended = _decay(wave, background, rate_hz=rate_hz, rules=rules)
+    length, ended = _decay(still, wave, rate_hz=rate_hz, rules=rules)
     return Shot(
         onset=at,
         confidence=confidence,
@@ -181,23 +186,56 @@ def _strong_enough(
     return [(lag, level_db) for lag, level_db in levels if least_db <= level_db <= _LOUDEST_DB]
 
 
-def _decay(wave: NDArray[np.float64], background: float, *, rate_hz: int, rules: SegmentRules) -> tuple[int, DecayEnd]:
-    """Return when the smoothed level falls `decay_db` under its start, to the background, or rises again; and which."""
+@dataclass(frozen=True, eq=False)
+class _Decay:
+    """Of each 25 ms after an onset: whether it has fallen, is softer than the background, or has risen again."""
+
+    fallen: NDArray[np.bool_]
+    drowned: NDArray[np.bool_]
+    risen: NDArray[np.bool_]
+
+    @property
+    def over(self) -> NDArray[np.bool_]:
+        return self.fallen | self.drowned | self.risen
+
+    @classmethod
+    def of(cls, sound: NDArray[np.float64], onset: int, grain: int, decay_db: float, ringing: int) -> "_Decay":
+        """Return how a sound decays from an index on; `ringing` samples before it are the attack's."""
+        quiet, wave = sound[: max(0, onset - ringing)], sound[onset:]
+        level = np.sqrt(np.mean(wave[: wave.shape[0] // grain * grain].reshape(-1, grain) ** 2, axis=1))
+        background = float(np.sqrt(quiet @ quiet / quiet.size)) if quiet.size else 0.0
+        start = float(level[:2].max(initial=0.0))
+        lowest = np.minimum.accumulate(level)
+        return cls(
+            level < start * gain_from_db(-decay_db),
+            level < _OVER_BACKGROUND * background,
+            (lowest < _DECAYED * start) & (level > _RISE_AGAIN * lowest),
+        )
+
+
+def _decay(
+    still: NDArray[np.float64], wave: NDArray[np.float64], *, rate_hz: int, rules: SegmentRules
+) -> tuple[int, DecayEnd]:
+    """Return when a shot's decay is over, both as it is heard and in what of it can be felt; and how it ended.
+
+    Rain drowns the hiss of a tail long before its boom. What swings more slowly than a seat moves counts in neither.
+    """
+    from scipy.ndimage import uniform_filter1d
+
     shortest, longest = samples_from_ms(rules.shortest_ms, rate_hz), samples_from_ms(rules.longest_ms, rate_hz)
-    grain = max(1, samples_from_ms(_SMOOTH_MS, rate_hz))
-    grains = wave[: wave.shape[0] // grain * grain].reshape(-1, grain)
-    level = np.sqrt(np.mean(grains**2, axis=1))
-    start = float(level[:2].max(initial=0.0))
-    fallen, drowned = level < start * gain_from_db(-rules.decay_db), level < _OVER_BACKGROUND * background
-    lowest = np.minimum.accumulate(level)
-    over = fallen | drowned | ((lowest < _DECAYED * start) & (level > _RISE_AGAIN * lowest))
-    over &= np.arange(level.shape[0]) * grain >= shortest
+    grain, slow, fast = (max(1, samples_from_ms(ms, rate_hz)) for ms in (_SMOOTH_MS, _SLOW_MS, _FAST_MS))
+    sound = np.concatenate([still, wave])
+    sound -= uniform_filter1d(sound, slow)
+    boom = uniform_filter1d(uniform_filter1d(sound, fast), fast)
+    ringing = samples_from_ms(_RINGING_MS, rate_hz)
+    heard, felt = (_Decay.of(part, still.size, grain, rules.decay_db, ringing) for part in (sound, boom))
+    over = heard.over & felt.over & (np.arange(heard.over.size) * grain >= shortest)
     found = np.flatnonzero(over[:-1] & over[1:]) if over.size > 1 else np.empty(0, np.intp)
     longest = min(longest, int(wave.shape[0]))
     if not found.size or int(found[0]) * grain >= longest:
         return max(1, longest), "longest"
     first = int(found[0])
-    ended: DecayEnd = "fallen" if fallen[first] else "background" if drowned[first] else "next sound"
+    ended: DecayEnd = "fallen" if heard.fallen[first] else "background" if heard.drowned[first] else "next sound"
     return max(1, first * grain), ended
 
 
