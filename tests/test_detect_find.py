@@ -369,3 +369,27 @@ def test_a_row_may_cross_the_end_of_a_chunk(rounds: int) -> None:
         shots = find_shots([clip], rate_hz=RATE_HZ, tier=RULES.tier, verifier=verifier).shots
         assert [shot.evidence.even_row for shot in shots if shot.evidence] == ["fire"] * rounds
         assert np.abs([shot.onset - start for shot, start in zip(shots, starts, strict=True)]).max() < 48
+
+
+def gun(rng: np.random.Generator) -> NDArray[np.float64]:
+    """Return a shot: a blast wave, noise that dies away in two stages, and a boom."""
+    time_s = np.arange(RATE_HZ // 2) / RATE_HZ
+    blast = 1.5 * np.exp(-time_s / 6e-4) * (1.0 - time_s / 1.2e-3)
+    noise = rng.standard_normal(time_s.size) * (0.8 * np.exp(-time_s / 0.012) + 0.25 * np.exp(-time_s / 0.06))
+    return blast + noise + 0.6 * np.sin(2.0 * np.pi * 70.0 * time_s) * np.exp(-time_s / 0.1)
+
+
+@pytest.mark.parametrize("rounds", [20, 45, 90])
+def test_a_gun_may_fire_for_as_long_as_its_belt_lasts(rounds: int) -> None:
+    """A seat must not fall silent amid a machine gun's fire."""
+    rng = np.random.default_rng(rounds)
+    samples = 1e-4 * rng.standard_normal(round((4.0 + 0.1 * rounds) * RATE_HZ))
+    starts = [2 * RATE_HZ + round(0.1 * n * RATE_HZ) for n in range(rounds)]
+    for start in starts:
+        shot = gun(rng)
+        samples[start : start + shot.size] += 0.2 * 10.0 ** (rng.uniform(-1.0, 1.0) / 20.0) * shot
+    found = [shot.onset for shot in find(samples.astype(np.float32)).shots]
+    late = np.array(found)[:, None] - np.array(starts)
+    assert (np.abs(late).min(axis=1) < RATE_HZ // 1000).all(), "nothing else is"
+    assert np.count_nonzero(np.abs(late).min(axis=0) < RATE_HZ // 1000) >= 0.9 * rounds
+    assert np.diff(found).max() < 0.8 * RATE_HZ

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.special import expit, logit
 
-from blastline.detect.fire import ScoredCandidates, even_rows, worth_a_look
+from blastline.detect.fire import ScoredCandidates, even_rows, in_long_rows, worth_a_look
 from blastline.detect.pace import automatic, evenly_placed, rows_at
-from blastline.detect.verify import Verdicts, combined_log_odds, log_odds_in
+from blastline.detect.verify import LogOdds, Verdicts, combined_log_odds, log_odds_in
 from blastline.model import EvenRow
 from blastline.ruleset import load_rules
 from blastline.units import ms_from_samples, samples_from_ms
@@ -205,32 +205,31 @@ def test_what_the_screen_doubts_is_looked_at_where_it_makes_a_row_with_what_it_d
     assert looked_at(VERIFY.look_from, *[doubted] * (count - 2), 0.9 * least) == [True] + [False] * (count - 1)
 
 
-@pytest.mark.parametrize("count", [BURSTS.most_unsure + 1, 100])
-@pytest.mark.parametrize("at", [0, 10, -BURSTS.fewest_even])
-def test_of_a_row_longer_than_a_magazine_all_is_looked_at_where_some_is_likely(count: int, at: int) -> None:
-    """The screen takes what goes on before and after for a machine's, however much it sounds like a shot."""
-    likely = np.zeros(count)
-    likely[at:][: BURSTS.fewest_even] = VERIFY.look_from
-    onsets = np.array([samples_from_ms(n * FAST_MS, RATE_HZ) for n in range(count)], np.intp)
-
-    def looked_at(first: int) -> list[bool]:
-        said = likely[first:]
-        passed = worth_a_look(onsets[first:], np.zeros(said.size), said, least=0.01, rate_hz=RATE_HZ, tier=TIER)
-        return [bool(each) for each in passed]
-
-    assert looked_at(0) == [True] * count
-    assert looked_at(count - BURSTS.most_unsure) == (likely[-BURSTS.most_unsure :] > 0.0).tolist()
+def long_told(count: int, by_networks: float, as_burst: float) -> set[EvenRow | None]:
+    """Return what is told of the sounds of a row, by their probabilities as they are and as if in a burst."""
+    onsets = samples_from_ms(FAST_MS, RATE_HZ) * np.arange(count)
+    usual, alike = (np.full(count, float(logit(p))) for p in (by_networks, as_burst))
+    candidates = ScoredCandidates(onsets, np.zeros(count), LogOdds(usual, usual, alike))
+    return set(even_rows(candidates, rate_hz=RATE_HZ, tier=TIER))
 
 
-def test_a_row_longer_than_a_magazine_is_judged_by_its_ends_and_as_strictly_as_a_single_shot() -> None:
-    """Jackhammers go on as well; and what is amid a long row gets less, since it goes on."""
-    half, doubted = BURSTS.most_unsure // 2, 0.02
-    enough = float(expit(logit(VERIFY.threshold) + 0.01))
-    ends = [enough] * half
-    assert told([*ends, *[doubted] * 50, *ends]) == ["fire"] * (50 + 2 * half)
-    assert told([*ends, *[doubted] * 50, *[VERIFY.even_threshold] * half]) == ["no fire"] * (50 + 2 * half)
-    assert told([VERIFY.even_threshold + 0.1] * (2 * half)) == ["fire"] * (2 * half)
-    assert told([VERIFY.even_threshold + 0.1] * (2 * half + 1)) == ["no fire"] * (2 * half + 1)
+def test_a_row_longer_than_a_magazine_is_judged_by_its_sounds_as_if_each_were_in_a_burst() -> None:
+    """And as it is, it need not be likely but no machine either."""
+    most, sure, least = BURSTS.most_unsure, VERIFY.sustained_threshold + 1e-3, VERIFY.report_from + 1e-3
+    assert long_told(most + 1, least, sure) == {"fire"}
+    assert long_told(most + 1, least, sure - 2e-3) == {"no fire"}
+    assert long_told(most + 1, least - 2e-3, sure) == {"no fire"}
+    assert long_told(most, least, sure) == {"no fire"}
+    assert long_told(most, VERIFY.even_networks_threshold + 1e-3, least) == {"fire"}
+
+
+@pytest.mark.parametrize("count", [0, 5, BURSTS.most_unsure, BURSTS.most_unsure + 1, 100])
+def test_long_rows_are_those_of_more_sounds_than_a_magazine_holds(count: int) -> None:
+    row = 480_000 + samples_from_ms(FAST_MS, RATE_HZ) * np.arange(count)
+    others = np.random.default_rng(count).integers(0, 400_000, 50)
+    onsets = np.unique(np.concatenate([others, row]))
+    found = in_long_rows(onsets, np.zeros(onsets.size), rate_hz=RATE_HZ, rules=BURSTS)
+    assert [onsets[each].tolist() for each in found] == ([row.tolist()] if count > BURSTS.most_unsure else [])
 
 
 def test_of_two_sounds_where_a_round_is_due_the_nearer_is_the_round() -> None:

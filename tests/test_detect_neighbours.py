@@ -6,6 +6,8 @@ import pytest
 from blastline.detect.bandshape import ATTACK, LOWEST_DB, SEGMENTS_MS
 from blastline.detect.neighbours import (
     ALIKE_DB,
+    BURST_MS,
+    BURST_ROUNDS,
     FARTHEST_DB,
     FUTURE_MS,
     LEVEL_STEPS_DB,
@@ -13,6 +15,7 @@ from blastline.detect.neighbours import (
     RIVAL_DB,
     RUN_GAP_MS,
     SHAPE_SEGMENTS,
+    as_in_a_burst,
     neighbourhood,
     neighbourhood_names,
 )
@@ -78,3 +81,15 @@ def test_it_stands_among_them_as_told_one_by_one(count: int) -> None:
 
 def test_none_wanted_is_no_row() -> None:
     assert neighbourhood(np.zeros(0, np.intp), np.zeros((0, *SHAPE)), np.zeros(0, np.intp), RATE_HZ).shape[0] == 0
+
+
+@pytest.mark.parametrize("count", [BURST_ROUNDS, 40])
+def test_what_goes_on_for_longer_is_as_in_a_burst_and_a_burst_is_what_it_is(count: int) -> None:
+    places = np.round(np.arange(count) * (BURST_MS - 1.0) / (BURST_ROUNDS - 1) * RATE_HZ / 1000.0).astype(np.intp)
+    rows = neighbourhood(places, np.full((count, *SHAPE), -20.0), np.arange(count), RATE_HZ)
+    capped = as_in_a_burst(rows)
+    changed = {name for name, same in zip(neighbourhood_names(), (capped == rows).all(axis=0), strict=True) if not same}
+    sides = {f"{side}_within{level:g}dB" for side in ("past", "future") for level in LEVEL_STEPS_DB}
+    going_on = {"like_past", "like_future", "run_before_ms", "run_after_ms"} | sides
+    assert changed == (set() if count == BURST_ROUNDS else going_on)
+    assert capped[:, [name.startswith("run_") for name in neighbourhood_names()]].max() <= BURST_MS

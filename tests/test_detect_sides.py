@@ -335,7 +335,7 @@ def test_a_row_is_told_by_the_mix_that_judged_its_shots_wherever_they_begin_in_i
 
 def _scored(onsets: NDArray[np.intp], log_odds: float) -> ScoredCandidates:
     odds = np.full(onsets.size, log_odds)
-    return ScoredCandidates(onsets, np.full(onsets.size, -6.0), LogOdds(odds, odds))
+    return ScoredCandidates(onsets, np.full(onsets.size, -6.0), LogOdds(odds, odds, odds))
 
 
 def test_what_the_mains_are_sure_of_is_not_moved_by_the_sides() -> None:

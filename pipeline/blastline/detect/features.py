@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .bandshape import bandshape_names
-from .neighbours import neighbourhood_names
+from .neighbours import as_in_a_burst, neighbourhood_names
 
 
 def feature_names() -> tuple[str, ...]:
@@ -15,3 +15,9 @@ def feature_names() -> tuple[str, ...]:
 def features(bandshapes: NDArray[np.float64], neighbourhoods: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the features of candidates, shape (n, features), of their rows of `bandshape` and `neighbourhood`."""
     return np.concatenate([bandshapes, neighbourhoods], axis=1)
+
+
+def features_as_in_a_burst(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return features, shape (n, features), as if what is alike around each candidate were no more than a burst."""
+    shapes, neighbourhoods = np.split(rows, [len(bandshape_names())], axis=1)
+    return features(shapes, as_in_a_burst(neighbourhoods))

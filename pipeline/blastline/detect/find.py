@@ -15,16 +15,17 @@ from ..ruleset import QualityRules
 from ..units import samples_from_ms
 from .backdrop import backdrops, sounds
 from .bursts import drop_claimed_reflections, group_bursts, suppress_non_maxima, without_echoes
-from .candidates import CandidateFeatures, describe_candidates
-from .chunks import CORE_PIECES, SHORT_CORE_PIECES, Chunk, aligned_chunks, chunks, track_peaks_dbfs
+from .candidates import CandidateFeatures
+from .chunks import CORE_PIECES, SHORT_CORE_PIECES, Chunk, aligned_chunks, chunks
+from .closer import with_long_rows, worth_looking_at
 from .company import in_company, unlike_a_shot, worth_segmenting
 from .copies import attack
 from .direction import with_azimuths
-from .fire import ScoredCandidates, even_rows, worth_a_look
+from .fire import ScoredCandidates, even_rows
 from .rate import LISTENING_HZ, film_sample, in_film, resampled
 from .scan import loudest_around
 from .segment import peak_dbfs, segment
-from .sides import SAME_MS, are_audible, merge_mixes, side_as_main, side_rules
+from .sides import SAME_MS, merge_mixes, side_as_main, side_rules
 from .spectrogram import Spectrograms, spectrograms
 from .steady import goes_on
 from .tracks import Grid, pieces
@@ -135,25 +136,6 @@ def search_chunks(
         yield ChunkResult(place(shots, side_onsets=[shot.onset for shot in there.shots]), refused, scored)
 
 
-def _worth_looking_at(
-    chunk: Chunk, grid: Grid, tier: QualityRules, verifier: Verifier, over: Chunk | None
-) -> CandidateFeatures:
-    """Return the candidates that gate and screen do not find hopeless, and that no mix `over` theirs covers."""
-
-    def gate(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
-        asked = tier.verify.gate_from
-        passed = verifier.gate.probabilities(rows) >= (verifier.gate.threshold if asked is None else asked)
-        return passed if over is None else passed & are_audible(chunk, over, places, grid)
-
-    def screen(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
-        likely, peaks_dbfs = verifier.screen.probabilities(rows), track_peaks_dbfs(chunk, places, grid)
-        asked = tier.verify.row_from
-        least = min(verifier.screen.threshold if asked is None else asked, tier.verify.look_from)
-        return worth_a_look(places, peaks_dbfs, likely, least=least, rate_hz=grid.rate_hz, tier=tier)
-
-    return describe_candidates(chunk, grid, tier, gate=gate, screen=screen)
-
-
 def _search_chunk(
     chunk: Chunk,
     grid: Grid,
@@ -166,7 +148,7 @@ def _search_chunk(
 
     What the mix `over` it covers is not looked at.
     """
-    found = _worth_looking_at(chunk, grid, tier, verifier, over)
+    found = worth_looking_at(chunk, grid, tier, verifier, over)
     loudest = loudest_around(chunk.peak, found.onsets // grid.step, grid=grid)
 
     def seen(which: NDArray[np.intp] | slice, speed: float) -> Spectrograms:
@@ -175,7 +157,8 @@ def _search_chunk(
     shown = seen(slice(None), 1.0)
     verdicts = verifier.verdicts(found.rows, shown, [partial(seen, speed=speed) for speed in tier.verify.speeds])
     peaks_dbfs = np.array([peak_dbfs(chunk.samples, onset, grid.rate_hz) for onset in found.onsets.tolist()])
-    scored = ScoredCandidates(found.onsets + chunk.start, peaks_dbfs, log_odds_in(verdicts))
+    odds = with_long_rows(log_odds_in(verdicts), found, shown, peaks_dbfs, grid, tier, verifier)
+    scored = ScoredCandidates(found.onsets + chunk.start, peaks_dbfs, odds)
     rows = even_rows(scored, rate_hz=grid.rate_hz, tier=tier)
     worth = worth_segmenting(scored, rows, rate_hz=grid.rate_hz, tier=tier, core=chunk.core)
     alone = worth & np.array([row != "fire" for row in rows], bool)  # the next round goes on for a round

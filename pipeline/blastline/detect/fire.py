@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..model import EvenRow
 from ..ruleset import BurstRules, QualityRules
+from ..units import samples_from_ms
 from .pace import automatic, evenly_placed, rows_at, shot_by_shot
 from .verify import LogOdds, log_odds_of
 
@@ -38,6 +39,7 @@ class ScoredCandidates:
             LogOdds(
                 np.concatenate([part.odds.by_all for part in parts]),
                 np.concatenate([part.odds.by_networks for part in parts]),
+                np.concatenate([part.odds.as_burst for part in parts]),
             ),
         )
 
@@ -70,21 +72,38 @@ def in_sustained_fire(
     """Return which of n shots, ascending, are in a row of even fire longer than a magazine lasts, shape (n,)."""
     found = np.zeros(onsets.size, np.bool_)
     rounds = np.flatnonzero(fire)
-    for row in rows_at(onsets[rounds], peaks_dbfs[rounds], automatic(rules), rate_hz=rate_hz):
-        found[rounds[row]] = row.size > rules.most_unsure
+    for row in in_long_rows(onsets[rounds], peaks_dbfs[rounds], rate_hz=rate_hz, rules=rules):
+        found[rounds[row]] = True
     return found
+
+
+def in_long_rows(
+    onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], *, rate_hz: int, rules: BurstRules
+) -> list[NDArray[np.intp]]:
+    """Return the rows as fast and even as automatic fire that are longer than a magazine lasts, as indices."""
+    pace, most = automatic(rules), rules.most_unsure
+    longest = most * samples_from_ms(rules.longest_gap_ms, rate_hz)
+    if onsets.size <= most or (onsets[most:] - onsets[:-most]).min() > longest:
+        return []  # nowhere are there so many in so short a time
+    if not evenly_placed(onsets, peaks_dbfs, pace, rate_hz=rate_hz, count=most + 1).any():
+        return []
+    paced = np.flatnonzero(evenly_placed(onsets, peaks_dbfs, pace, rate_hz=rate_hz))
+    rows = rows_at(onsets[paced], peaks_dbfs[paced], pace, rate_hz=rate_hz)
+    return [paced[row] for row in rows if row.size > most]
 
 
 def _sounds_like_fire(odds: LogOdds, row: NDArray[np.intp], tier: QualityRules) -> bool:
     """Return whether a row at the pace of automatic fire is likely enough in the mean, or so by the networks alone.
 
-    One that is longer than a magazine lasts has to be as likely as a single shot, since machines go on as well; but its
-    ends alone are asked, as many rounds as a magazine holds: all in its midst gets less for going on.
+    One that is longer than a magazine lasts gets less for going on, as machines do: as if each of its sounds were in a
+    burst it has to be surer than a single shot, and as it is no less likely than what is reported.
     """
-    rules, most = tier.verify, tier.bursts.most_unsure
-    if row.size > most:
-        ends = np.concatenate([row[: (most + 1) // 2], row[-((most + 1) // 2) :]])
-        return bool(odds.by_networks[ends].mean() >= log_odds_of(rules.threshold))
+    rules = tier.verify
+    if row.size > tier.bursts.most_unsure:
+        return bool(
+            odds.as_burst[row].mean() >= log_odds_of(rules.sustained_threshold)
+            and odds.by_networks[row].mean() >= log_odds_of(rules.report_from)
+        )
     return bool(
         odds.by_all[row].mean() >= log_odds_of(rules.even_threshold)
         or odds.by_networks[row].mean() >= log_odds_of(rules.even_networks_threshold)
@@ -110,19 +129,10 @@ def worth_a_look(
 ) -> NDArray[np.bool_]:
     """Return which of n candidates, ascending, the screen finds likely enough to be looked at closely, shape (n,).
 
-    That is `look_from`, and where it finds some of a row of fire so likely, `least` for the others. Of a row that is
-    longer than a magazine lasts the screen takes the midst for a machine's, since it goes on before and after: where
-    it finds four likely enough, at an end as it may be, all are looked at.
+    That is `look_from`, and where it finds some of a row of fire so likely, `least` for the others.
     """
     passed = likely >= tier.verify.look_from
     perhaps = np.flatnonzero(likely >= least)
-    pace, is_any = automatic(tier.bursts), False
-    for row in rows_at(onsets[perhaps], peaks_dbfs[perhaps], pace, rate_hz=rate_hz):
-        if passed[perhaps[row]].any():
-            passed[perhaps[row]] = is_any = True
-    if is_any:
-        paced = np.flatnonzero(evenly_placed(onsets, peaks_dbfs, pace, rate_hz=rate_hz))
-        for row in rows_at(onsets[paced], peaks_dbfs[paced], pace, rate_hz=rate_hz):
-            if row.size > tier.bursts.most_unsure and np.count_nonzero(passed[paced[row]]) >= tier.bursts.fewest_even:
-                passed[paced[row]] = True
+    for row in rows_at(onsets[perhaps], peaks_dbfs[perhaps], automatic(tier.bursts), rate_hz=rate_hz):
+        passed[perhaps[row]] |= passed[perhaps[row]].any()
     return passed

@@ -15,6 +15,8 @@ RIVAL_DB = 9.0  # a neighbour this much weaker is no rival
 ALIKE_DB = 5.0  # attacks whose shapes differ by less, rms over bands and segments, are alike
 FARTHEST_DB = 50.0  # what stands for the distance where there is no neighbour
 RUN_GAP_MS = 300.0
+BURST_ROUNDS, BURST_MS = 8, 700.0
+"""A burst, as most are: how many are alike before or after a candidate, and for how long, where no more is to count."""
 _AT_ONCE = 128  # candidates that are held against their neighbours together
 _SLACK_MS = 1.0
 
@@ -44,6 +46,17 @@ def neighbourhood(
         around = slice(firsts[0], stops[-1])
         rows.append(_standing(at_ms[around], levels[around], *(ends - firsts[0] for ends in (some, firsts, stops))))
     return np.concatenate(rows)
+
+
+def as_in_a_burst(neighbourhoods: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return rows of `neighbourhood` as if what goes on before and after were no more than a burst."""
+    columns = {
+        **dict.fromkeys(("run_before_ms", "run_after_ms"), BURST_MS),
+        **dict.fromkeys(("like_past", "like_future"), BURST_ROUNDS),
+        **{f"{side}_within{level:g}dB": BURST_ROUNDS for side in ("past", "future") for level in LEVEL_STEPS_DB},
+    }
+    most = np.array([columns.get(name, np.inf) for name in neighbourhood_names()])
+    return np.asarray(np.minimum(neighbourhoods, most), np.float64)
 
 
 def _standing(

@@ -67,17 +67,18 @@ def rows_at(
 
 
 def evenly_placed(
-    onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], pace: Pace, *, rate_hz: int
+    onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], pace: Pace, *, rate_hz: int, count: int | None = None
 ) -> NDArray[np.bool_]:
-    """Return which onsets, ascending, are among `fewest`, at most four, that follow one another at a pace, shape (n,).
+    """Return which onsets, ascending, are among `count` that follow one another at a pace, shape (n,).
 
-    Each next one is the nearest to where it is due. That takes a few passes over arrays, where `rows_at` follows each
-    row to its end.
+    Without a count they are `fewest`, at most four. Each next one is the nearest to where it is due. That takes a few
+    passes over arrays, where `rows_at` follows each row to its end.
     """
+    wanted = min(pace.fewest, _ENOUGH) if count is None else count
     placed = np.zeros(onsets.size, bool)
     for pairs in _alike_pairs(onsets, peaks_dbfs, pace, _gaps(pace, rate_hz)):
         row = list(pairs)
-        while row[0].size and len(row) < min(pace.fewest, _ENOUGH):
+        while row[0].size and len(row) < wanted:
             gap = onsets[row[-1]] - onsets[row[-2]]
             due = onsets[row[-1]] + gap
             after = np.clip(np.searchsorted(onsets, due), 1, onsets.size - 1)

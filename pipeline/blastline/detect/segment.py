@@ -21,11 +21,11 @@ from .reflections import discrete_reflections
 
 BACKGROUND_MS = 200.0
 PEAK_MS = 20.0
-_SMOOTH_MS = 25.0  # a period of the lowest boom that a film puts under a shot
+_CELL_MS, _CELLS_PER_GRAIN = 0.5, 50
+_SMOOTH_MS = _CELL_MS * _CELLS_PER_GRAIN  # a period of the lowest boom that a film puts under a shot
 _RISE_AGAIN = 2.0  # the decay is over where the level, once 12 dB down, doubles: something else has begun
 _DECAYED = 0.25
-_SLOW_MS, _FAST_MS = 100.0, 0.5
-"""A seat is driven from 5 Hz to 1 kHz: means over the first hold what is slower, over the second nothing far above."""
+_SLOW_MS = 100.0  # a seat is driven from 5 Hz to 1 kHz: means over so long hold what is slower, over a cell no more
 
 _OVER_BACKGROUND = 1.4  # 3 dB: at less, the sound itself is softer than the background
 # A Friedlander blast stays below a tenth of its peak for two thirds of its positive phase where it crosses zero: a peak
@@ -199,11 +199,11 @@ class _Decay:
         return self.fallen | self.drowned | self.risen
 
     @classmethod
-    def of(cls, sound: NDArray[np.float64], onset: int, grain: int, decay_db: float, ringing: int) -> "_Decay":
-        """Return how a sound decays from an index on; `ringing` samples before it are the attack's."""
-        quiet, wave = sound[: max(0, onset - ringing)], sound[onset:]
-        level = np.sqrt(np.mean(wave[: wave.shape[0] // grain * grain].reshape(-1, grain) ** 2, axis=1))
-        background = float(np.sqrt(quiet @ quiet / quiet.size)) if quiet.size else 0.0
+    def of(cls, power: NDArray[np.float64], onset: int, decay_db: float) -> "_Decay":
+        """Return how a sound decays from a cell on, by the power in each, until the end of a grain."""
+        quiet, wave = power[: max(0, onset - round(_RINGING_MS / _CELL_MS))], power[onset:]
+        level = np.sqrt(wave.reshape(-1, _CELLS_PER_GRAIN).mean(axis=1))
+        background = float(np.sqrt(quiet.mean())) if quiet.size else 0.0
         start = float(level[:2].max(initial=0.0))
         lowest = np.minimum.accumulate(level)
         return cls(
@@ -223,12 +223,16 @@ def _decay(
     from scipy.ndimage import uniform_filter1d
 
     shortest, longest = samples_from_ms(rules.shortest_ms, rate_hz), samples_from_ms(rules.longest_ms, rate_hz)
-    grain, slow, fast = (max(1, samples_from_ms(ms, rate_hz)) for ms in (_SMOOTH_MS, _SLOW_MS, _FAST_MS))
-    sound = np.concatenate([still, wave])
-    sound -= uniform_filter1d(sound, slow)
-    boom = uniform_filter1d(uniform_filter1d(sound, fast), fast)
-    ringing = samples_from_ms(_RINGING_MS, rate_hz)
-    heard, felt = (_Decay.of(part, still.size, grain, rules.decay_db, ringing) for part in (sound, boom))
+    cell = max(1, samples_from_ms(_CELL_MS, rate_hz))
+    grain = cell * _CELLS_PER_GRAIN
+    before, after = still[still.size % cell :], wave[: wave.size // grain * grain]
+    cells = np.concatenate([before, after]).reshape(-1, cell)
+    means, powers = cells @ np.full(cell, 1.0 / cell), np.einsum("ij,ij->i", cells, cells) / cell
+    slow = uniform_filter1d(means, round(_SLOW_MS / _CELL_MS)) if means.size else means
+    heard, felt = (
+        _Decay.of(power, before.size // cell, rules.decay_db)
+        for power in (np.maximum(0.0, powers - slow * (2.0 * means - slow)), np.square(means - slow))
+    )
     over = heard.over & felt.over & (np.arange(heard.over.size) * grain >= shortest)
     found = np.flatnonzero(over[:-1] & over[1:]) if over.size > 1 else np.empty(0, np.intp)
     longest = min(longest, int(wave.shape[0]))

@@ -94,10 +94,14 @@ class Verdicts:
 
 @dataclass(frozen=True, eq=False)
 class LogOdds:
-    """The log-odds of n candidates, shape (n,): by screen and networks together, and by the networks alone."""
+    """The log-odds of n candidates, shape (n,): by screen and networks together, and by the networks alone.
+
+    `as_burst` are those by the networks of a candidate in a long row as if no more than a burst of it were there.
+    """
 
     by_all: NDArray[np.float64]
     by_networks: NDArray[np.float64]
+    as_burst: NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +156,8 @@ def log_odds_in(verdicts: Verdicts) -> LogOdds:
     From the rounded probabilities, so that they do not depend on how many candidates are judged together either.
     """
     by_all, by_screen = log_odds_of(verdicts.probability), log_odds_of(verdicts.screen_probability)
-    return LogOdds(by_all, by_all + (by_all - by_screen) * (SCREEN_WEIGHT / verdicts.networks))
+    by_networks = by_all + (by_all - by_screen) * (SCREEN_WEIGHT / verdicts.networks)
+    return LogOdds(by_all, by_networks, by_networks)
 
 
 def log_odds_of(probability: NDArray[np.float64] | float) -> NDArray[np.float64]:
