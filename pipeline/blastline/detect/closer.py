@@ -54,7 +54,7 @@ def with_long_rows(
 ) -> LogOdds:
     """Return the log-odds of candidates with those of long rows as if each sound were one of a burst.
 
-    Screen and networks have learnt from bursts of a magazine at most, and that what goes on for longer is a machine.
+    Screen and networks have learnt from made bursts of 3 to 12 rounds, and that what goes on for longer is a machine.
     """
     as_burst = odds.as_burst.copy()
     for row in in_long_rows(found.onsets, peaks_dbfs, rate_hz=grid.rate_hz, rules=tier.bursts):

@@ -75,9 +75,10 @@ def in_company(
     Refused all the same, so that they are company for no other, are
 
     - of a long row of even fire that does not sound like that, all that are not sure by themselves;
-    - a run at a gun's pace of more than `most_unsure`, of which fewer than half are sure by themselves;
+    - a run at a gun's pace of more than `most_unsure`, of which fewer than half are sure by themselves or in a row of
+      even fire as long as that;
     - a slower even row (`RowRules`) of which fewer than half are sure by themselves or rounds of even fire;
-    - what turns with a loop of ambience.
+    - what turns with a loop of ambience, unless it is in such a long row of fire.
     """
     left = sorted(shots, key=lambda s: s.onset)
     refused: list[Rejection] = []

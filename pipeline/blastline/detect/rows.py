@@ -28,8 +28,8 @@ def in_endless_fire(
 ) -> NDArray[np.bool_]:
     """Return which of n onsets, ascending, belong to a run at a gun's pace that goes on as no gun does, shape (n,).
 
-    More than a magazine holds, half of the gaps near their median, and fewer than half of its sounds sure by
-    themselves: so do jackhammers and engines. Several guns at once may go on for as long, but keep no pace.
+    More than a magazine holds, half of the gaps near their median, and fewer than half of its sounds sure, alone or as
+    sustained fire: so do jackhammers and engines. Several guns at once may go on for as long, but keep no pace.
     """
     found = np.zeros(onsets.size, bool)
     longest = samples_from_ms(rules.longest_gap_ms, rate_hz)

@@ -156,7 +156,8 @@ class BurstRules(Table, frozen=True):
     shot's echo: what lies where one of its reflections was found, or comes up to `latest_copy_ms` after it and has a
     waveform that is `copy_likeness` like its own. A row of even fire has `fewest_even` sounds or more, each gap within
     `unevenness` of the one before, peaks within `echo_drop_db` of the first; from `fewest_as_one` on it is believed as
-    a whole or not at all. Of an even run of more than `most_unsure`, half have to be sure by themselves.
+    a whole or not at all. Of an even run of more than `most_unsure`, half have to be sure by themselves, or in a
+    row as long as that which is fire by `sustained_threshold`.
     """
 
     shortest_gap_ms: Annotated[float, Meta(ge=2.0, le=1000.0)]
