@@ -25,7 +25,7 @@ _CELL_MS, _CELLS_PER_GRAIN = 0.5, 50
 _SMOOTH_MS = _CELL_MS * _CELLS_PER_GRAIN  # a period of the lowest boom that a film puts under a shot
 _RISE_AGAIN = 2.0  # the decay is over where the level, once 12 dB down, doubles: something else has begun
 _DECAYED = 0.25
-_SLOW_MS = 100.0  # a seat is driven from 5 Hz to 1 kHz: means over so long hold what is slower, over a cell no more
+_SLOW_MS = 100.0  # a seat moves from 5 Hz to 1 kHz: the mean over so long is slower than that, a cell's as fast
 _OVER_BACKGROUND = 1.4  # 3 dB: at less, the sound itself is softer than the background
 # A Friedlander blast stays below a tenth of its peak for two thirds of its positive phase where it crosses zero: a peak
 # held a little longer does not take the crossing for the end.
