@@ -4,7 +4,7 @@ import os
 
 from hypothesis import HealthCheck, settings
 
-# as many tests at once as there are cores: where each also spreads its matrices over all cores, they take half as long again
+# as many tests run at once as there are cores: where each also uses all cores, they take half as long again
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 

@@ -44,7 +44,7 @@ def test_every_quality_can_be_picked() -> None:
 def test_a_bigger_budget_never_picks_a_less_accurate_quality(
     predicted: dict[Quality, float], one_s: float, other_s: float
 ) -> None:
-    less, more = (pick(predicted.__getitem__, allowed_s) for allowed_s in sorted((one_s, other_s)))
+    less, more = (pick(predicted.__getitem__, allowed_s, lambda: 0.0) for allowed_s in sorted((one_s, other_s)))
     if less is not None:
         assert more is not None
         assert BEST_FIRST.index(more) <= BEST_FIRST.index(less)
@@ -58,12 +58,26 @@ def test_what_is_picked_fits_and_nothing_better_does(predicted: dict[Quality, fl
         asked.append(quality)
         return predicted[quality]
 
-    picked = pick(predict, allowed_s)
+    picked = pick(predict, allowed_s, lambda: 0.0)
     assert asked == list(BEST_FIRST[: len(asked)])
     fits = [RESERVE * predicted[quality] <= allowed_s for quality in asked]
     assert picked == (asked[-1] if picked else None)
     assert not any(fits[:-1])
     assert fits[-1] == (picked is not None)
+
+
+@given(st.dictionaries(st.sampled_from(BEST_FIRST), SECONDS, min_size=3), SECONDS, st.integers(0, 2))
+def test_once_predicting_has_spent_the_budget_the_fastest_alone_is_predicted(
+    predicted: dict[Quality, float], allowed_s: float, enough_for: int
+) -> None:
+    asked: list[Quality] = []
+
+    def predict(quality: Quality) -> float:
+        asked.append(quality)
+        return 2.0 * allowed_s + predicted[quality]
+
+    assert pick(predict, allowed_s, lambda: allowed_s if len(asked) >= enough_for else 0.0) is None
+    assert asked == [*BEST_FIRST[: min(enough_for, 2)], BEST_FIRST[-1]]
 
 
 @given(COSTS, st.floats(1.0, 1e4), st.floats(1.0, 10.0))

@@ -95,8 +95,9 @@ def choose_quality(
     """Return the options with the most accurate quality that fits the budget, and with how it was chosen.
 
     Each tier, the most accurate first, is run over excerpts of the film on this machine, and its CPU time for the whole
-    film predicted from that. `drives` says whether the film will be rendered or its shots only found; the budget counts
-    from the process's CPU time `since_cpu_s` on, now where it is None. Raises RuleError where no quality fits.
+    film predicted from that, until the budget is spent: then the fastest is, to tell what would do. `drives` says
+    whether the film will be rendered or its shots only found; the budget counts from the process's CPU time
+    `since_cpu_s` on, now where it is None. Raises RuleError where no quality fits.
     """
     if options.timeline is not None:
         raise RuleError(f"{allowed.asked} with --timeline {options.timeline}: nothing is detected; give a --quality")
@@ -105,15 +106,17 @@ def choose_quality(
     with open_gauge(film, options, drives=drives, progress=progress) as gauge:
         allowed_s = allowed.of(gauge.film_s)
 
+        def spent_s() -> float:
+            return time.process_time() - began
+
         def predict(quality: Quality) -> float:
             cost: FilmCost = gauge.cost(quality)
-            spent = time.process_time() - began
-            predicted[quality] = spent + cost.of(gauge.film_s)
+            predicted[quality] = spent_s() + cost.of(gauge.film_s)
             return predicted[quality]
 
-        picked = pick(predict, allowed_s)
+        picked = pick(predict, allowed_s, spent_s)
         if picked is None:
-            measured_s = time.process_time() - began
+            measured_s = spent_s()
             needed = allowed.in_words(RESERVE * predicted["draft"], gauge.film_s)
             raise RuleError(
                 f"{allowed.asked}: allows {said(allowed_s)} of CPU for the {_length(gauge.film_s)} of {film}, but "
@@ -125,12 +128,18 @@ def choose_quality(
     return replace(options, quality=picked, budget=model.Budget(allowed.asked, allowed_s, predicted, note))
 
 
-def pick(predict: Callable[[Quality], float], allowed_s: float) -> Quality | None:
+def pick(predict: Callable[[Quality], float], allowed_s: float, spent_s: Callable[[], float]) -> Quality | None:
     """Return the most accurate quality whose prediction, with the reserve, fits; None where none does.
 
-    Predictions are asked for from the most accurate quality on, and no further than needed.
+    Predictions are asked for from the most accurate quality on, and no further than needed: where predicting has
+    already spent what is allowed, only for the fastest, to tell what would do.
     """
-    return next((quality for quality in BEST_FIRST if RESERVE * predict(quality) <= allowed_s), None)
+    for quality in BEST_FIRST:
+        if quality != BEST_FIRST[-1] and RESERVE * spent_s() > allowed_s:
+            continue
+        if RESERVE * predict(quality) <= allowed_s:
+            return quality
+    return None
 
 
 def chosen(allowed: Allowance, allowed_s: float, picked: Quality, predicted: dict[Quality, float]) -> str:
