@@ -278,8 +278,9 @@ def require_along(sent: np.ndarray, came: np.ndarray, rate_hz: int) -> MeasuredR
     return found.measured
 
 
-@pytest.mark.parametrize("lost", [5, 200, 9_000, 48_000])
-@pytest.mark.parametrize("share", [0.15, 0.5, 0.8])
+@pytest.mark.parametrize(
+    ("lost", "share"), [(5, 0.15), (5, 0.8), (200, 0.5), (9_000, 0.15), (48_000, 0.5), (48_000, 0.8)]
+)
 def test_a_response_that_lost_samples_on_the_way_is_refused(lost: int, share: float) -> None:
     rate_hz = 48_000
     sent = noise(20.0, rate_hz)
@@ -312,7 +313,7 @@ def test_a_clock_that_drifts_is_refused_where_it_spoils_what_is_modelled(apart_p
 @pytest.mark.parametrize("snr_db", [60.0, 20.0, 0.0, -10.0])
 @pytest.mark.parametrize("seat", [Seat(), Seat(resonance_hz=40.0, damping=0.05), Seat(resonance_hz=20.0, damping=0.02)])
 def test_neither_noise_nor_ringing_is_a_slip(seat: Seat, snr_db: float) -> None:
-    for seed in range(3):
+    for seed in range(2):
         sent = noise(20.0, 16_000, seed=seed)
         require_along(sent, run_through(seat, sent, 16_000, snr_db=snr_db, seed=seed), 16_000)
 

@@ -180,7 +180,7 @@ OFFSETS = st.just(0.0) | st.builds(
     STARTS,
     st.sampled_from([None, "23.976", "25", "29.97", "29.97df", "29.97ndf", "59.94df", "119.88df", "120"]),
 )
-@settings(max_examples=400)
+@settings(max_examples=200)
 def test_what_was_said_of_a_film_is_known_from_the_timeline_made_of_it(
     own_start: str | None, own_rate: str | None, offset_s: float, start: str | None, rate: str | None
 ) -> None:
