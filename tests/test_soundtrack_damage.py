@@ -80,6 +80,30 @@ def test_lost_packets_do_not_shift_what_follows(tmp_path: Path, codec: str, exte
     assert not samples[int(2.1 * RATE_HZ) : int(2.2 * RATE_HZ)].any()
 
 
+@pytest.mark.parametrize(("codec", "extension"), [("ac3", "ts"), ("flac", "ogg")])
+def test_what_lies_behind_a_hole_in_which_no_packet_begins_is_read_where_it_plays(
+    tmp_path: Path, codec: str, extension: str
+) -> None:
+    """FFmpeg gives up after so many bytes without a packet; a film must not end there."""
+    shots = [20_000, 300_000, 520_000]
+    path = write_media(tmp_path / f"film.{extension}", [impulses(12 * RATE_HZ, shots, channels=6)], codec=codec)
+    data, hole = path.read_bytes(), 300_000
+    whole, before = read(path, mix="0")
+    start = len(data) // 4
+    assert start + hole < len(data)
+    path.write_bytes(data[:start] + bytes(hole) + data[start + hole :])
+    samples, source = read(path, mix="0")
+    assert len(samples) == len(whole)
+    assert shots_in_film(samples, source)[-1] == shots_in_film(whole, before)[-1]
+    assert any("filled with silence" in warning for warning in source.warnings)
+    assert any("went on behind the damage" in warning for warning in source.warnings)
+    path.write_bytes(data[:start] + bytes(len(data) - start))  # nothing follows
+    _, nothing_more = read(path, mix="0")
+    assert nothing_more.frames < len(whole) // 2
+    assert nothing_more.warnings
+    assert not any("went on" in warning for warning in nothing_more.warnings)
+
+
 @pytest.mark.parametrize("codec", ["aac", "ac3", "eac3"])
 def test_what_damage_displaces_in_a_file_without_time_stamps_is_told(tmp_path: Path, codec: str) -> None:
     """Nothing says how much was lost: at what was one frame, half a second may be."""

@@ -220,3 +220,13 @@ def test_a_container_tells_whether_it_holds_a_picture(
     path = write_media(tmp_path / f"it.{extension}", [impulses(9_000, [100])], codec=codec, picture_rate=picture_rate)
     with open_soundtrack(path) as track:
         assert track.describe().has_picture == (picture_rate is not None)
+
+
+@pytest.mark.parametrize("codec", ["ac3", "eac3", "aac"])
+def test_silence_is_told_as_such_after_a_codec_too(tmp_path: Path, codec: str) -> None:
+    """FFmpeg decodes silent AC-3 to noise at -101 dBFS: a film whose first track is left empty has no gunshots then."""
+    tracks = [np.zeros((70_000, 2), np.float32), impulses(70_000, [30_000], channels=2)]
+    silent, heard = (read(write_media(tmp_path / "film.mkv", tracks, codec=codec), stream=each)[1] for each in (0, 1))
+    (warning,) = silent.warnings
+    assert warning.startswith("sound stream 0 is silent from beginning to end; --stream chooses another: 1")
+    assert heard.warnings == ()

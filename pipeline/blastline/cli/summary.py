@@ -64,8 +64,6 @@ def say_checks(timeline: Timeline, *, quiet: bool, err: bool, each_kind: bool = 
     """
     from .. import run
 
-    checks = timeline.checks
-    passed = sum(check.passed for check in checks)
     if each_kind and not quiet:
         for line in run.told_passes(timeline):
             typer.echo(f"passed: {line}", err=err)
@@ -74,8 +72,8 @@ def say_checks(timeline: Timeline, *, quiet: bool, err: bool, each_kind: bool = 
     for line in run.told_failures(timeline):
         typer.echo(f"failed: {line}", err=err)
     if not quiet:
-        typer.echo(f"checks: {passed} of {len(checks)} passed", err=err)
-    return FAILED_CHECK if passed < len(checks) else 0
+        typer.echo(f"checks: {run.told_count(timeline)}", err=err)
+    return 0 if all(check.passed for check in timeline.checks) else FAILED_CHECK
 
 
 def _count(number: int, noun: str) -> str:

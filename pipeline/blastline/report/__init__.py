@@ -10,7 +10,7 @@ from .exports import ExportRow
 from .overview import Overview, OverviewMeter
 from .page import write_report
 from .summary import asked_of
-from .words import CHECKS, allowed, by_name, claim, measured, typeset
+from .words import CHECKS, allowed, by_name, claim, is_decided, measured, typeset
 
 __all__ = [
     "CHECKS",
@@ -23,6 +23,7 @@ __all__ = [
     "asked_of",
     "by_name",
     "claim",
+    "is_decided",
     "measured",
     "typeset",
     "write_bode",

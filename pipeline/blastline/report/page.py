@@ -16,7 +16,7 @@ from .style import STYLE
 from .summary import heading, tiles, verdict, warnings
 from .tables import checks_tables, origin_list, rejections_table, shots_table
 from .track import film_track
-from .words import by_hand, claim, figure, fixed, measured, safe, signed
+from .words import by_hand, claim, figure, fixed, is_decided, measured, safe, signed
 
 _SECTIONS: Final = {
     "film": "The film",
@@ -167,9 +167,8 @@ def _badge(checks: Sequence[Check]) -> str:
     failed = sum(not check.passed for check in checks)
     if not checks:
         return ""
-    kind, text = (
-        ("bad", f"{failed} of {len(checks)} checks failed") if failed else ("good", f"{len(checks)} checks passed")
-    )
+    decided = sum(map(is_decided, checks))
+    kind, text = ("bad", f"{failed} of {decided} checks failed") if failed else ("good", f"{decided} checks passed")
     return f'<span class="badge {kind}">{text}</span>'
 
 

@@ -7,7 +7,7 @@ from statistics import median
 from ..model import Check, Event, Source, Timeline
 from ..timebase import rate_text
 from ..timecode import frame_scale
-from .words import allowed, by_name, channels, claim, duration, figure, measured, safe, signed
+from .words import allowed, by_name, channels, claim, duration, figure, is_decided, measured, safe, signed
 
 _SHOWN_FAILURES = 6
 
@@ -41,19 +41,22 @@ def verdict(timeline: Timeline) -> str:
     """Return in one sentence whether film and drive are aligned, with what failed."""
     checks = timeline.checks
     failed = [check for check in checks if not check.passed]
+    decided = sum(map(is_decided, checks))
     if not checks:
         return '<div class="verdict warn" role="status"><strong>Not checked.</strong></div>'
     if not failed:
+        left = f" ({len(checks) - decided} more could not be held to a limit)" if decided < len(checks) else ""
+        passed = f"All {decided} checks passed{left}"
         plays_on = any(check.name == "sound_outside_windows" for check in checks)
         if not timeline.events:
             text = "is the film's own sound" if plays_on else "is at rest"
-            text = f"All {len(checks)} checks passed: the drive {text} from start to end."
+            text = f"{passed}: the drive {text} from start to end."
             return f'<div class="verdict good" role="status"><strong>No shots.</strong> <span>{text}</span></div>'
-        text = f"All {len(checks)} checks passed: every vibration starts with its bang, and nothing moves in between."
+        text = f"{passed}: every vibration starts with its bang, and nothing moves in between."
         if plays_on:
-            text = f"All {len(checks)} checks passed: every vibration starts with its bang."
+            text = f"{passed}: every vibration starts with its bang."
         return f'<div class="verdict good" role="status"><strong>Aligned.</strong> <span>{text}</span></div>'
-    text = f"{len(failed)} of {len(checks)} checks failed. Do not use this drive before you have looked at them."
+    text = f"{len(failed)} of {decided} checks failed. Do not use this drive before you have looked at them."
     return (
         f'<div class="verdict bad" role="alert"><strong>Not aligned.</strong> <span>{text}</span>{_worst(failed)}</div>'
     )

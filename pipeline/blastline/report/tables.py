@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from ..model import Check, Edits, Event, Rejection, Source, Timeline
 from ..streams import streams_text
 from ..timecode import timecode_at
-from .words import allowed, by_hand, channels, claim, figure, fixed, link, measured, safe, typeset
+from .words import allowed, by_hand, channels, claim, figure, fixed, is_decided, link, measured, safe, typeset
 
 _STRONGEST = 5
 
@@ -85,7 +85,10 @@ def checks_tables(checks: Sequence[Check], *, linked: Collection[str]) -> str:
     if failed:
         parts.append(f"<h3>{len(failed)} failed</h3>{_checks_table(failed, linked)}")
     if passed:
-        counts = f"{len(passed)} passed"
+        decided = sum(map(is_decided, passed))
+        counts = f"{decided} passed"
+        if decided < len(passed):
+            counts += f", {len(passed) - decided} could not be held to a limit"
         parts.append(f"<details><summary>{counts}</summary>{_checks_table(passed, linked)}</details>")
     return "".join(parts) or "<p>No checks were made.</p>"
 
@@ -96,6 +99,7 @@ def _checks_table(checks: Sequence[Check], linked: Collection[str]) -> str:
         anchor = f"shot-{check.event}" if check.event in linked else f"row-{check.event}"
         where = "the film" if check.event is None else f'<a href="{link(anchor)}">{safe(check.event)}</a>'
         state = '<span class="ok">passed</span>' if check.passed else '<span class="failed">failed</span>'
+        state = state if is_decided(check) else "–"
         rows.append(
             f'<tr><td>{state}</td><td class="wide">{safe(claim(check))}</td><td>{where}</td>'
             f'<td class="n">{safe(measured(check))}</td><td class="n">{safe(allowed(check))}</td>'

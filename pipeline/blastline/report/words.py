@@ -129,6 +129,11 @@ def by_hand(event: Event) -> str:
     return ", ".join(said)
 
 
+def is_decided(check: Check) -> bool:
+    """Return whether a check failed, or was held to a limit; one without a figure or a limit says nothing."""
+    return not check.passed or (check.measured is not None and check.limit is not None)
+
+
 def measured(check: Check) -> str:
     """Return what a check measured, with its unit."""
     if check.measured is None:

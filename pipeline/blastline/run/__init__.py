@@ -23,7 +23,7 @@ from .options import RenderOptions, told_options
 from .rendering import render, require_place
 from .rulefiles import check_rules
 from .synthesis import synthesise
-from .verdicts import told_failures, told_faintness, told_passes, told_unmeasured
+from .verdicts import told_count, told_failures, told_faintness, told_passes, told_unmeasured
 
 __all__ = [
     "DRIVE",
@@ -47,6 +47,7 @@ __all__ = [
     "render",
     "require_place",
     "synthesise",
+    "told_count",
     "told_failures",
     "told_faintness",
     "told_options",

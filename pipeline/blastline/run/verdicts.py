@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 
 from ..model import Check, Timeline
-from ..report import allowed, by_name, claim, measured
+from ..report import allowed, by_name, claim, is_decided, measured
 from ..units import db_from_gain
 
 MOST_TOLD = 10
@@ -60,9 +60,17 @@ def told_unmeasured(timeline: Timeline) -> Iterator[str]:
             yield claim(checks[0])
 
 
+def told_count(timeline: Timeline) -> str:
+    """Return how many of the checks that decide anything passed, and how many could be held against nothing."""
+    decided = [check for check in timeline.checks if is_decided(check)]
+    open_ones = len(timeline.checks) - len(decided)
+    more = f"; {open_ones} could not be held to a limit" if open_ones else ""
+    return f"{sum(check.passed for check in decided)} of {len(decided)} passed{more}"
+
+
 def _held(checks: Sequence[Check]) -> int:
-    """Return how many checks were held against a limit; one without a figure or a limit says nothing."""
-    return sum(check.measured is not None and check.limit is not None for check in checks)
+    """Return how many checks that passed were held against a limit."""
+    return sum(check.passed and is_decided(check) for check in checks)
 
 
 def _extent(checks: Sequence[Check]) -> str:

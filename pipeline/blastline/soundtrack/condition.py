@@ -17,6 +17,9 @@ _MIN_MISSING_S, _MIN_MISSING_COUNTED_S = 0.1, 0.005
 """What a lossy codec may round its length by, and more: less than this is not called missing. Nothing is rounded where
 samples are counted."""
 
+_SILENT = 10.0**-4.5
+"""What strays no further from its first sample, -90 dBFS, is silent: decoders of AC-3 fill silence with noise."""
+
 _SEARCHED_FIRST, _SEARCHED_EVERY = 16, 8
 """So many blocks are searched for coded data, then one in so many: bursts go on, and to search all costs a third of
 reading a film. Data that begins late may be seen some seconds later, and a few seconds of it not at all."""
@@ -73,8 +76,8 @@ class Condition:
         if self._still is None and len(samples):
             self._still = samples[0].copy(), mix[0, -1].copy()
         if self._still is not None:  # a constant is no sound
-            self._mix_sounds = self._mix_sounds or bool((mix[:, -1] != self._still[1]).any())
-            self._track_sounds = self._track_sounds or self._mix_sounds or bool((samples != self._still[0]).any())
+            self._mix_sounds = self._mix_sounds or _strays(mix[:, -1], self._still[1])
+            self._track_sounds = self._track_sounds or self._mix_sounds or _strays(samples, self._still[0])
 
     def require_usable(self) -> None:
         """Raise SoundtrackError where so many samples are no numbers that what is left is no sound."""
@@ -138,3 +141,8 @@ class Condition:
                 f"the file declares {lasts:.3f} s of sound but only {found:.3f} s could be read: "
                 f"the end is missing{before}"
             )
+
+
+def _strays(samples: NDArray[np.floating], still: NDArray[np.floating] | np.floating) -> bool:
+    """Return whether samples are more than silence around a constant."""
+    return bool((np.abs(samples - still) > _SILENT).any())

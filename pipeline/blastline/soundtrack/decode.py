@@ -16,12 +16,16 @@ from .reach import Reach
 from .track import PIECE, Samples
 
 if TYPE_CHECKING:
-    from av import AudioFrame, AudioResampler, Packet
+    from av import AudioFrame, AudioResampler, FFmpegError, Packet
     from av.audio.stream import AudioStream
     from av.container import InputContainer
 
 MAX_FAILED_SHARE = 0.1
 _HOPELESS = 500  # packets without a single sample
+
+_RESYNC_BYTES, _LEAST_RETRIES = 65_536, 16
+"""A demuxer that has found no packet in so many bytes gives up, and goes on behind them if it is asked again: over all
+damage that a file of a size can hold, in so many times and a few more."""
 
 _CHECKSUMMED = frozenset({"ac3", "eac3", "flac", "tta", "wavpack"})
 """Codecs whose frames carry a checksum that FFmpeg compares only when it is asked to."""
@@ -31,7 +35,8 @@ _CHECKSUMMED = frozenset({"ac3", "eac3", "flac", "tta", "wavpack"})
 class Tally:
     """What happened to the packets: how many there were, how many failed, where they lie, where reading stopped early.
 
-    A packet fails where it cannot be decoded, or only to sound that is known to be wrong. Times are time stamps.
+    A packet fails where it cannot be decoded, or only to sound that is known to be wrong. `resumed` counts how often
+    reading broke off and went on behind the damage. Times are time stamps.
     """
 
     packets: int = 0
@@ -41,6 +46,7 @@ class Tally:
     first_failed_time: Fraction | None = None
     last_error: str = ""
     stopped: str = ""
+    resumed: int = 0
     reach: Reach = field(default_factory=Reach)
 
     def fail(self, reason: str, time_s: Fraction | None) -> None:
@@ -70,19 +76,7 @@ def decoded(
     A frame with a wrong checksum would be noise, and noise is easily a shot: it is lost, as one that cannot be decoded.
     Raises SoundtrackError where hundreds of packets give no sound at all.
     """
-    from av.error import FFmpegError
-
-    packets = container.demux(stream)
-    while True:
-        try:
-            packet = next(packets, None)
-        except FFmpegError as error:
-            tally.stopped = str(error.strerror)
-            packet = None
-        except IndexError:  # PyAV stumbles at the end over streams that began on the way, behind this one's last packet
-            packet = None
-        if packet is None:
-            return
+    for packet in _packets(container, stream, tally):
         time_s = None if packet.pts is None or not packet.time_base else Fraction(packet.pts * packet.time_base)
         if packet.size and earliest_s is not None and time_s is not None and time_s < earliest_s:
             continue
@@ -96,6 +90,37 @@ def decoded(
             yield frame
         if tally.packets >= _HOPELESS and not tally.frames:
             tally.require_readable()
+
+
+def _packets(container: "InputContainer", stream: "AudioStream", tally: Tally) -> Iterator["Packet[AudioStream]"]:
+    """Yield the packets of a stream; where reading breaks off, it goes on behind what cannot be read."""
+    from av.error import FFmpegError
+
+    retries = _LEAST_RETRIES + container.size // _RESYNC_BYTES
+    packets, behind = container.demux(stream), 0
+    while True:
+        try:
+            packet = next(packets, None)
+        except FFmpegError as error:
+            tally.stopped, behind = _reason(error), 0
+            if not retries:
+                return
+            retries -= 1
+            packets = container.demux(stream)
+            continue
+        except IndexError:  # PyAV stumbles at the end over streams that began on the way, behind this one's last packet
+            return
+        if packet is None:
+            return
+        behind += bool(packet.size)
+        if tally.stopped and behind > 1:  # one may have been waiting for its end since before
+            tally.stopped, tally.resumed = "", tally.resumed + 1
+        yield packet
+
+
+def _reason(error: "FFmpegError") -> str:
+    """Return why reading broke off; what the system calls busy is, of a file, a stretch without any packet."""
+    return "damage" if isinstance(error, BlockingIOError) else str(error.strerror)
 
 
 def check_sums(stream: "AudioStream") -> None:

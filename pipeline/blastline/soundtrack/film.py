@@ -141,6 +141,9 @@ class FilmTrack:
                 "the file stops or breaks before its own end: the end of the sound is missing, from "
                 f"{self._played / rate_hz:.3f} s on"
             )
+        if tally.resumed:
+            times = "once" if tally.resumed == 1 else f"{tally.resumed} times"
+            lines.append(f"reading broke off {times} and went on behind the damage")
         if tally.stopped:
             lines.append(f"reading stopped early: {tally.stopped}")
         return lines + picture_warnings(self.facts) + stamp_warnings(self.facts)
