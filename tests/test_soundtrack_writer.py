@@ -1,5 +1,7 @@
 """The drive as other programs read it: samples, markers, time of day, size."""
 
+import errno
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -211,6 +213,15 @@ def test_a_cue_outside_the_drive_is_a_mistake(path: Path) -> None:
 def test_a_folder_that_is_not_there_is_one_line(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match=r"nowhere.*cannot write the drive: No such file"):
         write_drive(tmp_path / "nowhere" / "drive.wav", [], rate_hz=RATE_HZ, frames=10)
+
+
+def test_who_closes_the_pipe_that_progress_is_told_through_is_not_told_of_a_bad_file(path: Path) -> None:
+    def telling() -> Iterator[Clip]:
+        raise BrokenPipeError(errno.EPIPE, "Broken pipe")
+        yield
+
+    with pytest.raises(BrokenPipeError):
+        write_drive(path, telling(), rate_hz=RATE_HZ, frames=10)
 
 
 def test_a_region_that_is_longer_than_the_format_counts_is_as_long_as_it_can_be() -> None:

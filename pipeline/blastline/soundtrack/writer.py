@@ -54,7 +54,8 @@ def write_drive(
             file.write(tail)
             file.truncate(end + len(tail))
     except OSError as error:
-        if isinstance(error, OutputError) or error.errno is None:
+        # a pipe that was closed is where progress is told: the file is none
+        if isinstance(error, OutputError | BrokenPipeError) or error.errno is None:
             raise
         raise OutputError(f"{path}: cannot write the drive: {error.strerror}") from error
 
