@@ -93,8 +93,8 @@ def decoded(
 
 
 def _packets(container: "InputContainer", stream: "AudioStream", tally: Tally) -> Iterator["Packet[AudioStream]"]:
-    """Yield the packets of a stream; where reading breaks off, it goes on behind what cannot be read."""
-    from av.error import FFmpegError
+    """Yield the packets of a stream; where damage breaks reading off, it goes on behind. A disk that fails ends it."""
+    from av.error import FFmpegError, InvalidDataError
 
     retries = _LEAST_RETRIES + container.size // _RESYNC_BYTES
     packets, behind = container.demux(stream), 0
@@ -103,7 +103,7 @@ def _packets(container: "InputContainer", stream: "AudioStream", tally: Tally) -
             packet = next(packets, None)
         except FFmpegError as error:
             tally.stopped, behind = _reason(error), 0
-            if not retries:
+            if not retries or not isinstance(error, InvalidDataError | BlockingIOError):
                 return
             retries -= 1
             packets = container.demux(stream)
