@@ -1,14 +1,15 @@
-"""A corpus of the sounds of free games and music programs: `python benchmarks/game_sounds.py DIR -o CORPUS`.
+"""Two corpora of the sounds of free games and music programs: `python benchmarks/game_sounds.py DIR -o CORPUS`.
 
 DIR holds packages of Debian 12, each unpacked into a folder of its name (`dpkg-deb -x NAME_*.deb DIR/NAME`); those
-that are not there are left out. `game_guns.csv` has the shots and where they begin: where a high-passed sound reaches a
+that are not there are left out. CORPUS/first and CORPUS/second share no source, so that one can be asked about what
+has learnt from the other. `game_guns.csv` has the shots and where they begin: where a high-passed sound reaches a
 tenth of its peak, each burst looked at in a picture. Their copyright files have the licences; none of it is here.
 """
 
 import csv
 import re
 from argparse import ArgumentParser
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -24,6 +25,18 @@ Samples = NDArray[np.int16]
 RATE_HZ, LONGEST_S, PEAK, FAINTEST = 48_000, 20, 0.95, 1e-4
 COLUMNS = ("path", "source", "licence", "label", "sub_label", "duration_s", "onsets_s", "notes")
 SOUNDS, ARCHIVES = {".wav", ".ogg", ".flac"}, {".pk3"}
+HALVES = ("first", "second")
+FIRST = {
+    "ufoai-sound",
+    "hydrogen-drumkits",
+    "hydrogen-data",
+    "lincity-ng-data",
+    "minetest-data",
+    "supertux-data",
+    "torcs-data",
+}
+"""The packages of the first half."""
+
 ARMED = re.compile("explo|tnt|cannon|gun|shot|blast|thunder|fire_|bomb|missile|rocket|/tech/", re.IGNORECASE)
 """What may be a gun, or an explosion, is no lesson in what is none."""
 
@@ -80,10 +93,15 @@ def heard(data: bytes) -> Samples | None:
     return np.asarray(np.round(first / np.abs(first).max() * PEAK * 32767.0), np.int16)
 
 
+def half_of(package: str) -> str:
+    """Return the folder of a package's sounds."""
+    return "first" if package in FIRST else "second"
+
+
 def written(corpus: Path, package: str, path: str, samples: Samples, onsets_s: str, kind: str, notes: str) -> list[str]:
-    """Write a sound and return its line of the table."""
+    """Write a sound into the half of its package and return its line of the table."""
     name = f"audio/{package}_{re.sub('[^A-Za-z0-9]+', '_', path.rpartition('.')[0])[-80:]}.flac"
-    soundfile.write(corpus / name, samples, RATE_HZ)
+    soundfile.write(corpus / half_of(package) / name, samples, RATE_HZ)
     label = "gunshot" if onsets_s else "negative"
     source = package if onsets_s else f"{package}, others"
     return [name, source, "see the package", label, kind, f"{samples.size / RATE_HZ:.4f}", onsets_s, notes]
@@ -111,20 +129,27 @@ def others(unpacked: Path, corpus: Path) -> Iterator[list[str]]:
                 yield written(corpus, each.package, path, samples[: LONGEST_S * RATE_HZ], "", kind, "")
 
 
+def tell(folder: Path, lines: Sequence[Sequence[str]]) -> None:
+    """Write the table of a half, and say what it holds."""
+    with (folder / "annotations.csv").open("w", newline="") as file:
+        table = csv.writer(file)
+        table.writerow(COLUMNS)
+        table.writerows(lines)
+    shots = sum(line[3] == "gunshot" for line in lines)
+    print(f"{folder}: {shots} guns, {len(lines) - shots} other sounds, {len({line[1] for line in lines})} sources")
+
+
 def main() -> None:
     """Run from the command line."""
     parser = ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("unpacked", type=Path, metavar="DIR", help="a folder with a folder for each unpacked package")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="CORPUS")
     options = parser.parse_args()
-    (options.output / "audio").mkdir(parents=True, exist_ok=True)
+    for half in HALVES:
+        (options.output / half / "audio").mkdir(parents=True, exist_ok=True)
     lines = [*guns(options.unpacked, options.output), *others(options.unpacked, options.output)]
-    with (options.output / "annotations.csv").open("w", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(COLUMNS)
-        table.writerows(lines)
-    shots = sum(line[3] == "gunshot" for line in lines)
-    print(f"{shots} guns and {len(lines) - shots} other sounds of {len({line[1] for line in lines})} sources")
+    for half in HALVES:
+        tell(options.output / half, [line for line in lines if half_of(line[1].partition(",")[0]) == half])
 
 
 if __name__ == "__main__":

@@ -63,8 +63,8 @@ def told_unmeasured(timeline: Timeline) -> Iterator[str]:
 def told_count(timeline: Timeline) -> str:
     """Return how many of the checks that decide anything passed, and how many could be held against nothing."""
     decided = [check for check in timeline.checks if is_decided(check)]
-    open_ones = len(timeline.checks) - len(decided)
-    more = f"; {open_ones} could not be held to a limit" if open_ones else ""
+    undecided = len(timeline.checks) - len(decided)
+    more = f"; {undecided} could not be held to a limit" if undecided else ""
     return f"{sum(check.passed for check in decided)} of {len(decided)} passed{more}"
 
 
