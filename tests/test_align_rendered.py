@@ -42,6 +42,27 @@ def test_a_direct_drive_that_is_raised_into_the_limit_passes(tmp_path: Path, pha
     assert failures(rendered(path, onsets, options)) == []
 
 
+@pytest.mark.parametrize("level_db", [0.0, 6.0, 20.0])
+def test_as_much_like_the_sound_as_was_predicted_is_a_shot_whose_attack_the_limit_bends(
+    tmp_path: Path, level_db: float
+) -> None:
+    """The prediction is of the whole shot: what lingers for a second is followed, the attack before it is not."""
+    random = np.random.default_rng(7)
+    onsets, times_s = [14_400, 72_000], np.arange(52_800) / RATE_HZ
+    samples = 1e-5 * random.standard_normal(130_000)
+    for onset in onsets:
+        samples[onset : onset + times_s.size] += 0.9 * np.exp(-times_s / 0.01) * np.cos(440.0 * times_s)
+        samples[onset : onset + times_s.size] += 0.02 * random.standard_normal(times_s.size) * np.exp(-times_s / 2.0)
+    path = tmp_path / "film.wav"
+    soundfile.write(path, samples, RATE_HZ, subtype="PCM_24")
+    made = rendered(path, onsets, RenderOptions(report=False, drive="constrained", level_db=level_db))
+    assert failures(made) == []
+    predicted = {event.id: event.drive.fidelity for event in made.events if event.drive}
+    found = {check.event: check.measured for check in made.checks if check.name == "felt_correlation"}
+    assert found == pytest.approx(predicted, abs=0.005)
+    assert min(predicted.values()) < 0.97
+
+
 @pytest.mark.parametrize(("level_db", "blast_ms"), [(9.0, 4.0), (12.0, 2.0), (12.0, 4.0), (18.0, 2.0)])
 def test_a_direct_drive_is_where_it_is_however_far_it_is_clipped(
     tmp_path: Path, level_db: float, blast_ms: float

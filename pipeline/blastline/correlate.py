@@ -62,6 +62,14 @@ def match_template(
     return Match(best - search + beside, float(np.clip(correlation[best], -1.0, 1.0)))
 
 
+def normalised_product(samples: NDArray[np.float64], reference: NDArray[np.float64]) -> float:
+    """Return the normalised product of two signals where they lie; 1 where both are silent, 0 where one is."""
+    level, against = (float(np.sqrt(np.sum(each * each))) for each in (samples, reference))
+    if level == 0.0 or against == 0.0:
+        return float(level == against)
+    return float(np.clip(np.sum((samples / level) * (reference / against)), -1.0, 1.0))
+
+
 def lag_uncertainty(
     pattern: NDArray[np.float64], match: Match, moving: int, mask: NDArray[np.bool_] | None = None
 ) -> float:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from ..correlate import Match, lag_uncertainty, match_template
+from ..correlate import Match, lag_uncertainty, match_template, normalised_product
 from ..model import Event, Span
 from .comparison import Comparison
 from .due import Adjoints, adjoints_of, departure, unsolved_drive
@@ -92,9 +92,9 @@ def find_shot(
     unbent = None if is_direct(event) else _unbent(shared, own, pattern)
     if unbent is None or unbent.uncertainty > sharp(shared):
         return _by_likeness(shared, event, heard, own, unbent, pattern=pattern, read=read)
-    likeness = _match_within(heard, own.felt, pattern, reach(shared)).correlation
+    nearby = _match_within(event, heard, own.felt, pattern, reach(shared))
     found = read(round(unbent.lag)) if round(unbent.lag) else own
-    return replace(found, match=Match(unbent.lag, likeness), uncertainty=unbent.uncertainty)
+    return replace(found, match=Match(unbent.lag, nearby.correlation), uncertainty=unbent.uncertainty)
 
 
 def _by_likeness(
@@ -130,15 +130,24 @@ def _by_likeness(
 def _match(shared: Comparison, event: Event, heard: Heard, felt: Felt, pattern: slice) -> Match:
     """Return where the drive is most like the sound; its own place, if it is due or as like there as was predicted."""
     if event.drive is not None and not is_direct(event):
-        own = _match_within(heard, felt, pattern, reach(shared))
+        own = _match_within(event, heard, felt, pattern, reach(shared))
         if own.correlation >= event.drive.fidelity - shared.rules.fidelity_error or _is_due(shared, heard, felt):
             return own
-    return _match_within(heard, felt, pattern, shared.samples(shared.rules.search_ms))
+    return _match_within(event, heard, felt, pattern, shared.samples(shared.rules.search_ms))
 
 
-def _match_within(heard: Heard, felt: Felt, pattern: slice, aside: int) -> Match:
-    """Return where the drive is most like the sound within so many samples of where it was read."""
-    return match_template(heard.expected[pattern], felt.following[pattern.start - aside : pattern.stop + aside])
+def _match_within(event: Event, heard: Heard, felt: Felt, pattern: slice, aside: int) -> Match:
+    """Return where the drive is most like the sound within so many samples of where it was read, and how much so.
+
+    The pattern tells where. What was predicted is the likeness of the whole shot: its attack, which the limit bends
+    most, is less like the sound.
+    """
+    match = match_template(heard.expected[pattern], felt.following[pattern.start - aside : pattern.stop + aside])
+    if event.drive is None or is_direct(event) or math.isnan(match.lag):
+        return match
+    late, core = round(match.lag), heard.core
+    felt_there = felt.following[core.start + late : core.stop + late]
+    return Match(match.lag, normalised_product(felt_there, heard.expected[core]))
 
 
 def likeness_to_sound(shared: Comparison, event: Event, heard: Heard, found: FoundShot, pattern: slice) -> float:

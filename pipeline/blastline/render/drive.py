@@ -7,6 +7,7 @@ import msgspec
 import numpy as np
 
 from .. import dsp
+from ..correlate import normalised_product
 from ..model import Background, Clip, DriveInfo, DriveModel, SceneEvidence, Shot, Span
 from ..ruleset import RenderRules
 from ..units import SILENCE_DB, db_from_gain, samples_from_ms, share_text
@@ -36,7 +37,7 @@ def measure(heard: HeardWindow) -> SceneEvidence:
     direct = felt(_limited(heard.asked), heard.filters)[core]
     return SceneEvidence(
         direct_level_db=_level_db(direct, target),
-        direct_fidelity=_correlation(direct, target),
+        direct_fidelity=normalised_product(direct, target),
         filter_peak=max(_peak(heard.unlimited), _peak(heard.unlimited / heard.gains)),
     )
 
@@ -127,7 +128,7 @@ def _drive_infos(
                 reason,
                 peak=float(np.max(np.abs(drive[start : max(stop, start + 1)]))),
                 perceived_gain_db=_level_db(felt_drive[core], felt_direct[core]),
-                fidelity=_correlation(felt_drive[core], heard.target[core]),
+                fidelity=normalised_product(felt_drive[core], heard.target[core]),
                 made_of=heard.made_of,
                 raised_db=gain_db + heard.rules.level_db,
             )
@@ -167,11 +168,3 @@ def _level_db(samples: Samples, reference: Samples) -> float:
 
 def _norm(samples: Samples) -> float:
     return float(np.sqrt(np.sum(samples * samples)))
-
-
-def _correlation(samples: Samples, reference: Samples) -> float:
-    """Return the normalised product of two signals at lag 0; 1 where both are silent, 0 where one is."""
-    level, against = _norm(samples), _norm(reference)
-    if level == 0.0 or against == 0.0:
-        return float(level == against)
-    return float(np.clip(np.sum((samples / level) * (reference / against)), -1.0, 1.0))

@@ -10,7 +10,7 @@ from .table import Level, NonNegative, Positive, Ratio, Table
 class AlignRules(Table, frozen=True):
     """`align.toml`: what an alignment check's figure has to stay within.
 
-    A shot is compared over at most `longest_ms` from its onset, and searched for in the drive within `search_ms`. What
+    A shot is searched for in the drive by at most `longest_ms` from its onset on, within `search_ms`. What
     is felt lags what is heard by `lag_causal_ms` at most, `lag_zero_samples` with `--phase zero`; it begins within
     `onset_error_ms` of where it is due, and no earlier than that before the lead that [render] gives the drive.
 
