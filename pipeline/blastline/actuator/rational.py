@@ -11,6 +11,7 @@ a least-squares problem in ln w and ln d, solved with scipy's bounded trust-regi
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,11 +101,15 @@ def fit_form(
     scale = np.sqrt(weights)
     low, high = _bounds(form, band_rad_s)
 
+    @lru_cache(maxsize=1)  # the solver asks for both at the same place, one after the other
+    def evaluated(parameters: bytes) -> tuple[Values, Values]:
+        return levels_and_derivatives(form, np.frombuffer(parameters), log_w)
+
     def residuals(parameters: Values) -> Values:
-        return np.asarray(scale * (levels_and_derivatives(form, parameters, log_w)[0] - target_db))
+        return np.asarray(scale * (evaluated(parameters.tobytes())[0] - target_db))
 
     def jacobian(parameters: Values) -> Values:
-        return np.asarray(scale[:, None] * levels_and_derivatives(form, parameters, log_w)[1])
+        return np.asarray(scale[:, None] * evaluated(parameters.tobytes())[1])
 
     start = np.clip(start, low + 1e-6, high - 1e-6)
     start[0] += float(np.average(target_db - levels_and_derivatives(form, start, log_w)[0], weights=weights))
