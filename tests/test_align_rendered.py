@@ -11,7 +11,7 @@ from scipy.signal import resample_poly
 
 from blastline import run
 from blastline.errors import RuleError
-from blastline.model import Phase
+from blastline.model import Background, Phase
 from blastline.ruleset import load_actuator, rules_path
 from blastline.run import RenderOptions
 from checked_films import RATE_HZ, failures, film, rendered, with_booms
@@ -191,3 +191,24 @@ def test_a_draft_solved_at_few_corners_has_no_drift(tmp_path: Path, kept: tuple[
     onsets = [truth["shots"][index]["onset_sample"] for index in kept]
     made = rendered(tmp_path / "street.wav", onsets, RenderOptions(report=False, quality="draft"))
     assert failures(made) == []
+
+
+@pytest.mark.parametrize("background", ["mute", "direct"])
+def test_a_drive_that_an_editor_saved_in_16_bits_passes_and_one_whose_background_it_softened_fails(
+    tmp_path: Path, background: Background
+) -> None:
+    onsets = [14_400, 48_000]
+    path = film(tmp_path / "film.wav", onsets, [0.5, 0.3])
+    samples, _ = soundfile.read(path)
+    hum = 0.02 * np.sin(np.arange(samples.size) / 97.0)
+    soundfile.write(path, samples + hum, RATE_HZ, subtype="PCM_24")
+    made = rendered(path, onsets, RenderOptions(report=False, background=background))
+    assert failures(made) == []
+    drive, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    soundfile.write(tmp_path / "saved.wav", drive, RATE_HZ, subtype="PCM_16")
+    assert failures(run.check(tmp_path / "out", audio=path, drive=tmp_path / "saved.wav")) == []
+    windows = [event.window for event in made.events]
+    drive[: windows[0].start] = drive[: windows[0].start] * 0.99 + (1e-4 if background == "mute" else 0.0)
+    soundfile.write(tmp_path / "softer.wav", drive, RATE_HZ, subtype="PCM_16")
+    names = {name for name, _, _ in failures(run.check(tmp_path / "out", audio=path, drive=tmp_path / "softer.wav"))}
+    assert names & {"sound_outside_windows", "silence_outside_windows"}

@@ -12,7 +12,6 @@ from ..model import Clip, Span, Window
 
 Expected = Callable[[Span], NDArray[np.float64]]
 
-_STEP_24_BIT = 2.0**-23
 _STEP_16_BIT = 2.0**-15
 
 
@@ -67,7 +66,8 @@ def scan(
 ) -> DriveFigures:
     """Return the figures of a drive that comes as clips following each other.
 
-    `still` is sorted and disjoint. There the drive has to be 0, or to the nearest 24-bit step what `expected` returns.
+    `still` is sorted and disjoint. There the drive has to be 0, or what `expected` returns, to a step of 16
+    bits: so an editor may have saved it.
     In `fades`, sorted, it may be as far from that as a window's drive within the limit is with its weight w(n):
 
         |drive(n) - expected(n)| <= w(n) (1 + |expected(n)|)        to a step of 16 bits
@@ -103,8 +103,8 @@ def _meeting(spans: Sequence[Span], first: int, clip: Span) -> Iterator[Span]:
 def _strays(samples: NDArray[np.floating], expected: NDArray[np.float64] | None) -> int:
     if expected is None:
         return int(np.count_nonzero(samples))
-    playable = np.clip(expected, -1.0, 1.0 - _STEP_24_BIT)
-    return int(np.count_nonzero(np.abs(samples - playable) > _STEP_24_BIT))
+    playable = np.clip(expected, -1.0, 1.0 - _STEP_16_BIT)
+    return int(np.count_nonzero(np.abs(samples - playable) > _STEP_16_BIT))
 
 
 def _unfaded(clip: Clip, fade: Fade, expected: Expected | None) -> int:
