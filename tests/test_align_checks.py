@@ -407,6 +407,15 @@ def test_without_a_drive_a_shot_of_a_burst_need_not_rise_over_the_one_before_it(
     assert (alone.passed, alone.limit) == (False, RULES.rise_db)
 
 
+@pytest.mark.parametrize("offset", [0.4, -0.05])
+def test_a_constant_under_the_film_changes_nothing_of_a_rise(offset: float) -> None:
+    film = make_film(onsets_s=(0.1, 0.7), peaks=(0.5, 0.1), seconds=1.5)
+    plain = [rise.measured for rise in rises_of(film)]
+    moved = replace(film, audio=replace(film.audio, samples=film.audio.samples + offset))
+    shifted = [rise.measured for rise in rises_of(moved)]
+    assert shifted == pytest.approx(plain, abs=1e-6)
+
+
 @pytest.mark.parametrize("rate_hz", [44_100, 48_000])
 def test_without_a_drive_a_shot_at_the_films_beginning_need_not_rise_over_itself(rate_hz: int) -> None:
     film = make_film(onsets_s=(0.0,), peaks=(0.5,), seconds=1.0, rate_hz=rate_hz)

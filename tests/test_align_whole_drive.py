@@ -44,16 +44,18 @@ def test_movements_are_separated_by_rest() -> None:
     assert moving_spans(Held(samples, 8000, 104).blocks(), still=25) == [Span(100, 130), Span(400, 401), Span(990, 991)]
 
 
-def test_dry_sound_is_compared_to_one_24_bit_step() -> None:
+@pytest.mark.parametrize("bits", [16, 24])
+def test_dry_sound_is_compared_to_a_step_of_16_bits(bits: int) -> None:
     sound = np.random.default_rng(3).uniform(-1.2, 1.2, 2000)
-    written = np.clip(np.rint(sound * 2**23), -(2**23), 2**23 - 1) / 2**23
+    steps = 2 ** (bits - 1)
+    written = np.clip(np.rint(sound * steps), -steps, steps - 1) / steps
     still = [Span(0, 2000)]
 
     def strays(samples: np.ndarray) -> int:
         return scan(Held(samples, 8000).blocks(), still, expected=lambda s: sound[s.start : s.stop]).stray
 
     assert strays(written) == 0
-    written[[5, 1500]] += np.where(written[[5, 1500]] > 0, -3, 3) * 2.0**-23
+    written[[5, 1500]] += np.where(written[[5, 1500]] > 0, -2, 2) * 2.0**-15
     assert strays(written) == 2
 
 

@@ -84,3 +84,25 @@ def test_a_faint_film_on_a_large_constant_passes_its_checks(tmp_path: Path, phas
     options = RenderOptions(report=False, timeline=tmp_path / "shots.csv", phase=phase)
     made = run.render(tmp_path / "film.wav", tmp_path / "out", options)
     assert [check.name for check in made.checks if not check.passed] == []
+
+
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+@pytest.mark.parametrize("offset", [0.0, 0.02])
+def test_a_shot_in_the_preroll_is_no_constant_where_the_film_ends_after_the_next(
+    tmp_path: Path, phase: Phase, offset: float
+) -> None:
+    """What is taken off the film as a constant leaves a step where it ends, which runs backwards into its last shot."""
+    rng = np.random.default_rng(5)
+    film = 1e-4 * rng.standard_normal(round(2.2 * RATE_HZ))
+    onsets = [round(second * RATE_HZ) for second in (0.3, 1.65, 2.0)]
+    times_s = np.arange(round(0.4 * RATE_HZ)) / RATE_HZ
+    for onset in onsets:
+        bang = (1.0 - times_s / 0.0015) * np.exp(-times_s / 0.0015) + 0.3 * np.sin(440.0 * times_s) * np.exp(
+            -times_s / 0.08
+        )
+        film[onset : onset + bang.size] += 0.6 * bang[: film.size - onset]
+    soundfile.write(tmp_path / "film.wav", film + offset, RATE_HZ, subtype="FLOAT")
+    (tmp_path / "shots.csv").write_text("onset_sample\n" + "".join(f"{onset}\n" for onset in onsets))
+    options = RenderOptions(report=False, timeline=tmp_path / "shots.csv", phase=phase, drive="filter")
+    made = run.render(tmp_path / "film.wav", tmp_path / "out", options)
+    assert [check.name for check in made.checks if not check.passed] == []

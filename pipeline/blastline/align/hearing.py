@@ -151,7 +151,7 @@ def _centred(shared: Comparison, event: Event, audio: Samples, span: Span) -> Sa
     begun, ended = max(0, -span.start), max(0, shared.audio.frames - span.start)
     film = audio[begun:ended]
     if span.start > 0:
-        film = dsp.without_offset(film, shared.settle)
+        film = dsp.without_offset(film, shared.settle, shared.rate_hz)
     else:
         opening = Span(0, dsp.opening_frames(shared.audio.frames, shared.rate_hz))
         film = film - dsp.opening_level(read_padded(shared.audio, opening, event.made_of), shared.rate_hz)

@@ -11,6 +11,8 @@ from ..units import db_from_gain, samples_from_ms
 from .sounds import Sound, read_padded
 
 _AROUND_MS = 10.0
+_STANDING_MS = 200.0
+"""So long before a shot tells what its film stands on: four swings of a rumble at 20 Hz, and little of a shot."""
 
 
 def order_faults(events: Sequence[Event], frames: int) -> int:
@@ -33,10 +35,12 @@ def fade_margin(event: Event) -> int:
 
 
 def audio_rise_db(event: Event, audio: Sound) -> float:
-    """Return how much higher the peak of what becomes the drive is just after the onset than before it, in decibels."""
-    around = samples_from_ms(_AROUND_MS, audio.rate_hz)
-    onset = event.onset_sample
-    return _rise_db(read_padded(audio, Span(onset - around, onset + around), event.made_of), around)
+    """Return how much higher the peak of what becomes the drive is just after the onset than before it, in decibels.
+
+    Against what it stands on: a constant is neither heard nor driven.
+    """
+    around = _around(event, audio)
+    return _rise_db(read_padded(audio, around, event.made_of), event.onset_sample - around.start, audio.rate_hz)
 
 
 def heard_rise_db(event: Event, audio: Sound) -> float | None:
@@ -44,10 +48,9 @@ def heard_rise_db(event: Event, audio: Sound) -> float | None:
 
     Where a film drives the seat from other channels than detection listens to, what becomes the drive need not rise.
     """
-    onset, around = event.onset_sample, samples_from_ms(_AROUND_MS, audio.rate_hz)
-    inside = Span(onset - around, onset + around) & Span(0, audio.frames)
-    heard = audio.file.read(inside, sides=event.heard_in == "sides").heard_in(event.heard_in)
-    return None if heard is None else _rise_db(heard, onset - inside.start)
+    around = _around(event, audio)
+    heard = audio.file.read(around, sides=event.heard_in == "sides").heard_in(event.heard_in)
+    return None if heard is None else _rise_db(heard, event.onset_sample - around.start, audio.rate_hz)
 
 
 def is_rise_owed(event: Event, before: Event | None, rate_hz: int) -> bool:
@@ -60,6 +63,14 @@ def is_rise_owed(event: Event, before: Event | None, rate_hz: int) -> bool:
     return event.origin == "found" and not in_burst and event.onset_sample >= samples_from_ms(_AROUND_MS, rate_hz)
 
 
-def _rise_db(samples: NDArray[np.floating], onset: int) -> float:
-    before, after = (float(np.abs(part).max(initial=0.0)) for part in (samples[:onset], samples[onset:]))
+def _around(event: Event, audio: Sound) -> Span:
+    """Return what of the film tells a shot's rise: what it stands on before, and what comes just after its onset."""
+    before, after = samples_from_ms(_STANDING_MS, audio.rate_hz), samples_from_ms(_AROUND_MS, audio.rate_hz)
+    return Span(event.onset_sample - before, event.onset_sample + after) & Span(0, audio.frames)
+
+
+def _rise_db(samples: NDArray[np.floating], onset: int, rate_hz: int) -> float:
+    swing = np.abs(samples - (np.median(samples[:onset]) if onset else 0.0))
+    near = swing[max(0, onset - samples_from_ms(_AROUND_MS, rate_hz)) : onset]
+    before, after = (float(part.max(initial=0.0)) for part in (near, swing[onset:]))
     return db_from_gain(max(after, 1e-12) / max(before, 1e-12))

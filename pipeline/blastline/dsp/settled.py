@@ -80,12 +80,16 @@ def opening_level(opening: NDArray[np.floating], rate_hz: int) -> float:
     """
     if not opening[:_SILENT].any():
         return 0.0
-    block = max(1, round(_LEVEL_BLOCK_S * rate_hz))
+    block = _level_block(rate_hz)
     means = opening[: len(opening) // block * block].reshape(-1, block).mean(axis=1, dtype=np.float64)
     if len(means) < _FEWEST_BLOCKS:
         return 0.0
     level = float(np.median(means))
     return level if abs(level) > _CLEAR * float(np.median(np.abs(means - level))) else 0.0
+
+
+def _level_block(rate_hz: int) -> int:
+    return max(1, round(_LEVEL_BLOCK_S * rate_hz))
 
 
 def _transition(sections: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -97,10 +101,13 @@ def _transition(sections: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([sosfilt(sections, silence, zi=unit)[1].ravel() for unit in units], axis=1)
 
 
-def without_offset(samples: NDArray[np.float64], before: int) -> NDArray[np.float64]:
-    """Return samples less the mean of the first `before`, in which filters settle; those that begin in silence as is.
+def without_offset(samples: NDArray[np.float64], before: int, rate_hz: int) -> NDArray[np.float64]:
+    """Return samples less what they stand on, as the first `before` tell, in which filters settle.
 
-    From rest, a filter hears a constant as a step, and rings with that still when its pre-roll is over. A single zero
-    is no silence: any film passes through it.
+    From rest, a filter hears a constant as a step, and rings with that still when its pre-roll is over. A mean would
+    take a shot in there for one, and leave a step of that where the film ends. Less than five blocks tell no more.
     """
-    return samples - samples[:before].mean() if before and samples[: min(before, _SILENT)].any() else samples
+    told = samples[:before]
+    if len(told) < _FEWEST_BLOCKS * _level_block(rate_hz):
+        return samples - told.mean() if told[:_SILENT].any() else samples
+    return samples - opening_level(told, rate_hz)

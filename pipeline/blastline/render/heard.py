@@ -48,7 +48,10 @@ def hear_window(
     before = planned.window.start - clip.start
     inside = slice(before, before + len(planned.window.span))
     sound = np.asarray(clip.driving_of(made_of), dtype=np.float64)
-    centred = dsp.without_offset(sound, before) if clip.start else sound - _opening_level(audio, made_of)
+    if clip.start:
+        centred = dsp.without_offset(sound, before, filters.rate_hz)
+    else:
+        centred = sound - _opening_level(audio, made_of)
     gains = _gains(planned, filters, rules)
     gain = gain_from_db(rules.level_db) * gains
     return HeardWindow(
