@@ -249,6 +249,18 @@ def test_a_start_that_somebody_has_set_does_not_reach_out_of_its_scene(
     assert made["shot-4"].window.start == pytest.approx(7.0 * RATE_HZ, abs=RATE_HZ // 50)
 
 
+def test_no_window_reaches_into_the_scene_after_its_own(films: tuple[Path, Path, Path], tmp_path: Path) -> None:
+    timeline, old, new = films
+    long = 4 * RATE_HZ  # the second shot is 2.75 seconds before the end of its scene
+    with_windows(
+        timeline, lambda e: Window(e.window.start, e.onset_sample + long, 80, 640) if e.id == "shot-2" else e.window
+    )
+    blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
+    made = {each.id: each for each in read_timeline(tmp_path / "out" / "timeline.json").events}
+    assert made["shot-2"].window.stop == pytest.approx(7.0 * RATE_HZ, abs=RATE_HZ // 50)
+    assert made["shot-2"].window.fade_out_samples > 0
+
+
 def test_a_moved_timeline_names_the_rules_that_its_windows_are_planned_by(
     films: tuple[Path, Path, Path], tmp_path: Path
 ) -> None:

@@ -153,7 +153,8 @@ DriveOption = Annotated[
 PhaseOption = Annotated[
     Phase,
     typer.Option(
-        help="causal never moves before the bang; zero keeps the waveform's shape, but may start before it.",
+        help="causal answers to what has sounded, but for 1 ms of lead where the actuator's limit is met; zero keeps the "
+        "waveform's shape, but may start before the bang.",
         rich_help_panel=DRIVING,
     ),
 ]
@@ -206,8 +207,8 @@ FrameRate = Annotated[
     str | None,
     typer.Option(
         metavar="RATE",
-        help="Frames a second: 23.976, 24, 25, 29.97, 29.97df, 30, 48, 50, 59.94, 59.94df, 60, 100, 119.88, 119.88df "
-        "or 120.",
+        help="Frames a second: 23.976, 24, 25, 29.97, 30, 48, 50, 59.94, 60, 100, 119.88 or 120. 29.97df and the like "
+        "drop frame numbers, 29.97ndf do not, 29.97 counts as the start timecode does.",
         show_default="as the film says",
         rich_help_panel=TIMECODE,
     ),

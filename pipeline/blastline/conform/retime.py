@@ -25,9 +25,9 @@ class Retimed:
 def retimed(event: Event, placed: Placed, course: Course, old: Film, new: Film) -> Retimed:
     """Return an event as a shot of the new film.
 
-    It sounds until its old window begins to fade out, or until its scene ends. Its level is the old one and what the
-    new film is louder; confidence and signal-to-noise ratio are those of the old film. It
-    belongs to no burst yet.
+    It sounds until its old window begins to fade out; its window ends with its scene at the latest. Its level is the
+    old one and what the new film is louder; confidence and signal-to-noise ratio are those of the old film. It belongs
+    to no burst yet.
     """
     onset = min(samples_from_s(placed.new_s, new.rate_hz), new.frames - 1)
     rate = course.segment.line.scale * new.rate_hz / old.rate_hz
@@ -58,7 +58,7 @@ def retimed(event: Event, placed: Placed, course: Course, old: Film, new: Film) 
         ),
         span=Span(onset, max(onset + 1, blast.stop, sounding)),
     )
-    return Retimed(shot, max(0, onset - round(lead)), max(onset + 1, moved(event.window.stop)))
+    return Retimed(shot, max(0, onset - round(lead)), max(onset + 1, min(stop, moved(event.window.stop))))
 
 
 def _level_dbfs(event: Event, onset: int, old: Film, new: Film) -> float:
