@@ -49,7 +49,7 @@ AS_FILMED = Timebase()
 
 
 def parse_timebase(start_timecode: str | None, frame_rate: str | None) -> Timebase:
-    """Return what a user wrote: a start such as 01:00:00:00, a rate such as 23.976, 25, 29.97df, 29.97ndf or 24000/1001.
+    """Return what a user wrote: a start such as 01:00:00:00, a rate such as 23.976, 29.97df, 29.97ndf or 24000/1001.
 
     Raises RuleError for a rate that timecode does not have, and for drop-frame at one that has none.
     """
@@ -61,7 +61,7 @@ def parse_timebase(start_timecode: str | None, frame_rate: str | None) -> Timeba
     match = _RATE.fullmatch(frame_rate)
     rate = standard_rate(Fraction(match[1])) if match else None
     if match is None or rate is None:
-        expected = "23.976, 24, 25, 29.97, 30, 48, 50, 59.94, 60, 100, 119.88 or 120, or 29.97df or 29.97ndf and the like"
+        expected = "23.976, 24, 25, 29.97, 30, 48, 50, 59.94, 60, 100, 119.88 or 120, or 29.97df, 29.97ndf and the like"
         raise RuleError(f"--frame-rate {frame_rate!r}: no rate of film timecode; expected {expected}")
     drop_frame = None if match[2] is None else match[2].lower() == "df"
     if drop_frame and rate not in DROP_FRAME_RATES:

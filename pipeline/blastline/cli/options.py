@@ -153,7 +153,7 @@ DriveOption = Annotated[
 PhaseOption = Annotated[
     Phase,
     typer.Option(
-        help="causal answers to what has sounded, but for 1 ms of lead where the actuator's limit is met; zero keeps the "
+        help="causal follows what has sounded, and leads by 1 ms where the actuator's limit is met; zero keeps the "
         "waveform's shape, but may start before the bang.",
         rich_help_panel=DRIVING,
     ),
