@@ -383,3 +383,20 @@ def test_a_profile_that_no_drive_can_be_made_for_is_not_shown(
     assert changed != text
     (tmp_path / "seat.toml").write_text(changed, "utf-8")
     assert complaint in blastline("actuator", "show", tmp_path / "seat.toml").complaint
+
+
+def test_exchanged_recordings_are_doubted(run: Path, tmp_path: Path) -> None:
+    exchanged = ("--excitation", run / "came.wav", "--response", run / "sent.wav", "-o", tmp_path / "seat.toml")
+    ended = blastline("actuator", "identify", *exchanged)
+    assert re.search(r"sent\.wav: comes 12\.\d+ ms before came\.wav: .*exchanged\?", ended.err)
+    assert "exchanged" not in identify(run, "came.wav", tmp_path / "right.toml").err
+
+
+@pytest.mark.parametrize("level_db", [200.0, -300.0])
+def test_a_profile_that_no_film_could_be_rendered_with_is_not_written(tmp_path: Path, level_db: float) -> None:
+    table, profile = tmp_path / "table.csv", tmp_path / "seat.toml"
+    rows = "".join(f"{hz:g},{level_db:g}\n" for hz in np.geomspace(5.0, 2000.0, 60))
+    table.write_text("frequency_hz,gain_db\n" + rows)
+    assert "not written: --peak-db" in blastline("actuator", "fit", table, "-o", profile, "-q").complaint
+    assert not profile.exists()
+    assert blastline("actuator", "fit", table, "-o", profile, "--peak-db", "0").code == 0

@@ -9,7 +9,7 @@ from .clipping import require_unclipped_excitation
 from .fit import BandError, Fit, FittedResponse, fit, octave_errors
 from .identify import Identified, identify
 from .inverse import inversion_db, peak
-from .measured import MeasuredResponse, doubts, measured_csv, read_measured, require_coherent
+from .measured import MeasuredResponse, doubts, doubts_of_order, measured_csv, read_measured, require_coherent
 from .phase import ExcessPhase, excess_phase, minimum_phase
 from .profile import fitted_profile, profile_text
 from .rational import Model, analogue, level_db
@@ -30,6 +30,7 @@ __all__ = [
     "Recording",
     "analogue",
     "doubts",
+    "doubts_of_order",
     "excess_phase",
     "fit",
     "fit_target",

@@ -18,6 +18,9 @@ _FEWEST_ROWS = 8
 _LEAST_OCTAVES = 1.0
 
 
+_AT_ONCE_MS = 1.0
+"""Two channels of one recorder begin together to well below this."""
+
 _RATIO_SPAN = 10.0
 _LEVEL_SPAN_DB = 6.0
 """A seat's gains differ by more than a factor of 10; levels that do all the same, within 6 dB of each other, may be
@@ -149,6 +152,17 @@ def doubts(measured: MeasuredResponse, path: Path) -> tuple[str, ...]:
     return (
         f"{path}: gain_db = {lowest_db:.3g} to {highest_db:.3g}: looks like plain ratios; expected levels, 20 log10 of "
         "the ratio (were they levels, this seat would be almost flat)",
+    )
+
+
+def doubts_of_order(measured: MeasuredResponse, excitation: Path, response: Path) -> tuple[str, ...]:
+    """Return a line on a response that comes before its excitation: no seat is so quick, but recorders start apart."""
+    early_ms = -1000.0 * measured.delay_s
+    if early_ms <= _AT_ONCE_MS:
+        return ()
+    return (
+        f"{response}: comes {early_ms:.3f} ms before {excitation.name}: expected it later where both were recorded at "
+        "once; are --excitation and --response exchanged?",
     )
 
 

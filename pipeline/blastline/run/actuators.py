@@ -15,6 +15,7 @@ from ..actuator import (
     Identified,
     MeasuredResponse,
     doubts,
+    doubts_of_order,
     excess_phase,
     fit,
     fit_target,
@@ -32,8 +33,9 @@ from ..actuator import (
     require_unclipped_excitation,
 )
 from ..dsp import compensator, felt_response
-from ..errors import OutputError, SoundtrackError
+from ..errors import OutputError, RuleError, SoundtrackError
 from ..progress import Progress, no_progress
+from ..render import require_renderable
 from ..ruleset import (
     ActuatorProfile,
     FitRules,
@@ -49,7 +51,7 @@ from .options import require_seat
 
 _TABLE_HZ = (1.0, 3.18, 10.0, 20.0, 31.5, 50.0, 80.0, 100.0, 150.0, 200.0, 292.0, 400.0, 500.0, 700.0, 1000.0, 2000.0)
 
-_HIGHEST_RATE_HZ = 384_000
+_HIGHEST_RATE_HZ, _FILM_RATE_HZ = 384_000, 48_000
 
 
 @dataclass(frozen=True)
@@ -144,7 +146,7 @@ def identify_actuator(
         require_unclipped_excitation(*heard, identified, rules=measuring.identify)
     origin = f"measured from {response.name} against {excitation.name}"
     made = _fit_and_write(identified.measured, output, options, origin, progress, identified=identified, csv=csv)
-    return replace(made, warnings=warnings)
+    return replace(made, warnings=(*warnings, *doubts_of_order(identified.measured, excitation, response)))
 
 
 def fit_actuator(measured: Path, output: Path, *, options: FitOptions, progress: Progress = no_progress) -> MadeProfile:
@@ -183,9 +185,18 @@ def _fit_and_write(
         rules=rules,
         peak_db=options.peak_db,
     )
+    _require_usable(profile)
     texts = {} if csv is None else {csv: measured_csv(measured, origin)}
     _write({**texts, output: profile_text(profile)}, overwrite=options.overwrite)
     return replace(_made(profile, fitted, measured, rules, options.peak_db), identified=identified)
+
+
+def _require_usable(profile: ActuatorProfile) -> None:
+    """Raise RuleError for a profile that no film could be rendered with."""
+    try:
+        require_renderable(profile, _FILM_RATE_HZ)
+    except RuleError as error:
+        raise RuleError(f"{error}; not written: --peak-db gives the level of what is felt") from error
 
 
 def _write(texts: Mapping[Path, str], *, overwrite: bool) -> None:
