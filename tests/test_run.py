@@ -232,3 +232,13 @@ def test_a_film_without_shots_gives_a_silent_drive_and_an_empty_timeline(tmp_pat
     assert all(check.passed for check in timeline.checks)
     assert drive.size == 2 * RATE_HZ
     assert not np.any(drive)
+
+
+@pytest.mark.parametrize(("rate_hz", "doubted"), [(8_000, True), (22_050, True), (32_000, False), (96_000, False)])
+def test_a_rate_that_leaves_out_what_shots_are_told_by_is_warned_of(
+    tmp_path: Path, rate_hz: int, doubted: bool
+) -> None:
+    noise = 0.1 * np.random.default_rng(3).standard_normal(rate_hz)
+    soundfile.write(tmp_path / "film.wav", noise, rate_hz, subtype="PCM_16")
+    warnings = run.detect(tmp_path / "film.wav").source.warnings
+    assert ["fewer shots are found" in each for each in warnings] == [True] * doubted

@@ -26,7 +26,7 @@ class Source(msgspec.Struct, frozen=True):
     `has_picture` tells a film from sound alone. `start_timecode` and `frame_rate` are None where the file has none.
     `stream` counts the sound streams from 0; several were joined, each as a channel.
     `start_offset_s` is how much later than the picture the first sample plays. `warnings` say what the reader had to
-    mend (damage, NaN, a missing tail).
+    mend (damage, NaN, a missing tail), and where fewer shots are found.
     """
 
     name: str
