@@ -188,7 +188,7 @@ def test_the_budget_that_would_do_does(needed_s: float, film_s: float, by_time: 
     [
         (
             "--budget soon",
-            "--budget soon: expected a CPU time of more than 0, up to 1e+09 s, such as 90s",
+            "--budget soon: expected a CPU time of more than 0, up to 1000000000 s, such as 90s",
         ),
         ("--budget 0", "--budget 0: expected a CPU time"),
         ("--budget -5s", "--budget -5s: expected a CPU time"),

@@ -194,6 +194,40 @@ def test_blocks_of_a_file_that_are_lost_are_told(tmp_path: Path, subtype: str, b
     assert "2 times" in some  # what is missing from the first sample on never broke off
 
 
+@pytest.mark.parametrize("extension", ["mov", "mkv", "avi"])
+def test_blocks_of_uncompressed_sound_that_a_film_has_lost_are_told(tmp_path: Path, extension: str) -> None:
+    noise = np.random.default_rng(7).uniform(-0.5, 0.5, (2 * RATE_HZ, 2)).astype(np.float32)
+    noise[RATE_HZ : RATE_HZ + 2_000] = 0.0
+    path = write_media(tmp_path / f"film.{extension}", [noise], codec="pcm_s24le", picture_rate=FILM_RATE)
+    (one,) = read(path)[1].warnings
+    assert "breaks off into zeros once and comes back as abruptly, first at 1.000 s" in one
+
+
+@pytest.mark.parametrize("codec", ["libmp3lame", "ac3", "mp2"])
+def test_an_avi_that_has_lost_packets_is_told_where_the_others_close_up(tmp_path: Path, codec: str) -> None:
+    """FFmpeg counts the packets of an AVI that it finds, and the stamps of those after the loss are too early."""
+    path = write_media(tmp_path / "film.avi", [impulses(LONG, LONG_SHOTS)], codec=codec, picture_rate=FILM_RATE)
+    whole, source = read(path)
+    assert source.warnings == ()
+    data = bytearray(path.read_bytes())
+    start, size = len(data) // 2, len(data) // 12
+    data[start : start + size] = np.random.default_rng(1).bytes(size)
+    path.write_bytes(data)
+    samples, damaged_source = read(path)
+    assert len(samples) < len(whole)
+    assert any("what follows plays early" in line for line in damaged_source.warnings)
+
+
+@pytest.mark.parametrize("extension", ["asf", "nut"])
+def test_sound_that_ends_before_its_picture_is_not_called_damaged(tmp_path: Path, extension: str) -> None:
+    """There a stream has no length of its own."""
+    path, length_s = tmp_path / f"film.{extension}", LONG / RATE_HZ
+    ended = [(length_s - 3.0, length_s + 1.0)]
+    write_media(path, [impulses(LONG, LONG_SHOTS)], codec="mp2", picture_rate=FILM_RATE, lost_s=ended)
+    (one,) = read(path)[1].warnings
+    assert re.fullmatch(r"the file lasts for .* s but its sound for .* s: some of it may be missing", one)
+
+
 @pytest.mark.parametrize("size", [1, 7, 240, 1_000, 7_201])
 def test_lost_blocks_are_found_in_blocks_of_any_size(size: int) -> None:
     samples = np.random.default_rng(7).uniform(-0.5, 0.5, (24_000, 2)).astype(np.float32)

@@ -286,6 +286,8 @@ ROWS = ("path,source,label,sub_label,duration_s,onsets_s,notes", "a.wav,range,gu
         ("b.wav,range,gunshot,rifle,2.0", "line 3: 5 cells; expected 7, as the first line names"),
         ("b.wav,range,gunshot,rifle,2.0,0.5,,,", "line 3: 9 cells; expected 7"),
         ("a.wav,range,gunshot,rifle,2.0,0.5,", "already; expected each recording once"),
+        ("./a.wav,range,gunshot,rifle,2.0,0.5,", "already; expected each recording once"),
+        ("a.wav,hall,negative,drum,2.0,,", "already; expected each recording once"),
     ],
 )
 def test_a_table_that_says_what_cannot_be_is_refused(tmp_path: Path, line: str, complaint: str) -> None:

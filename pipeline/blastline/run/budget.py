@@ -78,7 +78,7 @@ def _seconds(text: str) -> float:
     seconds = float(found[1]) * _UNITS_S[found[2]] if found else 0.0
     if not 0.0 < seconds <= _LARGEST:
         raise RuleError(
-            f"--budget {text[:_TOLD]}: expected a CPU time of more than 0, up to {_LARGEST:g} s, such as 90s or 1.5h"
+            f"--budget {text[:_TOLD]}: expected a CPU time of more than 0, up to {_LARGEST:.0f} s, such as 90s or 1.5h"
         )
     return seconds
 

@@ -69,7 +69,7 @@ class Condition:
 
         With `sides`, what a pair plays against each other is heard in them.
         """
-        if self._facts.length == "stored":  # decoders tell what they lack, and have it silent
+        if self._facts.is_pcm:  # decoders of what is compressed tell what they lack, and have it silent
             self._dropouts.hear(samples)
         if self._mixed_channels > 2 or (self._mixed_channels == 2 and not sides):
             self._cancelling.hear(samples, mix[:, 0])
@@ -131,16 +131,20 @@ class Condition:
     def _missing(self) -> Iterator[str]:
         """Yield a line where the track is shorter than declared."""
         declared, rate_hz = self._facts.declared_frames or 0, self._facts.rate_hz
-        tolerated = min(max(0.01 * declared, _MIN_MISSING_S * rate_hz), 0.5 * rate_hz)
-        if self._facts.length != "rounded":
-            tolerated = _MIN_MISSING_COUNTED_S * rate_hz
-        if declared - self._frames > tolerated:
-            lasts, found = declared / rate_hz, self._frames / rate_hz
-            before = "" if self._facts.length == "stored" else ", or a part before it, and what follows plays early"
-            yield (
-                f"the file declares {lasts:.3f} s of sound but only {found:.3f} s could be read: "
-                f"the end is missing{before}"
-            )
+        tolerated = _MIN_MISSING_COUNTED_S * rate_hz
+        if self._facts.length == "packets":
+            tolerated = _MIN_MISSING_S * rate_hz
+        elif self._facts.length in ("rounded", "shared"):
+            tolerated = min(max(0.01 * declared, _MIN_MISSING_S * rate_hz), 0.5 * rate_hz)
+        if declared - self._frames <= tolerated:
+            return
+        lasts, found = declared / rate_hz, self._frames / rate_hz
+        if self._facts.length == "shared":
+            yield f"the file lasts for {lasts:.3f} s but its sound for {found:.3f} s: some of it may be missing"
+            return
+        before = "" if self._facts.length == "stored" else ", or a part before it, and what follows plays early"
+        declares = f"the file declares {lasts:.3f} s of sound but only {found:.3f} s could be read"
+        yield f"{declares}: the end is missing{before}"
 
 
 def _strays(samples: NDArray[np.floating], still: NDArray[np.floating] | np.floating) -> bool:

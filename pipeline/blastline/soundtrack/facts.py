@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ..timecode import SHAPE, clock, standard_rate
 from .decode import Tally
 from .probe import is_unseen, start_of, told_duration, told_start
-from .track import TrackFacts, time_stamp
+from .track import Length, TrackFacts, time_stamp
 
 if TYPE_CHECKING:
     from av import AudioFrame
@@ -21,6 +21,8 @@ UNSTAMPED = frozenset({"aac", "ac3", "dts", "dtshd", "eac3", "loas", "mlp", "tru
 """Formats without time stamps: FFmpeg counts what it finds."""
 _ESTIMATED = UNSTAMPED | {"mpeg", "mpegts"}
 """Formats that declare no length: FFmpeg guesses one from the size of the file."""
+_OF_ALL = frozenset({"asf", "flv"})
+"""Formats whose streams have the length of the file."""
 
 
 def origin_of(first: "AudioFrame", stream: "AudioStream", tally: Tally) -> Fraction | None:
@@ -51,7 +53,8 @@ def film_facts(
     `is_cut` tells that the file stops before its own end.
     """
     counted = header_frames(container, stream, first.sample_rate)
-    is_counted = counted is not None and stream.codec_context.name.startswith("pcm_")  # of others AVI counts packets
+    is_pcm = stream.codec_context.name.startswith("pcm_")
+    is_counted = counted is not None and is_pcm  # of others AVI counts packets
     declared = counted if is_cut or is_counted else None
     if declared is None:
         declared = _declared_frames(container, stream, first.sample_rate, origin or Fraction(0))
@@ -68,8 +71,9 @@ def film_facts(
         channels=len(names),
         layout=names if len(set(names)) == len(names) and "NONE" not in names else None,
         declared_frames=declared,
-        length="counted" if is_counted else "rounded",
+        length="counted" if is_counted else _length(container, stream, has_picture=picture is not None),
         stream=index,
+        is_pcm=is_pcm,
         start_timecode=timecode,
         has_picture=picture is not None,
         frame_rate=None if picture is None else _frame_rate(picture),
@@ -79,6 +83,14 @@ def film_facts(
         guessed_s=container.duration / 1_000_000 if container.duration else None,
         beside=(*streams[:index], *streams[index + 1 :]),
     )
+
+
+def _length(container: "InputContainer", stream: "AudioStream", *, has_picture: bool) -> Length:
+    """Return how the length of a stream is declared that counts no samples."""
+    if container.format.name == "avi":
+        return "packets"
+    own = container.format.name not in _OF_ALL and (told_duration(stream) is not None or _tagged(stream) is not None)
+    return "rounded" if own or not has_picture else "shared"
 
 
 def header_frames(container: "InputContainer", stream: "AudioStream", rate_hz: int) -> int | None:
@@ -145,12 +157,16 @@ def _declared_frames(container: "InputContainer", stream: "AudioStream", rate_hz
     duration = told_duration(stream)
     if duration is not None:
         return int(duration * rate_hz)
-    tag = stream.metadata.get("DURATION", "")
-    if re.fullmatch(r"\d+:\d\d:\d\d(\.\d+)?", tag):
-        hours, minutes, seconds = tag.split(":")
-        end = 3600 * int(hours) + 60 * int(minutes) + Fraction(seconds)
-    elif container.duration:
+    end = _tagged(stream)
+    if end is None and container.duration:
         end = Fraction(container.duration, 1_000_000)
-    else:
+    return None if end is None else max(0, int((end - max(origin, Fraction(0))) * rate_hz))
+
+
+def _tagged(stream: "AudioStream") -> Fraction | None:
+    """Return when a stream ends, in seconds, as a tag of Matroska says, None where there is none."""
+    tag = stream.metadata.get("DURATION", "")
+    if not re.fullmatch(r"\d+:\d\d:\d\d(\.\d+)?", tag):
         return None
-    return max(0, int((end - max(origin, Fraction(0))) * rate_hz))
+    hours, minutes, seconds = tag.split(":")
+    return 3600 * int(hours) + 60 * int(minutes) + Fraction(seconds)

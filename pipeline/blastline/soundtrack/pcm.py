@@ -46,6 +46,7 @@ class PcmTrack:
             declared_frames=declared,
             length="stored",
             is_integer=file.subtype.startswith("PCM_"),
+            is_pcm=True,
             start_timecode=None if stamp.believed is None else clock(stamp.believed, file.samplerate, decimals=6),
             ignored_reference=stamp.ignored,
         )

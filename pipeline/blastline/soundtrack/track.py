@@ -11,9 +11,10 @@ from ..streams import Streams
 
 Samples = NDArray[np.float32]
 
-Length = Literal["stored", "counted", "rounded"]
+Length = Literal["stored", "counted", "packets", "rounded", "shared"]
 """How a file declares its length: by the samples it stores in a row, of which only the end can be missing; by a count
-of samples that may be damaged anywhere; or by a time, which a lossy codec may round."""
+of samples, or of packets, that may be damaged anywhere; by a time, which a lossy codec may round; or by the time of the
+whole file, whose sound may be meant to end before its picture."""
 
 PIECE = 65_536
 """Frames that are read or decoded at once: large enough that Python costs nothing, small enough for the cache."""
@@ -28,7 +29,8 @@ class TrackFacts:
 
     `layout` is None where the file does not name its channels; `declared_frames` is None where it does not say how
     long the track is, and then `guessed_s` is what its size suggests, if anything; `length` tells how it says so.
-    `is_integer` tells that no sample can be NaN. `beside` names the file's other sound streams.
+    `is_integer` tells that no sample can be NaN, `is_pcm` that samples are stored as they are.
+    `beside` names the file's other sound streams.
     `ignored_reference` is a time stamp that can be none; `is_picture_missing` tells that a track of pictures
     is empty, or begins later than any was sought. The rest is as in `model.Source`.
     """
@@ -40,6 +42,7 @@ class TrackFacts:
     length: Length = "rounded"
     stream: Streams = 0
     is_integer: bool = False
+    is_pcm: bool = False
     start_timecode: str | None = None
     has_picture: bool = False
     frame_rate: str | None = None

@@ -53,14 +53,16 @@ def read_corpus(folders: Iterable[Path]) -> tuple[Recording, ...]:
     where a recording is there twice: it would weigh twice.
     """
     recordings = tuple(recording for folder in folders for recording in _read_folder(folder))
-    known: dict[str, Path] = {}
+    known: dict[str | Path, Path] = {}
     for recording in recordings:
-        if recording.name in known:
+        file = recording.path.resolve()
+        if recording.name in known or file in known:
+            there = known.get(file) or known[recording.name]
             raise RuleError(
-                f"{recording.path}: {recording.source} has a {known[recording.name]} already; "
+                f"{recording.path}: {recording.source} has a {there} already; "
                 "expected each recording once, under a path of its own"
             )
-        known[recording.name] = recording.path
+        known[recording.name] = known[file] = recording.path
     return recordings
 
 
