@@ -7,8 +7,6 @@ from hypothesis import HealthCheck, settings
 # as many tests run at once as there are cores: where each also uses all cores, they take half as long again
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
-# librosa finds the same onsets in plain Python; to compile what does it takes half a minute on a fresh machine
-os.environ.setdefault("NUMBA_DISABLE_JIT", "1")
 
 settings.register_profile("untimed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("untimed")
