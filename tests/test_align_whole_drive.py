@@ -45,7 +45,7 @@ def test_movements_are_separated_by_rest() -> None:
 
 
 @pytest.mark.parametrize("bits", [16, 24])
-def test_dry_sound_is_compared_to_a_step_of_16_bits(bits: int) -> None:
+def test_dry_sound_is_compared_to_one_step_of_the_drives_own(bits: int) -> None:
     sound = np.random.default_rng(3).uniform(-1.2, 1.2, 2000)
     steps = 2 ** (bits - 1)
     written = np.clip(np.rint(sound * steps), -steps, steps - 1) / steps
@@ -55,7 +55,7 @@ def test_dry_sound_is_compared_to_a_step_of_16_bits(bits: int) -> None:
         return scan(Held(samples, 8000).blocks(), still, expected=lambda s: sound[s.start : s.stop]).stray
 
     assert strays(written) == 0
-    written[[5, 1500]] += np.where(written[[5, 1500]] > 0, -2, 2) * 2.0**-15
+    written[[5, 1500]] += np.where(written[[5, 1500]] > 0, -3, 3) / steps
     assert strays(written) == 2
 
 

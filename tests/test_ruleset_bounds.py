@@ -88,7 +88,7 @@ def test_every_number_has_a_lowest_and_a_highest_value(table: type[Table]) -> No
     assert open_ends == []
 
 
-@settings(max_examples=40)
+@settings(max_examples=60)
 @given(tables(), st.sampled_from([8_000, RATE_HZ]))
 def test_a_film_is_searched_to_its_end_by_rules_at_their_ends(tier: QualityRules, rate_hz: int) -> None:
     clip = Clip(FILM[:, None], rate_hz, sides=FILM if tier.channels.sides else None)

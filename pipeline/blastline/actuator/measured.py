@@ -17,7 +17,6 @@ _LEVEL_LIMIT_DB = 400.0
 _FEWEST_ROWS = 8
 _LEAST_OCTAVES = 1.0
 
-
 _AT_ONCE_MS = 1.0
 """Two channels of one recorder begin together to well below this."""
 

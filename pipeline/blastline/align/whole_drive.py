@@ -12,6 +12,7 @@ from ..model import Clip, Span, Window
 
 Expected = Callable[[Span], NDArray[np.float64]]
 
+_STEP_24_BIT = 2.0**-23
 _STEP_16_BIT = 2.0**-15
 
 
@@ -66,13 +67,14 @@ def scan(
 ) -> DriveFigures:
     """Return the figures of a drive that comes as clips following each other.
 
-    `still` is sorted and disjoint. There the drive has to be 0, or what `expected` returns, to a step of 16
-    bits: so an editor may have saved it.
+    `still` is sorted and disjoint. There the drive has to be 0, or what `expected` returns, to a step of 24 bits; of 16
+    where all of it is in such steps, as an editor may have saved it.
     In `fades`, sorted, it may be as far from that as a window's drive within the limit is with its weight w(n):
 
         |drive(n) - expected(n)| <= w(n) (1 + |expected(n)|)        to a step of 16 bits
     """
-    frames, peak, stray, unfaded, at, fade_at = 0, 0.0, 0, 0, 0, 0
+    frames, peak, unfaded, at, fade_at = 0, 0.0, 0, 0, 0
+    strays, is_coarse = np.zeros(2, np.int64), True
     for clip in blocks:
         frames = clip.span.stop
         loudest = max(float(clip.heard.max()), -float(clip.heard.min()))
@@ -82,14 +84,15 @@ def scan(
         while at < len(still) and still[at].stop <= clip.start:
             at += 1
         for inside in _meeting(still, at, clip.span):
-            stray += _strays(clip.slice(inside).heard, expected(inside) if expected else None)
+            strays += _strays(clip.slice(inside).heard, expected(inside) if expected else None)
         while fade_at < len(fades) and fades[fade_at].span.stop <= clip.start:
             fade_at += 1
         for fade in islice(fades, fade_at, None):
             if fade.span.start >= clip.span.stop:
                 break
             unfaded += _unfaded(clip, fade, expected)
-    return DriveFigures(frames, peak, stray, unfaded)
+        is_coarse = is_coarse and _is_coarse(clip.heard)
+    return DriveFigures(frames, peak, int(strays[1 if is_coarse else 0]), unfaded)
 
 
 def _meeting(spans: Sequence[Span], first: int, clip: Span) -> Iterator[Span]:
@@ -100,11 +103,21 @@ def _meeting(spans: Sequence[Span], first: int, clip: Span) -> Iterator[Span]:
         yield spans[index] & clip
 
 
-def _strays(samples: NDArray[np.floating], expected: NDArray[np.float64] | None) -> int:
+def _strays(samples: NDArray[np.floating], expected: NDArray[np.float64] | None) -> tuple[int, int]:
+    """Return how many samples are not what is expected, to a step of 24 bits and to one of 16."""
     if expected is None:
-        return int(np.count_nonzero(samples))
-    playable = np.clip(expected, -1.0, 1.0 - _STEP_16_BIT)
-    return int(np.count_nonzero(np.abs(samples - playable) > _STEP_16_BIT))
+        return (int(np.count_nonzero(samples)),) * 2
+    fine, coarse = (
+        int(np.count_nonzero(np.abs(samples - np.clip(expected, -1.0, 1.0 - step)) > step))
+        for step in (_STEP_24_BIT, _STEP_16_BIT)
+    )
+    return fine, coarse
+
+
+def _is_coarse(samples: NDArray[np.floating]) -> bool:
+    """Return whether all samples are in steps of 16 bits."""
+    steps = samples / _STEP_16_BIT
+    return bool((steps == np.round(steps)).all())
 
 
 def _unfaded(clip: Clip, fade: Fade, expected: Expected | None) -> int:

@@ -52,14 +52,11 @@ def film_facts(
 
     `is_cut` tells that the file stops before its own end.
     """
-    counted = header_frames(container, stream, first.sample_rate)
-    is_pcm = stream.codec_context.name.startswith("pcm_")
-    is_counted = counted is not None and is_pcm  # of others AVI counts packets
-    declared = counted if is_cut or is_counted else None
-    if declared is None:
-        declared = _declared_frames(container, stream, first.sample_rate, origin or Fraction(0))
     names = tuple(channel.name for channel in first.layout.channels)
     picture = next((v for v in container.streams.video if not _is_cover(v)), None)
+    declared, length = _declared(
+        container, stream, first.sample_rate, origin or Fraction(0), is_cut=is_cut, has_picture=picture is not None
+    )
     picture_start = None if picture is None else start_of(picture)
     stamp = time_stamp(_time_reference(container), first.sample_rate)
     timecode = _start_timecode(container)
@@ -71,9 +68,9 @@ def film_facts(
         channels=len(names),
         layout=names if len(set(names)) == len(names) and "NONE" not in names else None,
         declared_frames=declared,
-        length="counted" if is_counted else _length(container, stream, has_picture=picture is not None),
+        length=length,
         stream=index,
-        is_pcm=is_pcm,
+        is_pcm=_is_pcm(stream),
         start_timecode=timecode,
         has_picture=picture is not None,
         frame_rate=None if picture is None else _frame_rate(picture),
@@ -83,14 +80,6 @@ def film_facts(
         guessed_s=container.duration / 1_000_000 if container.duration else None,
         beside=(*streams[:index], *streams[index + 1 :]),
     )
-
-
-def _length(container: "InputContainer", stream: "AudioStream", *, has_picture: bool) -> Length:
-    """Return how the length of a stream is declared that counts no samples."""
-    if container.format.name == "avi":
-        return "packets"
-    own = container.format.name not in _OF_ALL and (told_duration(stream) is not None or _tagged(stream) is not None)
-    return "rounded" if own or not has_picture else "shared"
 
 
 def header_frames(container: "InputContainer", stream: "AudioStream", rate_hz: int) -> int | None:
@@ -150,17 +139,35 @@ def _frame_rate(picture: "VideoStream") -> str | None:
     return str(standard_rate(rate) or standard_rate(meant) or rate)
 
 
-def _declared_frames(container: "InputContainer", stream: "AudioStream", rate_hz: int, origin: Fraction) -> int | None:
-    """Return how many frames the container says the stream has, None where it does not say."""
+def _declared(
+    container: "InputContainer",
+    stream: "AudioStream",
+    rate_hz: int,
+    origin: Fraction,
+    *,
+    is_cut: bool,
+    has_picture: bool,
+) -> tuple[int | None, Length]:
+    """Return how many frames the container says the stream has, None where it does not say, and how it says so."""
+    counted = header_frames(container, stream, rate_hz)
+    if counted is not None and (is_cut or _is_pcm(stream)):
+        return counted, "counted" if _is_pcm(stream) else "packets"
     if container.format.name in _ESTIMATED:
-        return None
+        return None, "rounded"
+    own: Length = "rounded" if counted is None else "packets"
+    of_all: Length = "shared" if has_picture else own
     duration = told_duration(stream)
     if duration is not None:
-        return int(duration * rate_hz)
+        return int(duration * rate_hz), of_all if container.format.name in _OF_ALL else own
     end = _tagged(stream)
+    length = own if end is not None else of_all
     if end is None and container.duration:
         end = Fraction(container.duration, 1_000_000)
-    return None if end is None else max(0, int((end - max(origin, Fraction(0))) * rate_hz))
+    return None if end is None else max(0, int((end - max(origin, Fraction(0))) * rate_hz)), length
+
+
+def _is_pcm(stream: "AudioStream") -> bool:
+    return stream.codec_context.name.startswith("pcm_")
 
 
 def _tagged(stream: "AudioStream") -> Fraction | None:

@@ -53,16 +53,16 @@ def read_corpus(folders: Iterable[Path]) -> tuple[Recording, ...]:
     where a recording is there twice: it would weigh twice.
     """
     recordings = tuple(recording for folder in folders for recording in _read_folder(folder))
-    known: dict[str | Path, Path] = {}
+    known: dict[str, Recording] = {}
     for recording in recordings:
-        file = recording.path.resolve()
-        if recording.name in known or file in known:
-            there = known.get(file) or known[recording.name]
+        keys = recording.name, str(recording.path.resolve())
+        there = next((known[key] for key in keys if key in known), None)
+        if there is not None:
             raise RuleError(
-                f"{recording.path}: {recording.source} has a {there} already; "
+                f"{recording.path}: {there.source} has a {there.path} already; "
                 "expected each recording once, under a path of its own"
             )
-        known[recording.name] = known[file] = recording.path
+        known |= dict.fromkeys(keys, recording)
     return recordings
 
 
