@@ -65,7 +65,7 @@ def tracks() -> dict[str, Path]:
 
 
 def gauged(name: str, film: Path, short: Path) -> float:
-    """Print a row for each tier, and return a budget that fits: twice what standard takes, as a new process is slower."""
+    """Print a row for each tier; return a budget that fits, twice what standard takes: a new process costs more."""
     code = GAUGE.replace("FILM", repr(str(film))).replace("SHORT", repr(str(short)))
     found = measured(code.replace("QUALITIES", repr(QUALITIES)))
     for quality in QUALITIES:
