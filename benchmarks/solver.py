@@ -40,7 +40,7 @@ class Case:
 
     @property
     def lipschitz(self) -> float:
-        return float(np.max(self.problem.spectrum))
+        return self.problem.lipschitz
 
 
 def cases(names: list[str], shots: int) -> Iterator[Case]:
@@ -168,7 +168,8 @@ def coarse_fista(case: Case, rate_hz: int, iterations: int, polish: int) -> Samp
     circle = np.zeros(padded)
     circle[: len(lags)] = lags
     circle[padded - len(lags) + 1 :] += lags[:0:-1]
-    coarse = BoxProblem(np.maximum(rfft(circle).real, 0.0), padded, inner)
+    power = np.maximum(rfft(circle).real, 0.0)
+    coarse = BoxProblem(power, padded, inner, float(np.max(power)))
     start = case.start[stride - 1 :: stride][: len(inner)]
     corners = restarted_fista(coarse, coarse.at(start), iterations=iterations, tolerance=0.0).drive
     drive = min(between_corners(corners, stride, len(case.start)), case.start, key=case.problem.objective)

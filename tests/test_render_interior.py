@@ -123,7 +123,7 @@ def test_recursion_has_the_response_of_the_sections(name: str, rate_hz: int) -> 
     recursion = filters.recursion
     exact = felt(np.concatenate([[1.0], np.zeros(len(filters.impulse) - 1)]), filters)
     assert np.linalg.norm(recursion.impulse - exact) <= 1e-3 * np.linalg.norm(exact)
-    stride = well_conditioned_stride(recursion, 1)
+    stride = well_conditioned_stride(recursion, 1, rate_hz)
     undone = np.convolve(np.poly(recursion.poles**stride).real, recursion.impulse[recursion.free :][::stride])
     assert np.max(np.abs(undone[len(recursion.poles) : len(recursion.impulse) // stride])) <= 1e-9 * np.max(
         np.abs(exact)
@@ -136,7 +136,7 @@ def test_gap_to_the_minimum_is_what_was_asked_for_with_any_actuator(name: str, r
     filters = drive_filters(OTHERS[name], rate_hz, "causal")
     target, warm = shot(filters, frames=rate_hz // 5)
     problem = full_problem(target, filters.recursion.impulse, frames=len(target))
-    stride = well_conditioned_stride(filters.recursion, 1)
+    stride = well_conditioned_stride(filters.recursion, 1, rate_hz)
     rhs = corner_rhs(problem.rhs, stride)
     found = solve_box_qp(
         filters.recursion, rhs, warm[stride - 1 :: stride][: len(rhs)], stride=stride, iterations=60, tolerance=1e-4
@@ -155,7 +155,7 @@ def test_steps_are_few_however_far_over_the_limit_the_target_is(name: str) -> No
     """Without Mehrotra's corrector they are 19 to 21."""
     filters = drive_filters(OTHERS.get(name, PROFILE), 48_000, "causal")
     target, warm = shot(filters, peak=5.0, frames=9600)
-    stride = well_conditioned_stride(filters.recursion, 4)
+    stride = well_conditioned_stride(filters.recursion, 4, 48_000)
     rhs = corner_rhs(full_problem(target, filters.recursion.impulse, frames=len(target)).rhs, stride)
     found = solve_box_qp(
         filters.recursion, rhs, warm[stride - 1 :: stride][: len(rhs)], stride=stride, iterations=60, tolerance=1e-4
@@ -165,10 +165,20 @@ def test_steps_are_few_however_far_over_the_limit_the_target_is(name: str) -> No
 
 
 def test_stride_is_kept_where_rounding_allows_it() -> None:
-    assert well_conditioned_stride(CAUSAL.recursion, 1) == 1
-    assert well_conditioned_stride(CAUSAL.recursion, 6) == 6
+    assert well_conditioned_stride(CAUSAL.recursion, 1, 48_000) == 1
+    assert well_conditioned_stride(CAUSAL.recursion, 6, 48_000) == 6
     slow = drive_filters(OTHERS["slow and fast poles"], 192_000, "causal").recursion
-    assert 4 < well_conditioned_stride(slow, 1) == well_conditioned_stride(slow, 4) < 24
+    assert 4 < well_conditioned_stride(slow, 1, 192_000) == well_conditioned_stride(slow, 4, 192_000) < 24
+
+
+@pytest.mark.parametrize("name", MANY)
+def test_stride_is_a_time_at_high_rates(name: str) -> None:
+    """Poles are as slow there: what was counted in samples ended too soon, and the solver in rounding."""
+    strides_ms = [
+        1e3 / rate_hz * well_conditioned_stride(drive_filters(MANY[name], rate_hz, "causal").recursion, 1, rate_hz)
+        for rate_hz in (48_000, 192_000, 384_000)
+    ]
+    assert strides_ms == pytest.approx([strides_ms[0]] * 3, rel=0.1)
 
 
 @given(st.floats(-30.0, 30.0), st.integers(0, 1000), st.integers(1, 4))
@@ -232,6 +242,33 @@ def test_whole_drive_beats_clipping_at_any_rate_with_any_actuator(name: str, rat
     assert missed <= 1.001 * missed_clipped
     assert 0.0 <= effort.explained <= 1.0
     assert effort.steps < load_rules(quality).tier.render.iterations
+
+
+@pytest.mark.parametrize("count", [5, 6, 8, 12])
+def test_a_seat_of_many_resonances_has_a_drive_however_long_its_window(count: int) -> None:
+    """The more poles, the more diagonals has the solver's system, and all have to be there."""
+    filters = drive_filters(resonances(list(np.geomspace(18.0, 320.0, count)), []), 48_000, "causal")
+    target, warm = shot(filters, frames=9600)
+    stride = well_conditioned_stride(filters.recursion, 4, 48_000)
+    for corners in range(60, 141, 4):
+        frames = (corners + 1) * stride
+        drive, effort = whole_drive(target[:frames], warm[:frames], filters, start=0, quality="draft")
+        assert np.max(np.abs(drive)) <= 1.0
+        assert 0.0 <= effort.explained <= 1.0
+
+
+@pytest.mark.parametrize("frames", [1, 2, 300, 5000])
+def test_normal_equations_are_those_of_the_convolution_however_long_the_seat_rings(frames: int) -> None:
+    rng = np.random.default_rng(frames)
+    impulse, drive = CAUSAL.impulse, rng.standard_normal(frames)
+    wanted = rng.standard_normal(frames + len(impulse) - 1)
+    problem = full_problem(wanted, impulse, frames=frames)
+    normal = fftconvolve(fftconvolve(drive, impulse), impulse[::-1])[len(impulse) - 1 :][:frames]
+    right = fftconvolve(wanted, impulse[::-1])[len(impulse) - 1 :][:frames]
+    rounding = 1e-12 * float(np.linalg.norm(wanted))
+    np.testing.assert_allclose(problem.normal(drive), normal, atol=rounding * problem.lipschitz)
+    np.testing.assert_allclose(problem.rhs, right, atol=rounding * float(np.linalg.norm(impulse)))
+    assert problem.lipschitz >= np.linalg.norm(problem.normal(drive)) / np.linalg.norm(drive)
 
 
 @pytest.mark.parametrize("name", MANY)

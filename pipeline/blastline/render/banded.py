@@ -15,7 +15,8 @@ Samples = NDArray[np.float64]
 _KEPT = 1e-9  # of a response's largest coefficient: below is rounding
 _LEAST_FEEDBACK = 5e-7  # of |A| at any frequency: its square, against 1, is still above rounding
 _LEAST_OF_LARGEST = 2e-8  # and against the largest |A|, which grows with the number of poles
-_LONGEST_STRIDE = 64
+_LONGEST_STRIDE, _LONGEST_S = 64, 1.0 / 750.0
+"""Samples, but at high rates as long as they are at 48 kHz: poles are as slow there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,14 +49,14 @@ class BandedHessian:
 
 
 @lru_cache(maxsize=8)
-def well_conditioned_stride(recursion: Recursion, stride: int) -> int:
+def well_conditioned_stride(recursion: Recursion, stride: int, rate_hz: int) -> int:
     """Return the stride, or the next above it at which H does not remember for too many corners.
 
     Poles much slower than the corners make |A| so small that Q + A'DA is lost in rounding.
     """
     poles = recursion.poles
     angles = np.concatenate([np.linspace(0.0, np.pi, 512), np.abs(np.angle(poles))])
-    while stride < _LONGEST_STRIDE:
+    while stride < max(_LONGEST_STRIDE, _LONGEST_S * rate_hz):
         unit_circle = np.exp(1j * stride * angles)
         feedbacks = np.prod(np.abs(unit_circle[:, None] - poles**stride), axis=1)
         if np.min(feedbacks) >= max(_LEAST_FEEDBACK, _LEAST_OF_LARGEST * np.max(feedbacks)):

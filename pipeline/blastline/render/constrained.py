@@ -12,7 +12,6 @@ docs/rendering.md tells what else was tried.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -20,7 +19,7 @@ from numpy.typing import NDArray
 
 from ..ruleset import RenderRules
 from .banded import Recursion, hat, well_conditioned_stride
-from .interior import SHORTEST, solve_box_qp
+from .interior import fewest_unknowns, solve_box_qp
 
 Samples = NDArray[np.float64]
 
@@ -53,12 +52,14 @@ class Iterate:
 class BoxProblem:
     """1/2 u'Nu - b'u over |u| <= 1, N a symmetric Toeplitz matrix by its spectrum on a zero-padded circle.
 
-    `spectrum` is |H|^2 at the frequencies of a real transform of `padded` samples, `rhs` is b, shape (frames,).
+    `spectrum` is that of N's first row, around a circle of `padded` samples, `rhs` is b, shape (frames,). `lipschitz`
+    is the most by which N stretches a drive: a step down the slope over it never overshoots.
     """
 
     spectrum: Samples
     padded: int
     rhs: Samples
+    lipschitz: float
 
     def normal(self, u: Samples) -> Samples:
         """Return N u."""
@@ -66,11 +67,6 @@ class BoxProblem:
 
         product: Samples = irfft(self.spectrum * rfft(u, self.padded), self.padded)
         return product[: len(u)]
-
-    @cached_property
-    def lipschitz(self) -> float:
-        """Return the most by which N stretches a drive: a step down the slope over it never overshoots."""
-        return float(np.max(self.spectrum))
 
     def step_from(self, u: Samples, normal: Samples) -> Samples:
         """Return where a step down the slope leads, within the limit."""
@@ -145,12 +141,12 @@ def _piece(
 ) -> tuple[Samples, SolveSummary]:
     """Return the drive of one piece: the better of what the solver finds and the first guess, polished."""
     asked = min(max(1, rate_hz // rules.solver_rate_hz), recursion.longest_stride)
-    stride = well_conditioned_stride(recursion, asked)
+    stride = well_conditioned_stride(recursion, asked, rate_hz)
     corners = corner_rhs(problem.rhs, stride)
     steps, polish, best = 0, _UNAIDED, problem.at(start)
     if energy + best.objective <= _ALREADY * rules.tolerance * energy:
         polish = rules.polish_iterations
-    elif len(corners) >= SHORTEST:
+    elif len(corners) >= fewest_unknowns(recursion, stride):
         found = solve_box_qp(
             recursion,
             corners,
@@ -176,13 +172,22 @@ def _is_unsettled(problem: BoxProblem, found: Iterate) -> bool:
 
 
 def full_problem(wanted: Samples, impulse: Samples, *, frames: int) -> BoxProblem:
-    """Return the problem with one unknown for each of the first `frames` samples of what is wanted to be felt."""
+    """Return the problem with one unknown for each of the first `frames` samples of what is wanted to be felt.
+
+    Every step needs N of the drive's own samples alone: its circle is short, however long H rings.
+    """
     from scipy.fft import irfft, next_fast_len, rfft
 
     padded = next_fast_len(max(len(wanted), frames + len(impulse) - 1), real=True)
     response = rfft(impulse, padded)
     rhs = irfft(np.conj(response) * rfft(wanted, padded), padded)[:frames]
-    return BoxProblem(response.real**2 + response.imag**2, padded, rhs)
+    power = response.real**2 + response.imag**2
+    lipschitz, short = float(np.max(power)), next_fast_len(2 * frames - 1, real=True)
+    if short >= padded:
+        return BoxProblem(power, padded, rhs, lipschitz)
+    row, lags = np.zeros(short), irfft(power, padded)[:frames]
+    row[:frames], row[short - frames + 1 :] = lags, lags[:0:-1]
+    return BoxProblem(rfft(row).real, short, rhs, lipschitz)
 
 
 def corner_rhs(rhs: Samples, stride: int) -> Samples:

@@ -31,7 +31,7 @@ from .banded import (
 Samples = NDArray[np.float64]
 
 SHORTEST = 64
-"""From so many unknowns on, every diagonal has its full length and the solver pays."""
+"""From so many unknowns on the solver pays."""
 
 _ROUNDING = 1e-9  # of max |H|^2, added to the curvature, so that rounding cannot make it negative
 _STEP_TO_BOUNDARY = 0.995  # of the way to the first slack or multiplier that would be 0: the next must be inside too
@@ -48,10 +48,15 @@ class BoxQpSolution:
     finished: bool = True
 
 
+def fewest_unknowns(recursion: Recursion, stride: int) -> int:
+    """Return from how many corners on the solver pays and every diagonal is there: many poles make many diagonals."""
+    return max(SHORTEST, len(banded_hessian(recursion, stride).lags))
+
+
 def solve_box_qp(
     recursion: Recursion, rhs: Samples, start: Samples, *, stride: int, iterations: int, tolerance: float
 ) -> BoxQpSolution:
-    """Return the corners u of the drive that minimise 1/2 |H u|^2 - rhs'u over |u| <= 1; at least `SHORTEST` of them.
+    """Return the corners u of the drive that minimise 1/2 |H u|^2 - rhs'u over |u| <= 1; `fewest_unknowns` or more.
 
     It stops where what can still be gained is less than `tolerance` of what the drive explains, after `iterations`
     steps, or where rounding ends it.
