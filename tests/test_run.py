@@ -11,9 +11,11 @@ import soundfile
 from numpy.typing import NDArray
 
 from blastline import run
+from blastline.errors import TimelineError
 from blastline.model import SceneEvidence, Timeline
 from blastline.ruleset import load_rules
 from blastline.run import listening
+from blastline.run.driving import open_drive
 from blastline.scene import choose
 from blastline.synth import Scene, render_scene, synthesise
 
@@ -223,6 +225,46 @@ def test_a_drive_read_again_passes_and_a_shifted_one_says_by_how_much(
     shift = next(check for check in late.checks if check.name == "drive_shift")
     assert not shift.passed
     assert shift.measured == pytest.approx(240.0, abs=0.1)
+
+
+@pytest.mark.parametrize("drive", ["filter", "direct"])
+@pytest.mark.parametrize("quality", ["draft", "standard"])
+def test_by_one_sample_a_drive_that_nothing_was_solved_for_is_displaced_at_any_rate(
+    drive: str, quality: str, tmp_path: Path
+) -> None:
+    """Corners of a drive in straight lines are felt aside by more: no other drive may be."""
+    rate_hz, out, film = 192_000, tmp_path / "out", tmp_path / "film.wav"
+    sound = 1e-5 * np.random.default_rng(0).standard_normal(2 * rate_hz)
+    onsets = [rate_hz // 2, 5 * rate_hz // 4]
+    decay_s = np.arange(rate_hz // 2) / rate_hz
+    for onset in onsets:
+        sound[onset : onset + decay_s.size] += 0.1 * np.exp(-decay_s / 0.02) * np.cos(2.0 * np.pi * 120.0 * decay_s)
+    soundfile.write(film, sound, rate_hz, subtype="PCM_24")
+    (tmp_path / "shots.csv").write_text("id,onset_sample\n" + "".join(f"s{at},{at}\n" for at in onsets))
+    rendered(film, out, drive=drive, quality=quality, timeline=tmp_path / "shots.csv")
+    moved = tmp_path / "moved.wav"
+    soundfile.write(moved, np.roll(drive_of(out), 1), rate_hz, subtype="PCM_24")
+    for file, passes in ((out / "drive.wav", True), (moved, False)):
+        shift = next(check for check in run.check(out, audio=film, drive=file).checks if check.name == "drive_shift")
+        assert shift.passed == passes
+        assert shift.limit == 0.5
+
+
+def test_a_result_that_another_run_replaces_while_it_is_checked_has_no_verdict(
+    film: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The timeline is read first: drive and timeline could be of two films."""
+    out = tmp_path / "out"
+    timeline, _ = rendered(film, out)
+
+    def replaced(path: Path) -> Any:
+        later = msgspec.structs.replace(timeline, level_db=6.0)
+        (out / "timeline.json").write_bytes(msgspec.json.encode(later))
+        return open_drive(path)
+
+    monkeypatch.setattr("blastline.run.checking.open_drive", replaced)
+    with pytest.raises(TimelineError, match=r"timeline\.json: was changed while it was read"):
+        run.check(out, audio=film)
 
 
 def test_a_film_without_shots_gives_a_silent_drive_and_an_empty_timeline(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from ..ruleset import ActuatorProfile, AlignRules
 from ..units import ms_from_samples, samples_from_ms
 from .comparable import is_comparable
 from .comparison import Comparison, compare
+from .hearing import coarseness
 from .sanity import fade_margin, heard_rise_db, is_rise_owed, order_faults
 from .shot_checks import can_lead, noted, shot_checks, within
 from .shots import parts_of
@@ -131,8 +132,9 @@ def _timing_checks(shared: Comparison, events: Sequence[Event], timing: Timing |
         yield Check("drive_shift", None, True, None, rules.shift_samples, "samples")
         return
     bend = 0.0 if timing.exact else shared.bend
-    shift_limit = max(rules.shift_samples * shared.coarseness, bend)
-    drift_limit = max(rules.drift_samples * shared.coarseness, 2.0 * bend)
+    coarse = max(coarseness(shared, event) for event in events)
+    shift_limit = max(rules.shift_samples * coarse, bend)
+    drift_limit = max(rules.drift_samples * coarse, 2.0 * bend)
     time_map, first, last = timing.time_map, events[0].onset_sample, events[-1].onset_sample
     drift = time_map.lag(last) - time_map.lag(first) if time_map else None
     steady = within(drift, drift_limit)

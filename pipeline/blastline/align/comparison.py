@@ -75,7 +75,7 @@ class Comparison:
 
     @property
     def coarseness(self) -> float:
-        """Return by how much limits in samples, set at 48 kHz, grow for a drive of straight lines between corners.
+        """Return by how much limits in samples, set at 48 kHz, grow for drives of straight lines between corners.
 
         What such a drive is felt aside is a time, of more samples at a higher rate.
         """

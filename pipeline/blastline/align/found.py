@@ -8,7 +8,7 @@ from ..correlate import Match, lag_uncertainty, match_template, normalised_produ
 from ..model import Event, Span
 from .comparison import Comparison
 from .due import Adjoints, adjoints_of, departure, unsolved_drive
-from .hearing import Felt, Heard, Part, feel, hear, is_direct
+from .hearing import Felt, Heard, Part, coarseness, feel, hear, is_direct
 from .sounds import TimeMap
 
 _LEAST_MS = 5.0
@@ -56,9 +56,9 @@ def reach(shared: Comparison) -> int:
     return max(4, shared.samples(shared.bend_ms))
 
 
-def sharp(shared: Comparison) -> float:
+def sharp(shared: Comparison, event: Event) -> float:
     """Return how many samples a lag may be out to tell where the drive as a whole is: two of them tell its drift."""
-    return 0.5 * min(shared.rules.shift_samples, shared.rules.drift_samples) * shared.coarseness
+    return 0.5 * min(shared.rules.shift_samples, shared.rules.drift_samples) * coarseness(shared, event)
 
 
 def locate(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap, search: int) -> Match:
@@ -90,7 +90,7 @@ def find_shot(
 
     own = read(0)
     unbent = None if is_direct(event) else _unbent(shared, own, pattern)
-    if unbent is None or unbent.uncertainty > sharp(shared):
+    if unbent is None or unbent.uncertainty > sharp(shared, event):
         return _by_likeness(shared, event, heard, own, unbent, pattern=pattern, read=read)
     nearby = _match_within(event, heard, own.felt, pattern, reach(shared))
     found = read(round(unbent.lag)) if round(unbent.lag) else own
@@ -120,7 +120,7 @@ def _by_likeness(
         match, uncertainty = Match(late + there.lag, match.correlation), there.uncertainty
     elif near is not None and abs(late) <= reach(shared):
         match, uncertainty = Match(near.lag, match.correlation), near.uncertainty
-    is_aside = uncertainty <= sharp(shared) or abs(match.lag) > shared.samples(shared.bend_ms)
+    is_aside = uncertainty <= sharp(shared, event) or abs(match.lag) > shared.samples(shared.bend_ms)
     settled = round(match.lag) if believed and is_aside else 0
     if settled != late:
         found = read(settled) if settled else own

@@ -91,6 +91,11 @@ def is_solved(event: Event) -> bool:
     return event.drive is None or event.drive.model == "constrained"
 
 
+def coarseness(shared: Comparison, event: Event) -> float:
+    """Return by how much limits in samples grow for a shot's drive: only one that is solved has corners."""
+    return shared.coarseness if is_solved(event) else 1.0
+
+
 def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
     """Return the sound of a shot over its part and `margin` samples on either side."""
     settle = shared.settle

@@ -8,7 +8,7 @@ from ..model import Check, Event
 from ..units import db_from_gain, ms_from_samples
 from .comparison import Comparison
 from .found import likeness_limit, reach
-from .hearing import is_direct, is_solved
+from .hearing import coarseness, is_direct, is_solved
 from .shots import ShotFigures
 
 _STEP = 2.0**-15
@@ -50,9 +50,9 @@ def _spare_ms(shared: Comparison, event: Event, figures: ShotFigures) -> float:
     """Return how far from the lag that is intended a right drive may be found."""
     if is_direct(event) and figures.uncertainty == 0.0:
         return ms_from_samples(shared.rules.lag_zero_samples, shared.rate_hz)
-    if figures.uncertainty > shared.rules.lag_zero_samples * shared.coarseness:
+    if figures.uncertainty > shared.rules.lag_zero_samples * coarseness(shared, event):
         return max(ms_from_samples(reach(shared), shared.rate_hz), _BENT_SHARE * shared.bend_ms)
-    one_sample_ms = ms_from_samples(shared.rules.lag_zero_samples * shared.coarseness, shared.rate_hz)
+    one_sample_ms = ms_from_samples(shared.rules.lag_zero_samples * coarseness(shared, event), shared.rate_hz)
     return max(one_sample_ms, _EXACT_SHARE * shared.bend_ms)
 
 
@@ -62,7 +62,7 @@ def _allowed_lag_ms(shared: Comparison, event: Event, figures: ShotFigures | Non
     A low-pass delays, and a high-pass brings what is close above its corner forward: 1.5 ms at 20 Hz, over 5 Hz. A
     drive is as late as it is meant to be within what it may be found aside; so far it may be without delay, too.
     """
-    exact_ms = ms_from_samples(shared.rules.lag_zero_samples * shared.coarseness, shared.rate_hz)
+    exact_ms = ms_from_samples(shared.rules.lag_zero_samples * coarseness(shared, event), shared.rate_hz)
     allowed_ms = exact_ms if shared.phase == "zero" else shared.rules.lag_causal_ms
     if figures is not None:
         spare_ms = _spare_ms(shared, event, figures)

@@ -84,7 +84,7 @@ def _measure_all(
         lags.append(lag)
         if compared:
             found.append(ShotLag(event.onset_sample, lag))
-        if compared and figure.uncertainty <= sharp(shared):
+        if compared and figure.uncertainty <= sharp(shared, event):
             exact.append(found[-1])
     line = line_through_exact(exact, found, bend=shared.bend)
     is_exact = line is not None

@@ -28,6 +28,17 @@ def require_same_film(film: Path, found: Source, timeline: Path, expected: Sourc
             raise TimelineError(f"{film}: {made}: its {what} is {here}, expected {there} ({expected.name}){advice}")
 
 
+def require_unchanged(path: Path, timeline: Timeline) -> None:
+    """Raise TimelineError where a file no longer holds the timeline that was read from it.
+
+    Another run has put its results there since: what was read beside it may be of either.
+    """
+    if read_timeline(path) != timeline:
+        raise TimelineError(
+            f"{path}: was changed while it was read; expected the results of one run, and that finished"
+        )
+
+
 def require_length(timeline: Timeline, name: Path, *, rate_hz: int, frames: int, what: str) -> None:
     """Raise TimelineError where a file has another rate or length than its timeline; `what` it should be is told."""
     for key, found, expected in (

@@ -16,7 +16,7 @@ from ..ruleset import ActuatorProfile, Rules, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack
 from ..streams import Streams
 from . import names
-from .belonging import profile_of, require_length, require_same_film
+from .belonging import profile_of, require_length, require_same_film, require_unchanged
 from .driving import open_drive
 from .listening import BLOCK
 
@@ -59,15 +59,18 @@ def check(
         _require_sides(timeline, film, track)
         for _ in report_progress(track.blocks(BLOCK, sides=True), progress, track.expected_frames):
             pass
-        found = track.source()
+        source = track.source()
         cut = "the film of this timeline; `blastline conform` finds its shots in another cut"
-        require_length(timeline, film, rate_hz=found.sample_rate_hz, frames=found.frames, what=cut)
+        require_length(timeline, film, rate_hz=source.sample_rate_hz, frames=source.frames, what=cut)
         if audio is None:
             advice = "; give --audio to check against it all the same"
-            require_same_film(film, found, path, timeline.source, advice=advice)
+            require_same_film(film, source, path, timeline.source, advice=advice)
         if profile is None or made is None:
-            return msgspec.structs.replace(timeline, checks=check_timeline(timeline, audio=track, rules=read.align))
-        return checked(timeline, track, made, profile=profile, rules=read, progress=progress)
+            found = msgspec.structs.replace(timeline, checks=check_timeline(timeline, audio=track, rules=read.align))
+        else:
+            found = checked(timeline, track, made, profile=profile, rules=read, progress=progress)
+    require_unchanged(path, timeline)
+    return found
 
 
 def checked(

@@ -19,7 +19,7 @@ from ..ruleset import load_haptics
 from ..staging import staged
 from ..timebase import AS_FILMED, Timebase, retimed
 from . import names
-from .belonging import film_of, profile_of, require_length
+from .belonging import film_of, profile_of, require_length, require_unchanged
 from .driving import open_drive
 from .export_rows import files_of_results
 from .haptics import rounding_notes, tell_silent, track_of
@@ -46,7 +46,8 @@ def export(
     """
     chosen = [known.name for known in known_formats(formats)]
     timeline = names.timeline_of(timeline)
-    read = retimed(read_timeline(timeline), timebase)
+    as_written = read_timeline(timeline)
+    read = retimed(as_written, timebase)
     require_frame_rate(chosen, read.source)
     files = [file for known in known_formats(chosen) for file in known.files]
     sets = [pattern for known in known_formats(chosen) for pattern in known.sets]
@@ -62,6 +63,7 @@ def export(
         track = None
         if needs_drive(chosen):
             track = _haptic_track(read, timeline, drive=drive, actuator=actuator, rules=rules, note=note)
+            require_unchanged(timeline, as_written)
         written = export_timeline(read, hidden, formats=chosen, track=track, rounding=rounding_notes(note))
     for line in rounding(read, chosen):
         note(line)
