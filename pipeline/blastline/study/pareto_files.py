@@ -8,6 +8,7 @@ from pathlib import Path
 
 import msgspec
 
+from ..report import ready_to_draw
 from .bootstrap import Interval
 from .pareto import ParetoStudy
 from .pareto_picture import front_svg
@@ -51,6 +52,7 @@ def write_pareto(folder: Path, study: ParetoStudy) -> None:
         table = csv.DictWriter(file, _COLUMNS, restval="", lineterminator="\n")
         table.writeheader()
         table.writerows(_rows(study))
+    ready_to_draw(folder)
     (folder / "pareto.svg").write_text(front_svg(study), encoding="utf-8")
     (folder / "pareto.md").write_text(markdown(study), encoding="utf-8")
 

@@ -1,0 +1,38 @@
+"""matplotlib draws for an account without a home, and says nothing of it."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from blastline.report import drawing, ready_to_draw
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="/proc is where nobody may write")
+def test_without_a_home_nothing_is_said(tmp_path: Path) -> None:
+    code = "from pathlib import Path; from blastline.report import ready_to_draw; ready_to_draw(Path())"
+    settings = {"HOME": "/proc", "XDG_CONFIG_HOME": "", "XDG_CACHE_HOME": "", "MPLCONFIGDIR": ""}
+    words = [sys.executable, "-c", code]
+    done = subprocess.run(words, cwd=tmp_path, env=os.environ | settings, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def test_where_nothing_else_can_be_written_fonts_are_kept_beside_the_results_until_they_are_known(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept: list[str | None] = []
+
+    def refusing() -> None:
+        kept.append(os.environ.get("MPLCONFIGDIR"))
+        if kept[-1] is None:
+            raise OSError("a temporary directory could not be created")
+        (Path(kept[-1]) / "fontlist.json").write_text("{}")
+
+    monkeypatch.delenv("MPLCONFIGDIR", raising=False)
+    monkeypatch.setattr(drawing, "_import", refusing)
+    ready_to_draw(tmp_path)
+    assert [folder and Path(folder).parent for folder in kept] == [None, tmp_path]
+    assert list(tmp_path.iterdir()) == []
+    assert "MPLCONFIGDIR" not in os.environ
