@@ -59,7 +59,7 @@ def write_media(
     picture_delay_s: float = 0.0,
     timecode: str | None = None,
     audio_delay_s: float = 0.0,
-    default_track: int | None = None,
+    dispositions: Sequence[av.stream.Disposition] = (),
     titles: Sequence[str] = (),
     container_options: dict[str, str] | None = None,
     lost_s: Sequence[tuple[float, float]] = (),
@@ -85,8 +85,8 @@ def write_media(
         streams: list[Any] = []
         for index, samples in enumerate(tracks):
             stream: Any = container.add_stream(codec, rate=rate_hz, layout=LAYOUTS[samples.shape[1]])
-            if default_track is not None:
-                stream.disposition = av.stream.Disposition(int(index == default_track))
+            if index < len(dispositions):
+                stream.disposition = dispositions[index]
             if index < len(titles):
                 stream.metadata["title"] = titles[index]
             streams.append(stream)

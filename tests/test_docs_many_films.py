@@ -61,8 +61,25 @@ def test_what_was_rendered_among_the_films_is_no_film_however_the_folders_are_na
         assert [*tmp_path.rglob("timeline.json")] == [tmp_path / "results" / "a" / "x.wav" / "timeline.json"]
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="folders there have other rights")
+def test_a_folder_that_cannot_be_read_is_told(tmp_path: Path) -> None:
+    films, locked = tmp_path / "films", tmp_path / "films" / "locked"
+    locked.mkdir(parents=True)
+    write_film(films / "film.wav", length_s=2.5, shots_s=(1.0,))
+    locked.chmod(0)
+    try:
+        if os.access(locked, os.R_OK):
+            pytest.skip("the administrator may read everything")
+        told = ran(MANY, films, tmp_path / "results", cwd=tmp_path, code=1)
+    finally:
+        locked.chmod(0o700)
+    assert told == f"{locked}: Permission denied\n"
+    assert (tmp_path / "results" / "film.wav" / "timeline.json").exists()
+
+
 def test_a_folder_without_films_or_results_is_told(tmp_path: Path) -> None:
-    assert ran(MANY, tmp_path / "flims", tmp_path / "results", cwd=tmp_path, code=1) == ""
+    films = tmp_path / "flims"
+    assert ran(MANY, films, tmp_path / "results", cwd=tmp_path, code=1) == f"{films}: No such file or directory\n"
     assert ran(TABLE, tmp_path, cwd=tmp_path, code=1) == ""
 
 

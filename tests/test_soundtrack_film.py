@@ -8,12 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from av.stream import Disposition
 
 from blastline.errors import OutputError, SoundtrackError
 from blastline.soundtrack import open_soundtrack
 from coded_films import FILM_RATE, FRAMES, SHOTS, read, shots_in_film
 from media import RATE_HZ, impulses, onsets, write_media
 
+NONE = Disposition(0)
 LOSSLESS = [
     ("flac", "flac", 8),
     ("flac", "mkv", 6),
@@ -111,7 +113,11 @@ def test_a_list_of_films_is_no_film(tmp_path: Path) -> None:
 def test_the_default_track_is_taken_and_any_other_on_request(tmp_path: Path) -> None:
     main, comment = impulses(FRAMES, SHOTS), impulses(FRAMES, [60_000])
     path = write_media(
-        tmp_path / "film.mkv", [comment, main], codec="flac", default_track=1, titles=["Comment", "Main"]
+        tmp_path / "film.mkv",
+        [comment, main],
+        codec="flac",
+        dispositions=[NONE, Disposition.default],
+        titles=["Comment", "Main"],
     )
     for stream, expected in ((None, SHOTS), (0, [60_000]), (1, SHOTS)):
         samples, source = read(path, stream=stream)
@@ -120,6 +126,21 @@ def test_the_default_track_is_taken_and_any_other_on_request(tmp_path: Path) -> 
     for stream in (2, -1):
         with pytest.raises(SoundtrackError, match=r"no sound stream .*0 \(flac, 1 channel, Comment\); 1 \(flac,"):
             open_soundtrack(path, stream=stream)
+
+
+@pytest.mark.parametrize("aside", [Disposition.comment, Disposition.hearing_impaired, Disposition.visual_impaired])
+@pytest.mark.parametrize("unmarked", [NONE, Disposition.default])
+def test_what_is_spoken_beside_a_film_is_not_taken_for_it(
+    aside: Disposition, unmarked: Disposition, tmp_path: Path
+) -> None:
+    """Some programs call every stream the default one."""
+    main, beside = impulses(FRAMES, SHOTS), impulses(FRAMES, [60_000])
+    marks = [aside | Disposition.default, unmarked]
+    path = write_media(tmp_path / "film.mkv", [beside, main], codec="flac", dispositions=marks)
+    for stream, expected in ((None, SHOTS), (0, [60_000])):
+        assert onsets(read(path, stream=stream)[0][:, 0]) == expected
+    alone = write_media(tmp_path / "alone.mkv", [beside], codec="flac", dispositions=marks[:1])
+    assert onsets(read(alone)[0][:, 0]) == [60_000]
 
 
 def test_a_title_that_is_no_text_is_told_as_far_as_it_is(tmp_path: Path) -> None:

@@ -204,13 +204,15 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None
 
 
 def _chosen(container: "InputContainer", index: int | None) -> "AudioStream":
+    """Return the stream with a number, or the film's own sound: what is no commentary and the like, by default."""
     from av.stream import Disposition
 
     streams = container.streams.audio
     if not streams:
         raise SoundtrackError("has no sound stream")
     if index is None:
-        stream = next((s for s in streams if s.disposition & Disposition.default), streams[0])
+        aside = Disposition.comment | Disposition.hearing_impaired | Disposition.visual_impaired
+        stream = min(streams, key=lambda s: (bool(s.disposition & aside), not s.disposition & Disposition.default))
     elif 0 <= index < len(streams):
         stream = streams[index]
     else:
