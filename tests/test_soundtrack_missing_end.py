@@ -105,6 +105,24 @@ def test_an_mp4_in_fragments_that_breaks_off_is_noticed(tmp_path: Path, flags: s
         assert is_broken_off(source)
 
 
+@pytest.mark.parametrize(("codec", "extension"), [("aac", "mp4"), ("pcm_s24le", "mov")])
+def test_zeros_behind_a_fragment_are_padding_only_up_to_a_cluster(tmp_path: Path, codec: str, extension: str) -> None:
+    """A copy that never finished leaves more of them, in a file that had its full size before."""
+    path = tmp_path / f"film.{extension}"
+    options = {"movflags": "frag_keyframe+empty_moov", "frag_duration": "500000"}
+    noise = [impulses(LONG, LONG_SHOTS, channels=2)]
+    write_media(path, noise, codec=codec, picture_rate=FILM_RATE, container_options=options)
+    data, cluster = path.read_bytes(), 1 << 16
+    path.write_bytes(data + bytes(cluster))
+    assert read(path)[1].warnings == ()
+    begins = [found.start() - 4 for found in re.finditer(b"moof", data)]
+    for kept in (begins[1], begins[len(begins) // 2], begins[-1]):
+        path.write_bytes(data[:kept] + bytes(max(cluster + 1, len(data) - kept)))
+        samples, source = read(path)
+        assert len(samples) < LONG
+        assert is_broken_off(source)
+
+
 @pytest.mark.parametrize("codec", ["pcm_s16le", "libmp3lame"])
 def test_a_missing_end_of_a_nut_is_noticed(tmp_path: Path, codec: str) -> None:
     path = write_media(tmp_path / "film.nut", [impulses(LONG, LONG_SHOTS)], codec=codec, container_format="nut")

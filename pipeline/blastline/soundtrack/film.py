@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import SoundtrackError
+from .boxes import ends_before_its_index
 from .chunks import ChunkTable, overflow_warning
 from .decode import Tally, check_sums, decoded, packed
-from .ending import ends_before_its_index, stops_early
+from .ending import stops_early
 from .facts import UNSTAMPED, film_facts, header_frames, origin_of, sound_streams
 from .placement import Placement, origin_by_others
 from .probe import opened, picture_warnings, told_start
