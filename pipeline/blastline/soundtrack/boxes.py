@@ -1,4 +1,4 @@
-"""The outermost boxes of an MP4 or QuickTime film: whether they lead to its end.
+"""The outermost boxes of an MP4 or QuickTime film: whether they lead to its end, and whether another film follows.
 
 In one piece    [size, ftyp, ...][size, moov, ...][size, mdat, ...]    moov, its index, may come last
 In fragments    [size, ftyp, ...][size, moov, ...][size, moof, ...][size, mdat, ...][size, moof, ...] ...
@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 _FIRST_BOXES = (b"ftyp", b"wide", b"free", b"skip")
+_WHOLE = frozenset({b"moov", b"mdat"})
+"""What every film in one piece has, once each or more: some programs leave a second `moov` for safety."""
 
 _MOST_PADDING_BYTES = 1 << 16
 """The largest usual cluster of a file system: what is left of the last one may be zeros. More of them is what a copy
@@ -73,3 +75,24 @@ def _is_padding(path: Path, box: _Box) -> bool:
             if block.strip(b"\0"):
                 return False
     return True
+
+
+def appended_film_at(path: Path) -> int | None:
+    """Return where another film begins behind the first one of a file, of which nothing is read; None without one.
+
+    A film in fragments goes on with those of another, which FFmpeg takes for its own and reads.
+    """
+    seen: set[bytes] = set()
+    seen_behind: set[bytes] = set()
+    behind = None
+    for box in _boxes(path):
+        if box.name == b"moof":
+            return None
+        if not seen >= _WHOLE:
+            seen.add(box.name)
+            continue
+        if box.name == b"ftyp":
+            return box.place
+        behind = box.place if behind is None else behind
+        seen_behind.add(box.name)
+    return behind if seen_behind >= _WHOLE else None  # QuickTime films of old have no ftyp

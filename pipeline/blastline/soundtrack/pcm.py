@@ -13,6 +13,7 @@ import numpy as np
 
 from ..errors import SoundtrackError
 from ..timecode import clock
+from .appended import appended_warning
 from .chunks import ChunkTable, overflow_warning
 from .overflow import Tail
 from .track import PIECE, Samples, Stored, TrackFacts, stamp_warnings, time_stamp
@@ -93,6 +94,8 @@ class PcmTrack:
     def warnings(self) -> list[str]:
         """Return where the header is wrong; there is no decoder that could stumble."""
         warnings = [overflow_warning(self._table)] if self._table.goes_on else []
+        if self._table.appended is not None:
+            warnings.append(appended_warning(self._table.appended))
         rate_hz, implied_hz = self.facts.rate_hz, self._table.implied_rate_hz
         if implied_hz not in (None, rate_hz):
             said = (
