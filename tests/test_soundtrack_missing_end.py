@@ -105,6 +105,65 @@ def test_an_mp4_in_fragments_that_breaks_off_is_noticed(tmp_path: Path, flags: s
         assert is_broken_off(source)
 
 
+@pytest.mark.parametrize(("codec", "extension"), [("aac", "mp4"), ("pcm_s24le", "mov")])
+def test_zeros_behind_a_fragment_are_padding_only_up_to_a_cluster(tmp_path: Path, codec: str, extension: str) -> None:
+    """A copy that never finished leaves more of them, in a file that had its full size before."""
+    path = tmp_path / f"film.{extension}"
+    options = {"movflags": "frag_keyframe+empty_moov", "frag_duration": "500000"}
+    noise = [impulses(LONG, LONG_SHOTS, channels=2)]
+    write_media(path, noise, codec=codec, picture_rate=FILM_RATE, container_options=options)
+    data, cluster = path.read_bytes(), 1 << 16
+    path.write_bytes(data + bytes(cluster))
+    assert read(path)[1].warnings == ()
+    begins = [found.start() - 4 for found in re.finditer(b"moof", data)]
+    for kept in (begins[1], begins[len(begins) // 2], begins[-1]):
+        path.write_bytes(data[:kept] + bytes(max(cluster + 1, len(data) - kept)))
+        samples, source = read(path)
+        assert len(samples) < LONG
+        assert is_broken_off(source)
+
+
+@pytest.mark.parametrize(
+    ("codec", "extension", "picture_rate"),
+    [
+        ("ac3", "mkv", None),
+        ("ac3", "mkv", FILM_RATE),
+        ("libmp3lame", "mkv", None),
+        ("libmp3lame", "mkv", FILM_RATE),
+        ("libopus", "webm", None),
+    ],
+)
+def test_a_matroska_from_a_pipe_lacks_no_end(
+    tmp_path: Path, codec: str, extension: str, picture_rate: Fraction | None
+) -> None:
+    """It says nowhere how long it is, and FFmpeg's guess is none that a file could fall short of."""
+    path, live = tmp_path / f"film.{extension}", {"live": "1"}
+    samples = [impulses(LONG, LONG_SHOTS, channels=2)]
+    write_media(path, samples, codec=codec, picture_rate=picture_rate, container_options=live)
+    assert b"\x44\x89\x88" not in path.read_bytes()[:4_096]
+    with open_soundtrack(path) as track:
+        assert track.expected_frames is None
+    assert read(path)[1].warnings == ()
+
+
+@pytest.mark.parametrize(("codec", "extension"), [("ac3", "mkv"), ("libopus", "webm")])
+@pytest.mark.parametrize("zeroed", [False, True])
+def test_a_matroska_that_stores_its_length_is_held_to_it(
+    tmp_path: Path, codec: str, extension: str, *, zeroed: bool
+) -> None:
+    path = tmp_path / f"film.{extension}"
+    write_media(path, [impulses(LONG, LONG_SHOTS, channels=2)], codec=codec)
+    whole = path.read_bytes().replace(b"DURATION", b"DURATI0N")  # tags, by which streams say how long each is
+    data = bytearray(whole[: len(whole) * 6 // 10])
+    place = data.index(b"\x44\x89\x88") + 3  # a duration of 0 is none
+    data[place : place + 8] = bytes(8) if zeroed else data[place : place + 8]
+    path.write_bytes(data)
+    with open_soundtrack(path) as track:
+        assert (track.expected_frames is None) == zeroed
+    told = [warning for warning in read(path)[1].warnings if warning.startswith("the file declares 10.0")]
+    assert len(told) == (not zeroed)
+
+
 @pytest.mark.parametrize("codec", ["pcm_s16le", "libmp3lame"])
 def test_a_missing_end_of_a_nut_is_noticed(tmp_path: Path, codec: str) -> None:
     path = write_media(tmp_path / "film.nut", [impulses(LONG, LONG_SHOTS)], codec=codec, container_format="nut")

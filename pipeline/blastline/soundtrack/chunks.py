@@ -6,12 +6,14 @@ time of day of the first sample, the format chunk (in CAF and AIFF the layout ch
 feeds.
 """
 
+import os
 import struct
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
 from ..errors import SoundtrackError
+from .appended import Appended, find_begun
 from .core_audio import named_channels
 from .forms import FORMS, Form
 from .overflow import more_follows
@@ -56,7 +58,8 @@ class ChunkTable:
     the channels, None where the header does not. `goes_on` tells that the declared sound is followed by much that is
     no chunk, so that it can only be more of it; `is_wave` that the file is a WAV, which decoders can read beyond it.
     `frame_bytes` is the size of a frame, None where the header does not say it or contradicts itself. `implied_rate_hz`
-    is the sample rate by the bytes of a second, None where these are no number of whole frames.
+    is the sample rate by the bytes of a second, None where these are no number of whole frames. `appended` is another
+    file behind all chunks of this one.
     """
 
     data_bytes: int | None
@@ -67,6 +70,7 @@ class ChunkTable:
     is_wave: bool = False
     frame_bytes: int | None = None
     implied_rate_hz: int | None = None
+    appended: Appended | None = None
 
 
 def overflow_warning(table: ChunkTable, *, is_read: bool = True) -> str:
@@ -90,7 +94,7 @@ def chunk_table(path: Path) -> ChunkTable | None:
 def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | None:
     kept: dict[bytes, bytes] = {}
     data: tuple[int | None, int] | None = None
-    goes_on = False
+    goes_on, appended = False, None
     place = data_place = form.first
     while (chunk := form.chunk_at(file, place, file_bytes)) is not None:
         name, body, declared = chunk
@@ -111,19 +115,33 @@ def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | Non
         if size is None or size < 0 or goes_on or (data is not None and data[0] == 0):
             break
         place = form.after(body, size)
-    if data is None:
-        return None
+        if data is not None and (appended := find_begun(file, form.places_after(body + size), file_bytes)) is not None:
+            break
+    return None if data is None else _table(file, form, kept, data, goes_on=goes_on, appended=appended)
+
+
+def _table(
+    file: BinaryIO,
+    form: Form,
+    kept: dict[bytes, bytes],
+    data: tuple[int | None, int],
+    *,
+    goes_on: bool,
+    appended: Appended | None,
+) -> ChunkTable:
+    """Return what was found in the chunks that were kept; `data` is what is declared of the samples, and present."""
     fmt = kept.get(b"fmt ", b"")
     frame_bytes = _frame_bytes(fmt, form)
     if form.data_name == b"SSND" and data[0]:
-        offset = _offset(file, file_bytes - data[1] - form.data_preamble, kept.get(b"COMM", b""), data[0])
+        body = file.seek(0, os.SEEK_END) - data[1] - form.data_preamble
+        offset = _offset(file, body, kept.get(b"COMM", b""), data[0])
         data = (data[0] - offset, data[1] - offset)
         frame_bytes = _counted_frame_bytes(kept.get(b"COMM", b""), data[0] or 0)
     reference, layout = _time_reference(kept.get(b"bext", b""), form), _layout(fmt, form)
     if form.layout_name:
         layout = named_channels(kept.get(form.layout_name, b""), _SPEAKERS)
     return ChunkTable(
-        data[0], data[1], reference, layout, goes_on, form.is_wave, frame_bytes, _implied_rate_hz(fmt, form)
+        data[0], data[1], reference, layout, goes_on, form.is_wave, frame_bytes, _implied_rate_hz(fmt, form), appended
     )
 
 

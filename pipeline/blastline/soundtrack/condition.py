@@ -37,7 +37,7 @@ class Condition:
         self._mix_sounds, self._track_sounds = False, False
         self._still: tuple[Samples, np.floating] | None = None
         self._peak, self._first_loud = 0.0, 0
-        self._dropouts = Dropouts(facts.rate_hz)
+        self._dropouts = Dropouts(facts.rate_hz, facts.stored)
 
     @property
     def damaged_samples(self) -> int:
@@ -99,12 +99,7 @@ class Condition:
                 f"the channels of the mix {self._mix} cancel for {lost_s:.2f} s, first at {first_s:.2f} s: what they "
                 "play against each other there is not heard; --mix with the numbers of some channels hears those alone"
             )
-        if count := self._dropouts.count:
-            times, first_s = "once" if count == 1 else f"{count} times", self._dropouts.first / self._facts.rate_hz
-            yield (
-                f"the sound breaks off into zeros {times} and comes back as abruptly, first at {first_s:.3f} s: "
-                "a part of the file may be lost"
-            )
+        yield from self._dropouts.warnings()
         yield from self._missing()
 
     def _measure(self, found: Mended) -> None:

@@ -1,10 +1,9 @@
 """Whether a file stops before its own end, where FFmpeg takes what is there for the whole.
 
-Ogg, AVI, MP4 in fragments, MPEG transport and program streams, and NUT:
+Ogg, AVI, MPEG transport and program streams, and NUT; MP4 in fragments is in `boxes.py`:
 
 Ogg   [page][page] ... [page, marked as the last of its stream]
 AVI   [RIFF, size, ...][RIFF, size, ...] ...    the further ones only beyond 1 GiB
-MP4   [size, moov, ...][size, moof, ...][size, mdat, ...][size, moof, ...] ...    no moof where it is in one piece
 TS    [0x47, ...][0x47, ...][0x47, ...] ...    all of 188 bytes, with 4 more before or 16 more behind each
 PS    [pack][PES, length, ...][PES, length, ...][pack] ...
 NUT   [syncpoint][frame][frame] ... [syncpoint][frame] ... [index, ..., its length, checksum]
@@ -12,7 +11,8 @@ NUT   [syncpoint][frame][frame] ... [syncpoint][frame] ... [index, ..., its leng
 
 import struct
 from pathlib import Path
-from typing import BinaryIO
+
+from .boxes import breaks_off_in_fragments
 
 _PAGE = struct.Struct("<4sBB20xB")
 _LONGEST_PAGE_BYTES = 27 + 255 + 255 * 255
@@ -39,8 +39,6 @@ _SYNCPOINT, _INDEX = b"NK\xe4\xad\xee\xca\x45\x69", b"NX\xdd\x67\x2f\x23\xe6\x4e
 _SYNCPOINTS_APART_BYTES = 1 << 20
 """How far apart syncpoints of a NUT file are at most, with a frame that is longer than usual."""
 
-_FIRST_BOXES = (b"ftyp", b"wide", b"free", b"skip")
-
 _ODD_BYTES = 16
 """Some programs count the head of a chunk as a part of it."""
 
@@ -50,7 +48,7 @@ def stops_early(path: Path, container_format: str) -> bool:
     if container_format == "ogg":
         return not _has_last_page(path)
     if "mp4" in container_format.split(","):
-        return _breaks_off_in_fragments(path)
+        return breaks_off_in_fragments(path)
     if container_format == "mpegts":
         return _is_cut_in_a_packet(path)
     if container_format == "mpeg":
@@ -58,23 +56,6 @@ def stops_early(path: Path, container_format: str) -> bool:
     if container_format == "nut":
         return _lacks_its_index(path)
     return container_format == "avi" and _is_cut_avi(path)
-
-
-def ends_before_its_index(path: Path) -> bool:
-    """Return whether a file begins as an MP4 or QuickTime film, but lacks its `moov`, which comes last in most."""
-    file_bytes, place = path.stat().st_size, 0
-    with path.open("rb") as file:
-        while place < file_bytes:
-            file.seek(place)
-            head = file.read(16)
-            size, name = int.from_bytes(head[:4], "big"), head[4:8]
-            if name == b"moov" or (place == 0 and name not in _FIRST_BOXES):
-                return False
-            size = int.from_bytes(head[8:], "big") if size == 1 else size
-            if size < 8:
-                break
-            place += size
-    return place > 0
 
 
 def _tail(path: Path, count: int) -> bytes:
@@ -120,36 +101,6 @@ def _is_cut_avi(path: Path) -> bool:
             if place > file_bytes + _ODD_BYTES:
                 return True
             place += place % 2
-
-
-def _breaks_off_in_fragments(path: Path) -> bool:
-    """Return whether the boxes of an MP4 in fragments lead to its end; one in one piece declares its length instead.
-
-    Where a fragment was damaged, what follows cannot be found: FFmpeg ends there, as if the film did.
-    """
-    file_bytes, place, is_fragmented = path.stat().st_size, 0, False
-    with path.open("rb") as file:
-        while place < file_bytes:
-            file.seek(place)
-            head = file.read(16)
-            size, name = int.from_bytes(head[:4], "big"), head[4:8]
-            if size == 1:
-                size = int.from_bytes(head[8:], "big")
-            if size == 0:  # up to the end of the file, or no box at all
-                return is_fragmented and name != b"mdat" and _holds_more(file)
-            is_fragmented = is_fragmented or name == b"moof"
-            place += size
-            if size < 8 or place > file_bytes:
-                return is_fragmented
-    return False
-
-
-def _holds_more(file: BinaryIO) -> bool:
-    """Return whether anything but padding follows in a file."""
-    while block := file.read(1 << 20):
-        if block.strip(b"\0"):
-            return True
-    return False
 
 
 def _is_cut_in_a_packet(path: Path) -> bool:

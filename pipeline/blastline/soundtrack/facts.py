@@ -2,10 +2,12 @@
 
 import re
 from fractions import Fraction
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..timecode import SHAPE, clock, standard_rate
 from .decode import Tally
+from .matroska import stores_duration
 from .probe import is_unseen, start_of, told_duration, told_start
 from .track import Length, TrackFacts, time_stamp
 
@@ -161,9 +163,14 @@ def _declared(
         return int(duration * rate_hz), of_all if container.format.name in _OF_ALL else own
     end = _tagged(stream)
     length = own if end is not None else of_all
-    if end is None and container.duration:
+    if end is None and container.duration and not _is_guessed(container):
         end = Fraction(container.duration, 1_000_000)
     return None if end is None else max(0, int((end - max(origin, Fraction(0))) * rate_hz)), length
+
+
+def _is_guessed(container: "InputContainer") -> bool:
+    """Return whether the length of a file is FFmpeg's guess, from its size."""
+    return container.format.name == "matroska,webm" and not stores_duration(Path(container.name))
 
 
 def _is_pcm(stream: "AudioStream") -> bool:

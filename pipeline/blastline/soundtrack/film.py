@@ -7,9 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import SoundtrackError
+from .appended import Appended, appended_warning, find_appended
+from .boxes import ends_before_its_index
 from .chunks import ChunkTable, overflow_warning
 from .decode import Tally, check_sums, decoded, packed
-from .ending import ends_before_its_index, stops_early
+from .ending import stops_early
 from .facts import UNSTAMPED, film_facts, header_frames, origin_of, sound_streams
 from .placement import Placement, origin_by_others
 from .probe import opened, picture_warnings, told_start
@@ -39,12 +41,14 @@ class FilmTrack:
         *,
         is_cut: bool = False,
         singles: Sequence[int] = (),
+        appended: Appended | None = None,
     ) -> None:
         """Take over an open container and decode the first frame, which says what the sound really is.
 
         `is_cut` tells that the file stops before its own end. `singles` are the streams of one channel among which
-        nobody chose this one.
+        nobody chose this one. `appended` is another file behind this one.
         """
+        self._appended = appended
         self._container, self._stream, self._singles = container, stream, singles
         self.number = container.streams.audio.index(stream)
         self._tally = Tally()
@@ -134,6 +138,8 @@ class FilmTrack:
         elif self._table is not None and (self._table.data_bytes or 0) > self._table.present_bytes:
             declared, present = self._table.data_bytes, self._table.present_bytes
             lines.append(f"the header declares {declared} bytes of sound but {present} follow: the end is missing")
+        if self._appended is not None:
+            lines.append(appended_warning(self._appended))
         if self.facts.declared_frames is None:
             lines += tally.reach.warnings(Path(self._container.name), self._played / rate_hz)
         if self._end_is_missing:
@@ -197,7 +203,8 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None
         is_cut = stops_early(path, container.format.name)
         chosen = _chosen(container, stream)
         singles = _singles(container, chosen) if stream is None else ()
-        return FilmTrack(container, chosen, table, is_cut=is_cut, singles=singles)
+        appended = find_appended(path, container.format.name) if table is None else table.appended
+        return FilmTrack(container, chosen, table, is_cut=is_cut, singles=singles, appended=appended)
     except BaseException:
         container.close()
         raise

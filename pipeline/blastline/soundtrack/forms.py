@@ -43,6 +43,10 @@ class Form:
         """Return where the next chunk begins: a size is padded, wherever the chunk itself begins."""
         return body + size + -size % self.alignment
 
+    def places_after(self, end: int) -> list[int]:
+        """Return where what follows a chunk may begin: some programs forget to pad an odd size, others do in a CAF."""
+        return sorted({end, end + end % 2, self.after(0, end)})
+
 
 FORMS = {
     b"RIFF": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True),

@@ -8,6 +8,7 @@ from io import RawIOBase
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
+from .appended import BEGINNING_BYTES, begins_file, find_begun
 from .forms import Form
 
 if TYPE_CHECKING:
@@ -32,8 +33,7 @@ def more_follows(file: BinaryIO, end: int, file_bytes: int, form: Form) -> bool:
     """Return whether what follows the declared end of the sound is no chunk, no tag and no padding."""
     if file_bytes - end < _LEAST_BYTES:
         return False
-    # an odd size is padded to an even one, which some programs forget
-    if any(_is_proper(file, place, file_bytes, form) for place in sorted({end, form.after(0, end)})):
+    if any(_is_proper(file, place, file_bytes, form) for place in form.places_after(end)):
         return False
     file.seek(end)
     while block := file.read(_SCANNED_BYTES):
@@ -43,16 +43,18 @@ def more_follows(file: BinaryIO, end: int, file_bytes: int, form: Form) -> bool:
 
 
 def _is_proper(file: BinaryIO, place: int, file_bytes: int, form: Form) -> bool:
-    """Return whether a chunk of a known kind, a tag, or a row of chunks up to the end of the file begins here."""
+    """Return whether a chunk of a known kind, a tag, or a row of chunks up to the end or another file begins here."""
     file.seek(place)
-    start = file.read(16)
-    if start.startswith(_TAGS) or start[:4].rstrip(b" \0") in _KNOWN:
+    start = file.read(BEGINNING_BYTES)
+    if start.startswith(_TAGS) or start[:4].rstrip(b" \0") in _KNOWN or begins_file(start):
         return True
     while (chunk := form.chunk_at(file, place, file_bytes)) is not None:
         name, body, size = chunk
         if size < 0 or not all(0x20 <= letter < 0x7F for letter in name):
             return False
         place = form.after(body, size)
+        if find_begun(file, form.places_after(body + size), file_bytes) is not None:
+            return True
     return place < file_bytes + form.alignment
 
 

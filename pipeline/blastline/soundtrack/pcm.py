@@ -13,9 +13,10 @@ import numpy as np
 
 from ..errors import SoundtrackError
 from ..timecode import clock
+from .appended import appended_warning
 from .chunks import ChunkTable, overflow_warning
 from .overflow import Tail
-from .track import PIECE, Samples, TrackFacts, stamp_warnings, time_stamp
+from .track import PIECE, Samples, Stored, TrackFacts, stamp_warnings, time_stamp
 
 _BYTES = {"PCM_S8": 1, "PCM_U8": 1, "PCM_16": 2, "PCM_24": 3, "PCM_32": 4, "FLOAT": 4, "DOUBLE": 8}
 _SHORT = frozenset({"PCM_S8", "PCM_U8", "PCM_16"})
@@ -28,8 +29,13 @@ _BIG_ENDIAN = frozenset({"AIFF", "CAF"})
 class PcmTrack:
     """The samples of an uncompressed file."""
 
-    def __init__(self, file: Any, table: ChunkTable, packed: "ShortSamples | PackedSamples | None" = None) -> None:
-        """Take over an open `soundfile.SoundFile`, what its header declares, and its samples of 16 or 24 bits."""
+    def __init__(
+        self, file: Any, table: ChunkTable, start: int, packed: "ShortSamples | PackedSamples | None" = None
+    ) -> None:
+        """Take over an open `soundfile.SoundFile`, what its header declares, and its samples of 16 or 24 bits.
+
+        `start` is the byte at which the first sample begins.
+        """
         self._file = file
         self._packed = packed
         self._table = table
@@ -47,6 +53,7 @@ class PcmTrack:
             length="stored",
             is_integer=file.subtype.startswith("PCM_"),
             is_pcm=True,
+            stored=Stored(start, frame_bytes),
             start_timecode=None if stamp.believed is None else clock(stamp.believed, file.samplerate, decimals=6),
             ignored_reference=stamp.ignored,
         )
@@ -87,6 +94,8 @@ class PcmTrack:
     def warnings(self) -> list[str]:
         """Return where the header is wrong; there is no decoder that could stumble."""
         warnings = [overflow_warning(self._table)] if self._table.goes_on else []
+        if self._table.appended is not None:
+            warnings.append(appended_warning(self._table.appended))
         rate_hz, implied_hz = self.facts.rate_hz, self._table.implied_rate_hz
         if implied_hz not in (None, rate_hz):
             said = (
@@ -198,7 +207,7 @@ def open_pcm(path: Path, table: ChunkTable | None) -> PcmTrack | None:
             packed = ShortSamples(path.open("rb", buffering=0), start, file.channels)
         elif file.subtype == "PCM_24":
             packed = PackedSamples(path.open("rb", buffering=0), start, file.channels)
-    return PcmTrack(_whole(file, path, start) if table.goes_on else file, table, packed)
+    return PcmTrack(_whole(file, path, start) if table.goes_on else file, table, start, packed)
 
 
 def _require_frames(file: Any, table: ChunkTable) -> None:

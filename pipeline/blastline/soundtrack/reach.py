@@ -49,10 +49,10 @@ class Reach:
             tail = file.read(16)
         lines = []
         if self._is_much(self.first, played_s) and not head.startswith(_TAGS):
-            share = _percent(self.first, file_bytes)
+            share = percent(self.first, file_bytes)
             lines.append(f"the first {share} of the file holds no sound: where it should, the beginning is missing")
         if self._is_much(file_bytes - self.last, played_s) and not tail.startswith(_TAGS):
-            share = _percent(file_bytes - self.last, file_bytes)
+            share = percent(file_bytes - self.last, file_bytes)
             lines.append(
                 f"the last {share} of the file holds nothing of this sound: "
                 "where it should, the end is missing, or goes on in another stream"
@@ -65,6 +65,7 @@ class Reach:
         return silent > _STEPS * self.longest_step and silent * played_s > _LEAST_S * spanned
 
 
-def _percent(part: int, whole: int) -> str:
+def percent(part: int, whole: int) -> str:
+    """Return a part of a whole as the user is told it."""
     share = 100.0 * part / whole
     return f"{share:.0f} %" if share >= 10.0 else f"{share:.2g} %"

@@ -24,13 +24,25 @@ _LATEST_S = 7 * 86_400
 
 
 @dataclass(frozen=True)
+class Stored:
+    """How samples lie in a file as they are, frame behind frame: where in it the first begins, and how long each is."""
+
+    first_byte: int
+    frame_bytes: int
+
+    def place(self, frame: int) -> int:
+        """Return at which byte of the file a frame begins."""
+        return self.first_byte + frame * self.frame_bytes
+
+
+@dataclass(frozen=True)
 class TrackFacts:
     """What is known of a track before it is decoded.
 
     `layout` is None where the file does not name its channels; `declared_frames` is None where it does not say how
     long the track is, and then `guessed_s` is what its size suggests, if anything; `length` tells how it says so.
-    `is_integer` tells that no sample can be NaN, `is_pcm` that samples are stored as they are.
-    `beside` names the file's other sound streams.
+    `is_integer` tells that no sample can be NaN, `is_pcm` that samples are stored as they are; `stored` is where, None
+    where that is not known. `beside` names the file's other sound streams.
     `ignored_reference` is a time stamp that can be none; `is_picture_missing` tells that a track of pictures
     is empty, or begins later than any was sought. The rest is as in `model.Source`.
     """
@@ -43,6 +55,7 @@ class TrackFacts:
     stream: Streams = 0
     is_integer: bool = False
     is_pcm: bool = False
+    stored: Stored | None = None
     start_timecode: str | None = None
     has_picture: bool = False
     frame_rate: str | None = None
