@@ -23,6 +23,11 @@ VERIFIER = verifier_of(TIER)
 TABLES = [field.type for field in msgspec.structs.fields(QualityRules) if field.name not in ("schema", "source")]
 RISING = ("report_from", "round_threshold", "even_threshold", "company_threshold", "burst_threshold", "threshold")
 """An order that the thresholds of [verify] may have."""
+ASCENDING = (
+    ("shortest_gap_ms", "longest_gap_ms"),
+    ("sides_company_threshold", "sides_threshold"),
+    ("shortest_ms", "longest_ms"),
+)
 
 
 def numbers(table: type[Table]) -> dict[str, tuple[Any, Any]]:
@@ -73,7 +78,7 @@ def tables(draw: st.DrawFn) -> QualityRules:
             }
             if name == "verify":
                 drawn |= dict(zip(RISING, sorted(drawn[key] for key in RISING), strict=True))
-            for low, high in (("shortest_gap_ms", "longest_gap_ms"), ("sides_company_threshold", "sides_threshold")):
+            for low, high in ASCENDING:
                 if low in drawn and drawn[low] >= drawn[high]:
                     drawn |= {low: usual[low], high: usual[high]}
             if drawn.get("longest_loop_s", math.inf) < drawn.get("longest_gap_ms", 0.0) / 1000.0:

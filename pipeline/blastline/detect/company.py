@@ -11,6 +11,7 @@ surely a shot ──► the next as fast, less likely            as is one of tw
 even row, slower, half of it unsure, and   ──► none        so come steps and blows
     unlikely in the mean
 even run without an end, half of it unsure     ──► none    so do machines as well
+on the beat that is kept around                ──► none    so do drums
 again and again with what is heard before it   ──► none    so do loops of ambience
 """
 
@@ -37,6 +38,7 @@ _STEP = "one of an even row, as of steps or blows"
 _MACHINE = "one of a row that goes on as no gun does, as of a machine"
 _UNLIKE = "one of a row as even as automatic fire that does not sound like a gun"
 _SCENE = "begins at once and goes on as loud, as after a cut to another scene"
+_BEAT = "on the beat of music"
 _LOOP = "one of a loop: it comes again with all that is around it, and again"
 
 
@@ -78,7 +80,8 @@ def in_company(
     - a run at a gun's pace of more than `most_unsure`, of which fewer than half are sure by themselves or in a row of
       even fire as long as that;
     - a slower even row (`RowRules`) of which fewer than half are sure by themselves or rounds of even fire;
-    - what turns with a loop of ambience, unless it is in such a long row of fire.
+    - what turns with a loop of ambience, unless it is in such a long row of fire;
+    - what keeps the beat of music (`beat.py`).
     """
     left = sorted(shots, key=lambda s: s.onset)
     refused: list[Rejection] = []
@@ -138,10 +141,15 @@ def _rows(shots: Sequence[Shot], belief: _Belief, *, rate_hz: int, tier: Quality
         (believed[steps], _STEP),
         (believed[machines], _MACHINE),
         (np.flatnonzero(belief.unlike), _UNLIKE),
+        (_on_the_beat(shots), _BEAT),
     ):
         for place in refused.tolist():
             why[place] = reason
     return why
+
+
+def _on_the_beat(shots: Sequence[Shot]) -> NDArray[np.intp]:
+    return np.flatnonzero([shot.evidence is not None and shot.evidence.on_beat for shot in shots])
 
 
 def _loop_candidates(shots: Sequence[Shot], by_itself: NDArray[np.bool_]) -> LoopCandidates:

@@ -14,6 +14,7 @@ from ..model import Channels, Clip, EvenRow, HeardIn, Rejection, Shot
 from ..ruleset import QualityRules
 from ..units import samples_from_ms
 from .backdrop import backdrops, sounds
+from .beat import on_the_beat
 from .bursts import drop_claimed_reflections, group_bursts, suppress_non_maxima, without_echoes
 from .candidates import CandidateFeatures
 from .chunks import CORE_PIECES, SHORT_CORE_PIECES, Chunk, aligned_chunks, chunks
@@ -81,15 +82,27 @@ def find_shots(
 def apply_row_verdicts(found: Sequence[ChunkResult], *, rate_hz: int, tier: QualityRules) -> Iterator[list[Shot]]:
     """Yield the shots of each chunk, with what the rows of the whole film tell of them: a row may cross chunks."""
     told: dict[HeardIn, _RowVerdicts] = {}
+    on_beat: set[tuple[HeardIn, int]] = set()
     rules_of: dict[HeardIn, QualityRules] = {"mains": tier, "sides": side_rules(tier)}
     for mix, rules in rules_of.items():
         parts = [each.scored[mix] for each in found if mix in each.scored]
         if parts:
             every = ScoredCandidates.all_of(parts)
             told[mix] = _RowVerdicts(every.onsets.tolist(), even_rows(every, rate_hz=rate_hz, tier=rules))
+            onsets = np.unique([shot.onset for each in found for shot in each.shots if shot.heard_in == mix])
+            onsets = onsets.astype(np.intp)
+            kept = on_the_beat(onsets, every.onsets, rate_hz=rate_hz, rules=tier.beat, bursts=tier.bursts)
+            on_beat |= {(mix, onset) for onset in onsets[kept].tolist()}
     near = samples_from_ms(SAME_MS, rate_hz)
     for each in found:
-        yield [_with_row_verdict(shot, told[shot.heard_in].of(shot.onset, near)) for shot in each.shots]
+        yield [
+            _with_evidence(
+                shot,
+                even_row=told[shot.heard_in].of(shot.onset, near),
+                on_beat=(shot.heard_in, shot.onset) in on_beat,
+            )
+            for shot in each.shots
+        ]
 
 
 def select_shots(
@@ -214,10 +227,6 @@ def _segmented(
         }
         shots.append(_with_evidence(shot, **evidence))
     return shots
-
-
-def _with_row_verdict(shot: Shot, row: EvenRow | None) -> Shot:
-    return shot if row is None else _with_evidence(shot, even_row=row)
 
 
 def _with_evidence(shot: Shot, **known: object) -> Shot:

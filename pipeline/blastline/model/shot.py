@@ -41,7 +41,8 @@ class ShotEvidence(msgspec.Struct, frozen=True):
     `decay_end` says what ended the decay. `backdrop` is what is heard just before (`detect.backdrop`); None where that
     is silence, or somebody else found the shot. `sound` are levels of the shot itself (`detect.backdrop`), `attack` is
     its beginning (`detect.copies`). `even_row` says of one of a row, as even as fire, that the row as a whole sounds
-    like that, or, of a long one as fast as automatic fire, that it does not.
+    like that, or, of a long one as fast as automatic fire, that it does not. `on_beat` says of what keeps the beat of
+    music around it.
     """
 
     screen: Ratio | None
@@ -52,6 +53,7 @@ class ShotEvidence(msgspec.Struct, frozen=True):
     sound: tuple[int, ...] = ()
     attack: bytes = b""
     even_row: EvenRow | None = None
+    on_beat: bool = False
     copies: Index = 0
     drowned_db: float = -math.inf
 

@@ -24,15 +24,14 @@ from .haptics import HapticRules
 from .measuring import FitRules, IdentifyRules, MeasuringRules, PerceptionCurve
 from .perceptions import load_perception, perception_names
 from .profiles import DEFAULT_ACTUATOR, SLOWEST_RAD_S, ActuatorProfile, HighPass, LowPass, Response, check_stable
+from .row_tables import BeatRules, BurstRules, RowRules
 from .tables import (
     LARGEST_LEVEL_DB,
     LONGEST_DECAY_MS,
-    BurstRules,
     ChannelRules,
     OnsetRules,
     QualityRules,
     RenderRules,
-    RowRules,
     ScanRules,
     SceneRules,
     SegmentRules,
@@ -49,6 +48,7 @@ __all__ = [
     "SLOWEST_RAD_S",
     "ActuatorProfile",
     "AlignRules",
+    "BeatRules",
     "BurstRules",
     "ChannelRules",
     "Columns",

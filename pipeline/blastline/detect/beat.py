@@ -1,0 +1,112 @@
+"""Music keeps a beat, to a few milliseconds, and a drum on it is no shot.
+
+    |     |  |     |     |  |  |       some of the sounds around skip places of one grid, as rhythm has it
+    . . . . . . . . . . . . . . . .    the grid; shots lie anywhere
+
+The grid is the highest peak of the periodogram of a point process (Bartlett, J. R. Stat. Soc. B 25, 1963), fitted to
+the sounds that lie on it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..ruleset import BeatRules, BurstRules
+from .rows import runs_of
+
+Times = NDArray[np.float64]
+
+_SAME_MS = 60.0
+"""What comes so soon after another sound belongs to it."""
+
+_FEWEST_GAPS = 3
+"""Rhythm has gaps of so many lengths between its sounds; a row that is even has one, and may be of shots or steps."""
+
+_WRITTEN_MS, _WRITTEN = 50.0, 0.95
+"""Times that somebody wrote down are multiples of this, hence of many grids: where sounds are so near to multiples, as
+the mean resultant length of their phases, they tell of no beat."""
+
+_STRIDE = 8  # of a window: so much of it is asked about at once
+_BEFORE = (0.0, 7 / 16, 7 / 8)  # of a window, before what is asked about: music may begin or end there
+_FINER = 4  # frequencies, than what a window tells apart
+_AT_ONCE = 256  # of them
+_NARROWING = (3.0, 1.5, 1.0, 1.0)  # of what lies on the grid, while it is fitted
+
+
+@dataclass(frozen=True)
+class _Grid:
+    period: float
+    phase: float
+
+    def holds(self, times: Times, within: float) -> NDArray[np.bool_]:
+        """Return which times lie on the grid."""
+        return np.asarray(np.abs(times - self.phase - self.places(times) * self.period) <= within)
+
+    def places(self, times: Times) -> Times:
+        """Return the nearest place of the grid for each time, in periods."""
+        return np.asarray(np.round((times - self.phase) / self.period), np.float64)
+
+
+def on_the_beat(
+    shots: NDArray[np.intp], heard: NDArray[np.intp], *, rate_hz: int, rules: BeatRules, bursts: BurstRules
+) -> NDArray[np.bool_]:
+    """Return which of n shots keep the beat of what is heard around them, shape (n,).
+
+    Onsets in samples, ascending; `heard` are all sudden sounds, shots among them. Of a run as fast as a gun fires, half
+    has to, and then all of it does: on a grid of a tenth of a second rounds lie by chance.
+    """
+    found = np.zeros(shots.size, bool)
+    asked_ms, heard_ms = (np.asarray(1000.0 / rate_hz * each, np.float64) for each in (shots, heard))
+    sounds_ms = heard_ms[np.diff(heard_ms, prepend=-np.inf) > _SAME_MS]
+    window_ms = 1000.0 * rules.window_s
+    start = 0
+    while start < shots.size:
+        stop = int(np.searchsorted(asked_ms, asked_ms[start] + window_ms / _STRIDE, side="right"))
+        for before in _BEFORE:
+            begin_ms = asked_ms[start] - before * window_ms
+            first, last = np.searchsorted(sounds_ms, (begin_ms, begin_ms + window_ms))
+            grid = _beat(sounds_ms[first:last], rules, bursts.longest_gap_ms)
+            if grid is not None:
+                found[start:stop] |= grid.holds(asked_ms[start:stop], rules.within_ms)
+        start = stop
+    for run in runs_of(asked_ms, bursts.longest_gap_ms):
+        found[run] = 2 * found[run].sum() >= run.size > 0
+    return found
+
+
+def _beat(sounds: Times, rules: BeatRules, longest_gap: float) -> _Grid | None:
+    """Return the grid that sounds within a window keep, all in ms; None where they keep none."""
+    if sounds.size < rules.fewest:
+        return None
+    grid = _strongest(sounds, rules)
+    for wide in _NARROWING:
+        near = grid.holds(sounds, wide * rules.within_ms)
+        if near.sum() < rules.fewest:
+            return None
+        grid = _Grid(*np.polyfit(grid.places(sounds[near]), sounds[near], 1).tolist())
+    near = grid.holds(sounds, rules.within_ms)
+    begins = np.diff(sounds, prepend=-np.inf) > longest_gap  # what follows as fast as a gun fires is a grid by itself
+    if near.sum() < max(rules.fewest, rules.share * sounds.size) or (near & begins).sum() < max(
+        rules.fewest_apart, rules.share * begins.sum()
+    ):
+        return None
+    gaps = np.diff(grid.places(sounds[near & begins]))
+    is_written = abs(np.exp(2j * np.pi * sounds[near] / _WRITTEN_MS).mean()) >= _WRITTEN
+    return None if is_written or np.unique(gaps).size < _FEWEST_GAPS else grid
+
+
+def _strongest(sounds: Times, rules: BeatRules) -> _Grid:
+    """Return the grid at the highest peak of the periodogram of some sounds, in ms."""
+    step = 1.0 / (_FINER * 1000.0 * rules.window_s)
+    frequencies = np.arange(1.0 / rules.longest_ms, 1.0 / rules.shortest_ms + step, step)
+    since = sounds - sounds[0]
+    sums = np.concatenate(
+        [
+            np.exp(2j * np.pi * np.outer(frequencies[first : first + _AT_ONCE], since)).sum(axis=1)
+            for first in range(0, frequencies.size, _AT_ONCE)
+        ]
+    )
+    best = int(np.argmax(np.abs(sums)))
+    period = 1.0 / float(frequencies[best])
+    return _Grid(period, float(sounds[0] + np.angle(sums[best]) / (2.0 * np.pi) * period))

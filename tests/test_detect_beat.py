@@ -1,0 +1,121 @@
+"""What keeps the beat of music and what does not: shots lie anywhere, drums on one grid."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from blastline.detect.beat import on_the_beat
+from blastline.detect.company import in_company
+from blastline.model import Shot, ShotEvidence, Span
+from blastline.ruleset import load_rules
+
+Onsets = NDArray[np.intp]
+
+RATE_HZ = 48_000
+TIER = load_rules("standard").tier
+
+
+def samples(times_s: NDArray[np.floating], rate_hz: int = RATE_HZ) -> Onsets:
+    return np.round(np.sort(times_s) * rate_hz).astype(np.intp)
+
+
+def kept(shots: Onsets, heard: Onsets, rate_hz: int = RATE_HZ) -> list[bool]:
+    found = on_the_beat(shots, heard, rate_hz=rate_hz, rules=TIER.beat, bursts=TIER.bursts)
+    return [bool(each) for each in found]
+
+
+def rhythm(period_s: float, *, seed: int = 0, length_s: float = 24.0, start_s: float = 0.4321) -> NDArray[np.float64]:
+    """Return drums on a third of the places of a grid, which a person or a codec moves by a millisecond or two."""
+    rng = np.random.default_rng(seed)
+    places = np.flatnonzero(rng.random(round(length_s / period_s)) < 0.34)
+    return start_s + period_s * places + rng.uniform(-0.0015, 0.0015, places.size)
+
+
+@given(st.floats(0.0911, 0.26), st.integers(0, 99))
+@settings(max_examples=60)
+def test_a_drum_keeps_the_beat_and_what_lies_beside_it_does_not(period_s: float, seed: int) -> None:
+    assume(abs(period_s / 0.05 - round(period_s / 0.05)) > 0.03)  # as far from what may be written down
+    drums = rhythm(period_s, seed=seed)
+    free = drums[np.argmax(np.diff(drums))]
+    beside = free + (1.4 if 1.4 * period_s > 0.17 else 2.4) * period_s
+    onsets = samples(np.append(drums, beside))
+    gaps_s = np.diff(onsets, prepend=-RATE_HZ, append=99 * RATE_HZ) / RATE_HZ
+    alone = np.minimum(gaps_s[:-1], gaps_s[1:]) > 0.16
+    expected = ~np.isin(onsets, samples(np.array([beside])))
+    np.testing.assert_array_equal(np.array(kept(onsets, onsets))[alone], expected[alone])
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_what_comes_at_random_keeps_no_beat(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    onsets = samples(rng.uniform(0.0, 240.0, int(rng.integers(60, 700))))
+    assert not any(kept(onsets, onsets))
+
+
+@pytest.mark.parametrize("rounds_a_minute", [450.0, 600.0, 660.0])
+@pytest.mark.parametrize("seed", range(10))
+def test_bursts_of_one_gun_keep_no_beat(rounds_a_minute: float, seed: int) -> None:
+    """Each of them is a grid by itself, and all have one period, but each begins anywhere."""
+    rng = np.random.default_rng(seed)
+    starts = np.cumsum(rng.uniform(1.5, 3.0, 12))
+    onsets = samples(np.concatenate([start + 60.0 / rounds_a_minute * np.arange(8) for start in starts]))
+    assert not any(kept(onsets, onsets))
+
+
+@pytest.mark.parametrize("step_s", [0.1, 0.25, 0.5, 1.0])
+@pytest.mark.parametrize("delay_s", [0.0, 0.1234])
+def test_a_scene_whose_times_were_written_down_keeps_no_beat(step_s: float, delay_s: float) -> None:
+    """Multiples of half a second are multiples of an eighth and of a sixth, too."""
+    rng = np.random.default_rng(1)
+    onsets = samples(delay_s + step_s * np.flatnonzero(rng.random(round(60.0 / step_s)) < 0.6))
+    assert not any(kept(onsets, onsets))
+
+
+@pytest.mark.parametrize("gap_s", [0.21, 0.37, 0.733])
+def test_an_even_row_is_no_rhythm(gap_s: float) -> None:
+    """Somebody may fire like that; `rows` judges it."""
+    onsets = samples(3.21 + gap_s * np.arange(40))
+    assert not any(kept(onsets, onsets))
+
+
+@pytest.mark.parametrize("delay_s", [0.01, 3.7, 3000.0])
+def test_a_delay_and_another_rate_change_nothing(delay_s: float) -> None:
+    times = np.concatenate([rhythm(0.1171, seed=3), np.random.default_rng(4).uniform(30.0, 60.0, 30)])
+    expected = kept(samples(times), samples(times))
+    assert 10 < sum(expected) < len(expected)
+    assert kept(samples(times + delay_s), samples(times + delay_s)) == expected
+    assert kept(samples(times, 96_000), samples(times, 96_000), 96_000) == expected
+
+
+def test_a_burst_over_music_keeps_all_of_its_rounds() -> None:
+    """One of them lies on the grid by chance."""
+    drums = rhythm(0.1467, seed=5)
+    free = float(drums[np.argmax(np.diff(drums))])
+    burst = free + 0.1467 + 0.07 * np.arange(4)
+    heard = samples(np.concatenate([drums, burst]))
+    shots = samples(burst)
+    assert not any(kept(shots, heard))
+    assert kept(shots[:1], heard) == [True]
+
+
+def test_few_sounds_tell_of_no_beat() -> None:
+    drums = rhythm(0.12, seed=6)[: TIER.beat.fewest - 1]
+    assert not any(kept(samples(drums), samples(drums)))
+    assert kept(samples(drums[:0]), samples(drums[:0])) == []
+
+
+def test_what_keeps_the_beat_is_refused_by_its_name_and_is_company_for_none() -> None:
+    def shot(at_s: float, confidence: float, *, on_beat: bool) -> Shot:
+        onset = round(at_s * RATE_HZ)
+        measured = ShotEvidence(0.9, 3, None, "fallen", on_beat=on_beat)
+        span = Span(onset, onset + 4800)
+        return Shot(onset, confidence, -6.0, 30.0, Span(onset, onset + 200), (), span, evidence=measured)
+
+    drum, beside = shot(10.0, 0.99, on_beat=True), shot(12.0, 0.6, on_beat=False)
+    found, refused = in_company([drum, beside], rate_hz=RATE_HZ, tier=TIER)
+    assert found == ()
+    assert [each.reason for each in refused] == ["on the beat of music", "alone, and not sure enough for that"]
+    free = shot(10.0, 0.99, on_beat=False)
+    assert in_company([free, beside], rate_hz=RATE_HZ, tier=TIER)[0] == (free, beside)
