@@ -166,9 +166,10 @@ class RenderRules(Table, frozen=True):
     The filters start `preroll_ms` before it, and earlier in proportion where their slowest time constant is more than
     50 ms. The sound is raised by `level_db`; what of it lies in the band of vibration is to be felt. The constrained
     drive of a shot may begin `lead_ms` before its onset, if its window is open by then. It is solved at
-    `solver_rate_hz` or up to twice that, higher where the actuator answers above the band, never above the soundtrack's
-    rate, in at most `iterations` steps, until no more than `tolerance` of the explained energy can be gained, then at
-    the full rate with at most `polish_iterations`.
+    `solver_rate_hz` or up to twice that, higher where the actuator answers above the band, lower where it rings on for
+    very many corners, never above the soundtrack's rate, in at most `iterations` steps, until no more than `tolerance`
+    of the explained energy can be gained, then at the full rate with at most `polish_iterations`; with more, 300 at
+    most, where so few corners tell too little, or a window has no room for enough.
     """
 
     preroll_ms: Annotated[float, Meta(ge=0.0, le=60_000.0)]
