@@ -42,7 +42,8 @@ class Comparison:
     """Films, rules, and the actuator's filters at the soundtrack's rate.
 
     `level_db` is how much stronger than usual every shot was asked to be, `corner_ms` how far apart the tier has the
-    corners of the straight lines that a solved drive is made of; on some seats they are elsewhere. `felt` and `band` are second-order sections, shape (sections, 6);
+    corners of the straight lines that a solved drive is made of; on some seats they are elsewhere. `felt` and `band`
+    are second-order sections, shape (sections, 6);
     `band_gains` gives the band's magnitudes for a real transform of so many samples. `above_band` keeps what lies
     above it, None where a film holds nothing there. `compensated` makes of a sound the
     drive that is felt like it where nothing limits it. `step` is 1 / max |H|^2: so long a step down the slope of
