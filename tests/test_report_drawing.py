@@ -19,20 +19,24 @@ def test_without_a_home_nothing_is_said(tmp_path: Path) -> None:
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
 
 
+@pytest.mark.parametrize("asked", [None, "/users/own"])
 def test_where_nothing_else_can_be_written_fonts_are_kept_beside_the_results_until_they_are_known(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    asked: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """The user's own setting, which could not be written either, stays."""
     kept: list[str | None] = []
 
     def refusing() -> None:
         kept.append(os.environ.get("MPLCONFIGDIR"))
-        if kept[-1] is None:
+        if kept[-1] in (None, asked):
             raise OSError("a temporary directory could not be created")
-        (Path(kept[-1]) / "fontlist.json").write_text("{}")
+        (Path(str(kept[-1])) / "fontlist.json").write_text("{}")
 
     monkeypatch.delenv("MPLCONFIGDIR", raising=False)
+    if asked is not None:
+        monkeypatch.setenv("MPLCONFIGDIR", asked)
     monkeypatch.setattr(drawing, "_import", refusing)
     ready_to_draw(tmp_path)
-    assert [folder and Path(folder).parent for folder in kept] == [None, tmp_path]
+    assert (kept[0], Path(str(kept[1])).parent) == (asked, tmp_path)
     assert list(tmp_path.iterdir()) == []
-    assert "MPLCONFIGDIR" not in os.environ
+    assert os.environ.get("MPLCONFIGDIR") == asked

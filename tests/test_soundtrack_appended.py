@@ -68,6 +68,20 @@ def test_a_file_behind_another_is_told(tmp_path: Path, kind: str) -> None:
         )
 
 
+@pytest.mark.parametrize("before", ["neither", "the second", "both"])
+def test_a_tag_with_a_picture_hides_no_second_file(tmp_path: Path, before: str) -> None:
+    path, size = tmp_path / "film.tta", 100_000
+    KINDS["TTA"](path)
+    whole, data = path.read_bytes(), read(path)[0]
+    tag = b"ID3\3\0\0" + bytes(size >> shift & 0x7F for shift in (21, 14, 7, 0)) + b"\x55" * size
+    first, second = (tag + whole if before in names else whole for names in (["both"], ["both", "the second"]))
+    path.write_bytes(first + second)
+    found, source = read(path)
+    np.testing.assert_array_equal(found, data)
+    (line,) = source.warnings
+    assert line.startswith(f"another file begins at byte {len(first + second) - len(whole)}, behind")
+
+
 @pytest.mark.parametrize("kind", ["WAV", "AIFF, odd", "CAF, even"])
 @pytest.mark.parametrize("share", [0.7, 1.0])
 def test_a_file_behind_the_chunks_of_another_is_told(tmp_path: Path, kind: str, share: float) -> None:

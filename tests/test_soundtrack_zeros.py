@@ -98,7 +98,7 @@ def test_a_long_hole_is_told_where_it_begins_and_ends_with_blocks(
     tmp_path: Path, container: str, subtype: str, channels: int
 ) -> None:
     film = Film(tmp_path / "film.sound", container, subtype, channels)
-    start, stop = film.block_at(2.0), film.block_at(6.0) + BLOCK
+    start, stop = film.block_at(2.3), film.block_at(6.3) + BLOCK
     (one,) = film.losing(start, stop)
     told = r"the sound breaks off into zeros once and comes back as abruptly, first at (\S+) s: .*, (\S+) s in all"
     found = re.fullmatch(told, one)
@@ -145,3 +145,13 @@ def test_the_blocks_that_sound_is_read_in_change_nothing(size: int, first_byte: 
     assert "2 times" in hole
     assert f"first at {-(-(3 * BLOCK - first_byte) // stored.frame_bytes) / rate_hz:.3f} s" in hole
     assert f"at {-(-(40 * BLOCK - first_byte) // stored.frame_bytes) / rate_hz:.3f} s, which last to the end" in end
+
+
+@pytest.mark.parametrize(("second", "told"), [(2.0, False), (3.0, False), (2.0 + 128 / 48_000, True)])
+def test_a_cut_on_a_whole_second_is_meant_though_blocks_begin_there(second: float, told: bool) -> None:
+    """Samples of 32 bytes from byte 4096 on have a block on each second of 48 kHz."""
+    samples = np.full((48_000 * 5, 8), 0.3, np.float32)
+    samples[round(second * 48_000) :] = 0.0
+    seen = Dropouts(48_000, Stored(BLOCK, 32))
+    seen.hear(samples)
+    assert bool(list(seen.warnings())) == told

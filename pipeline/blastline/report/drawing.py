@@ -21,11 +21,20 @@ def ready_to_draw(folder: Path) -> None:
         _import()
     except OSError:
         with TemporaryDirectory(dir=folder) as fonts:
-            os.environ[_SETTING] = fonts
-            _import()
-        del os.environ[_SETTING]
+            _import_with(fonts)
     finally:
         log.setLevel(level)
+
+
+def _import_with(fonts: str) -> None:
+    asked = os.environ.get(_SETTING)
+    os.environ[_SETTING] = fonts
+    try:
+        _import()
+    finally:
+        del os.environ[_SETTING]
+        if asked is not None:
+            os.environ[_SETTING] = asked
 
 
 def _import() -> None:

@@ -25,6 +25,8 @@ _TTA_FRAME_S = (256, 245)
 _TAG_BYTES = 1 << 16
 """Tags of music players may stand between two files."""
 
+_ID3_HEAD_BYTES = 10
+
 
 @dataclass(frozen=True)
 class Appended:
@@ -76,16 +78,29 @@ def find_appended(path: Path, container_format: str) -> Appended | None:
 def _appended_tta_at(path: Path) -> int | None:
     """Return where another TTA begins behind the frames of the first one, or behind its tags."""
     with path.open("rb") as file:
-        start = file.read(_TAG_BYTES).find(b"TTA1")  # a tag may stand before it
-        file.seek(max(0, start))
+        start = _tta_from(file, 0)
+        file.seek(start or 0)
         head = file.read(_TTA.size)
-        if start < 0 or len(head) < _TTA.size:
+        if start is None or len(head) < _TTA.size:
             return None
         _, _, _, _, rate_hz, samples = _TTA.unpack(head)
         frame_samples = rate_hz * _TTA_FRAME_S[0] // _TTA_FRAME_S[1]
         frames = -(-samples // frame_samples) if frame_samples else 0
         sizes = file.read(4 * frames)
         end = file.tell() + 4 + sum(struct.unpack(f"<{len(sizes) // 4}I", sizes[: len(sizes) // 4 * 4]))
-        file.seek(end)
-        found = file.read(_TAG_BYTES).find(b"TTA1")
-    return None if found < 0 else end + found
+        return _tta_from(file, end)
+
+
+def _tta_from(file: BinaryIO, place: int) -> int | None:
+    """Return where a TTA begins at a place or behind the tags there; None where none does."""
+    while True:
+        file.seek(place)
+        start = file.read(_TAG_BYTES)
+        found, id3 = start.find(b"TTA1"), start.find(b"ID3")
+        if id3 < 0 or 0 <= found < id3 or len(start) < id3 + _ID3_HEAD_BYTES:
+            return None if found < 0 else place + found
+        # a tag with pictures may be larger; of the four bytes of its size each counts seven bits
+        size = 0
+        for byte in start[id3 + 6 : id3 + _ID3_HEAD_BYTES]:
+            size = size << 7 | byte & 0x7F
+        place += id3 + _ID3_HEAD_BYTES + size

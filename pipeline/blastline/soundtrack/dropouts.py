@@ -2,7 +2,8 @@
 
 Short stretches are told where the sound comes back as abruptly. Longer ones, and those that last to the end, are usual
 after a hard cut: they are told only where, in the file, they lie as storage does. By chance one in a thousand does, of
-frames as long as 32 bytes up to one in 128.
+frames as long as 32 bytes up to one in 128. What begins on a whole second is a cut: samples that begin on a block, as
+some programs have them, may have a block on every second.
 
 bytes of the file   ...sound sound|0 0 0 0 ... 0 0|sound sound...
                                   ^ a multiple of 4 KiB, also within a frame: what is behind it there is 0, too
@@ -101,7 +102,7 @@ class Dropouts:
     def _begun(self, frame: int, before: Samples) -> _Stretch | None:
         """Return the stretch of zeros that begins at a frame; None where the sound before it is not abrupt."""
         is_abrupt, is_by_block = bool(np.abs(before[-1]).max() >= _ABRUPT), False
-        if self._stored is not None:
+        if self._stored is not None and frame % self._rate_hz:
             behind = self._stored.place(frame) % _BLOCK_BYTES  # so many bytes of zeros lie between the block and here
             width = self._stored.frame_bytes // before.shape[1]
             if behind < self._stored.frame_bytes and not before[-1, before.shape[1] - behind // width :].any():
