@@ -24,6 +24,8 @@ _SLOWEST_ROW_MS = 3000.0
 """Somebody may fire, walk or hammer evenly, with pauses: one even row, up to so slow, is no rhythm by itself."""
 
 _MOSTLY, _FEWEST_BESIDE, _AS_GOOD_AS_NONE = 0.6, 4, 0.05
+"""Of all gaps, what makes one even row of them; so many sounds keep the grid beside a row; of all places, no more than
+chance has there."""
 
 _WRITTEN_MS, _WRITTEN = 50.0, 0.85
 """Times that somebody wrote down are multiples of this, hence of many grids: where sounds are so near to multiples, as
@@ -90,6 +92,8 @@ def _beat(sounds: Times, rules: BeatRules, longest_gap: float) -> _Grid | None:
         if near.sum() < rules.fewest:
             return None
         grid = _Grid(*np.polyfit(grid.places(sounds[near]), sounds[near], 1).tolist())
+        if not 0.9 * rules.shortest_ms <= grid.period <= 1.1 * rules.longest_ms:
+            return None
     near = grid.holds(sounds, rules.within_ms)
     begins = np.diff(sounds, prepend=-np.inf) > longest_gap  # what follows as fast as a gun fires is a grid by itself
     on_grid = sounds[near & begins]
@@ -123,7 +127,7 @@ def _is_rhythm(grid: _Grid, on_grid: Times, count: int, rules: BeatRules) -> boo
 
 
 def _coarsest(grid: _Grid, on_grid: Times, rules: BeatRules) -> _Grid:
-    """Return the grid of twice the period, and again, as long as it holds as good as all that lies on this one."""
+    """Return the grid of twice the period, and again, as long as that holds as good as all that lies on this one."""
     while 2.0 * grid.period <= rules.longest_ms:
         odd = grid.places(on_grid) % 2 == 1
         if min(odd.mean(), 1.0 - odd.mean()) > _AS_GOOD_AS_NONE:
