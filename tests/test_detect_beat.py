@@ -103,7 +103,7 @@ def test_bursts_that_begin_at_times_that_were_written_down_keep_no_beat(rounds_a
 @pytest.mark.parametrize("strays", [0, 1, 4, 8])
 def test_an_even_row_is_no_rhythm(gap_s: float, pauses: int, strays: int) -> None:
     """Somebody may fire like that, among other sounds: `rows` judges it."""
-    for seed in range(8):
+    for seed in range(4):
         rng = np.random.default_rng(seed)
         row = 3.21 + gap_s * rng.choice(np.arange(40 + pauses), 40, replace=False)
         onsets = samples(np.append(row + rng.uniform(-1e-3, 1e-3, 40), rng.uniform(3.0, 3.0 + 40 * gap_s, strays)))

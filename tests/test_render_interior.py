@@ -244,13 +244,13 @@ def test_whole_drive_beats_clipping_at_any_rate_with_any_actuator(name: str, rat
     assert effort.steps < load_rules(quality).tier.render.iterations
 
 
-@pytest.mark.parametrize("count", [5, 6, 8, 12])
+@pytest.mark.parametrize("count", [5, 8, 12])
 def test_a_seat_of_many_resonances_has_a_drive_however_long_its_window(count: int) -> None:
     """The more poles, the more diagonals has the solver's system, and all have to be there."""
     filters = drive_filters(resonances(list(np.geomspace(18.0, 320.0, count)), []), 48_000, "causal")
     target, warm = shot(filters, frames=9600)
     stride = well_conditioned_stride(filters.recursion, 4, 48_000)
-    for corners in range(60, 141, 4):
+    for corners in range(60, 141, 8):
         frames = (corners + 1) * stride
         drive, effort = whole_drive(target[:frames], warm[:frames], filters, start=0, quality="draft")
         assert np.max(np.abs(drive)) <= 1.0
