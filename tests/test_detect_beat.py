@@ -110,6 +110,15 @@ def test_an_even_row_is_no_rhythm(gap_s: float, pauses: int, strays: int) -> Non
         assert not any(kept(onsets, onsets))
 
 
+def test_sustained_fire_of_which_some_rounds_were_not_heard_is_no_rhythm() -> None:
+    """What follows a round that is missing seems to begin something."""
+    for seed, gap_s in enumerate([0.0933, 0.1117, 60.0 / 450.0, 0.147]):
+        rng = np.random.default_rng(seed)
+        rounds = 1.37 + gap_s * np.sort(rng.choice(np.arange(150), 115, replace=False))
+        onsets = samples(rounds + rng.uniform(-1e-3, 1e-3, rounds.size))
+        assert not any(kept(onsets, onsets))
+
+
 @pytest.mark.parametrize("period_s", [0.0923, 0.1171, 0.1467, 0.187, 0.231, 0.2583])
 def test_what_lies_anywhere_over_music_is_on_the_beat_by_chance_alone(period_s: float) -> None:
     """At most twice as often as one grid would have it: each of three windows has its own."""

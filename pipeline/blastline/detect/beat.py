@@ -101,9 +101,9 @@ def _beat(sounds: Times, rules: BeatRules, longest_gap: float) -> _Grid | None:
         rules.fewest_apart, rules.share * begins.sum()
     ):
         return None
-    if _is_written(on_grid) or not _is_rhythm(grid, on_grid, int(begins.sum()), rules):
+    if _is_written(on_grid) or _is_even(grid, sounds[near], rules) or _is_even(grid, on_grid, rules):
         return None
-    return _coarsest(grid, sounds[near], rules)
+    return _coarsest(grid, sounds[near], rules) if _is_rhythm(grid, on_grid, int(begins.sum()), rules) else None
 
 
 def _is_written(times: Times) -> bool:
@@ -112,13 +112,16 @@ def _is_written(times: Times) -> bool:
     return bool((np.abs(np.exp(1j * phases).mean(axis=1)) >= _WRITTEN).any())
 
 
+def _is_even(grid: _Grid, on_grid: Times, rules: BeatRules) -> bool:
+    """Return whether most gaps are alike, and no longer than a grid's: an even row, or fire that misses some rounds."""
+    gaps = np.bincount(np.diff(grid.places(on_grid)).astype(np.intp))
+    usual = int(np.argmax(gaps))
+    return bool(usual * grid.period <= rules.longest_ms and gaps[usual] >= _MOSTLY * gaps.sum())
+
+
 def _is_rhythm(grid: _Grid, on_grid: Times, count: int, rules: BeatRules) -> bool:
     """Return whether the grid is kept, of so many sounds in all, by more than those of any one even row."""
     places = grid.places(on_grid).astype(np.intp)
-    gaps = np.bincount(np.diff(places))
-    usual = int(np.argmax(gaps))
-    if usual * grid.period <= rules.longest_ms and gaps[usual] >= _MOSTLY * (places.size - 1):
-        return False
     for apart in range(int(1.01 * rules.longest_ms / grid.period) + 1, int(_SLOWEST_ROW_MS / grid.period) + 1):
         row = int(np.bincount(places % apart).max())
         if on_grid.size - row < max(_FEWEST_BESIDE, rules.share * (count - row)):
