@@ -7,12 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from blastline.report import drawing, ready_to_draw
+from blastline import run
+from blastline.report import drawing
+from blastline.report.drawing import ready_to_draw
+from commands import write_film
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="/proc is where nobody may write")
 def test_without_a_home_nothing_is_said(tmp_path: Path) -> None:
-    code = "from pathlib import Path; from blastline.report import ready_to_draw; ready_to_draw(Path())"
+    code = "from pathlib import Path; from blastline.report.drawing import ready_to_draw; ready_to_draw(Path())"
     settings = {"HOME": "/proc", "XDG_CONFIG_HOME": "", "XDG_CACHE_HOME": "", "MPLCONFIGDIR": ""}
     words = [sys.executable, "-c", code]
     done = subprocess.run(words, cwd=tmp_path, env=os.environ | settings, capture_output=True, text=True)
@@ -40,3 +43,12 @@ def test_where_nothing_else_can_be_written_fonts_are_kept_beside_the_results_unt
     assert (kept[0], Path(str(kept[1])).parent) == (asked, tmp_path)
     assert list(tmp_path.iterdir()) == []
     assert os.environ.get("MPLCONFIGDIR") == asked
+
+
+def test_the_report_of_a_film_without_shots_needs_nothing_that_draws(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    film = write_film(tmp_path / "film.wav", length_s=1.0)
+    monkeypatch.setattr(drawing, "_import", lambda: pytest.fail("matplotlib was imported"))
+    assert run.render(film, tmp_path / "out", run.RenderOptions()).events == ()
+    assert "no shots were found" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")

@@ -43,12 +43,11 @@ class Comparison:
 
     `level_db` is how much stronger than usual every shot was asked to be, `corner_ms` how far apart the tier has the
     corners of the straight lines that a solved drive is made of; on some seats they are elsewhere. `felt` and `band`
-    are second-order sections, shape (sections, 6);
-    `band_gains` gives the band's magnitudes for a real transform of so many samples. `above_band` keeps what lies
-    above it, None where a film holds nothing there. `compensated` makes of a sound the
-    drive that is felt like it where nothing limits it. `step` is 1 / max |H|^2: so long a step down the slope of
-    |H u - t|^2 / 2 never overshoots. `settle` is how many samples the filters run before what is compared, `memory` how
-    many H remembers. `bend_ms` is by how much the limit alone may displace what is felt.
+    are second-order sections, shape (sections, 6); `band_gains` gives the band's magnitudes for a real transform of so
+    many samples. `above_band` keeps what lies above it, None where a film holds nothing there. `compensated` makes of a
+    sound the drive that is felt like it where nothing limits it. `step` is 1 / max |H|^2: so long a step down the slope
+    of |H u - t|^2 / 2 never overshoots. `settle` is how many samples the filters run before what is compared, `memory`
+    how many H remembers. `bend_ms` is by how much the limit alone may displace what is felt.
     """
 
     audio: Sound

@@ -23,9 +23,11 @@ _SAME_MS = 60.0
 _SLOWEST_ROW_MS = 3000.0
 """Somebody may fire, walk or hammer evenly, with pauses: one even row, up to so slow, is no rhythm by itself."""
 
-_MOSTLY, _FEWEST_BESIDE, _AS_GOOD_AS_NONE = 0.6, 4, 0.05
-"""Of all gaps, what makes one even row of them; so many sounds keep the grid beside a row; of all places, no more than
-chance has there."""
+_FEWEST_BESIDE = 4
+"""So many sounds have to keep the grid beside the fullest row."""
+
+_MOSTLY = 0.6  # of the gaps
+_BY_CHANCE = 0.05  # of the places
 
 _WRITTEN_MS, _WRITTEN = 50.0, 0.85
 """Times that somebody wrote down are multiples of this, hence of many grids: where sounds are so near to multiples, as
@@ -133,7 +135,7 @@ def _coarsest(grid: _Grid, on_grid: Times, rules: BeatRules) -> _Grid:
     """Return the grid of twice the period, and again, as long as that holds as good as all that lies on this one."""
     while 2.0 * grid.period <= rules.longest_ms:
         odd = grid.places(on_grid) % 2 == 1
-        if min(odd.mean(), 1.0 - odd.mean()) > _AS_GOOD_AS_NONE:
+        if min(odd.mean(), 1.0 - odd.mean()) > _BY_CHANCE:
             break
         grid = _Grid(2.0 * grid.period, grid.phase + (grid.period if odd.mean() > 0.5 else 0.0))
     return grid

@@ -89,8 +89,8 @@ def apply_row_verdicts(found: Sequence[ChunkResult], *, rate_hz: int, tier: Qual
         if parts:
             every = ScoredCandidates.all_of(parts)
             told[mix] = _RowVerdicts(every.onsets.tolist(), even_rows(every, rate_hz=rate_hz, tier=rules))
-            onsets = np.unique([shot.onset for each in found for shot in each.shots if shot.heard_in == mix])
-            onsets = onsets.astype(np.intp)
+            asked = {shot.onset for each in found for shot in each.shots if shot.heard_in == mix}
+            onsets = np.array(sorted(asked), np.intp)
             kept = on_the_beat(onsets, every.onsets, rate_hz=rate_hz, rules=tier.beat, bursts=tier.bursts)
             on_beat |= {(mix, onset) for onset in onsets[kept].tolist()}
     near = samples_from_ms(SAME_MS, rate_hz)

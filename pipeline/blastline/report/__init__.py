@@ -6,7 +6,6 @@ only sort and filter the table of shots.
 
 from .bode import BodeCurve, write_bode
 from .choice import MAX_FIGURES
-from .drawing import ready_to_draw
 from .exports import ExportRow
 from .overview import Overview, OverviewMeter
 from .page import write_report
@@ -26,7 +25,6 @@ __all__ = [
     "claim",
     "is_decided",
     "measured",
-    "ready_to_draw",
     "typeset",
     "write_bode",
     "write_report",

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from .. import dsp
 from ..ruleset import ActuatorProfile
 from ..units import levels_db
+from .drawing import ready_to_draw
 from .style import INK, SERIES, figure_settings
 
 Values = NDArray[np.float64]
@@ -55,6 +56,7 @@ def write_bode(
     `product`, actuator times skin, is drawn behind the model that was fitted to it. Without the curves the picture
     has what a profile holds: what is felt, and the compensator.
     """
+    ready_to_draw(path.parent)
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure

@@ -2,6 +2,7 @@
 
 import logging
 import os
+from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -38,4 +39,4 @@ def _import_with(fonts: str) -> None:
 
 
 def _import() -> None:
-    import matplotlib.font_manager  # noqa: F401
+    import_module("matplotlib.font_manager")

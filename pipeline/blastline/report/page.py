@@ -7,6 +7,7 @@ from typing import Final
 from ..model import Check, Event, MadeOf, RandomAccessSound, Timeline
 from ..ruleset import ActuatorProfile
 from .choice import MAX_FIGURES, failures, pictured, reasons, rule
+from .drawing import ready_to_draw
 from .exports import ExportRow, exports_table
 from .figures import ShotPictures
 from .overview import Overview
@@ -55,7 +56,7 @@ def write_report(
     why = pictured(timeline.events, timeline.checks)
     shown = [event for event in timeline.events if event.id in why]
     sounds = (event_sound(event, timeline, audio=audio, drive=drive, profile=profile) for event in shown)
-    pictures = _drawn(sounds, why, timeline)
+    pictures = _drawn(sounds, why, timeline, path.parent)
     with path.open("w", encoding="utf-8") as file:  # part by part: the whole would be in memory several times
         file.writelines(_page(timeline, overview, why, pictures, exports, options or {}))
 
@@ -146,7 +147,9 @@ def _pictures(timeline: Timeline, pictures: Iterable[str]) -> Iterator[str]:
     yield from pictures
 
 
-def _drawn(sounds: Iterable[EventSound], why: Mapping[str, str], timeline: Timeline) -> Iterator[str]:
+def _drawn(sounds: Iterable[EventSound], why: Mapping[str, str], timeline: Timeline, folder: Path) -> Iterator[str]:
+    """Yield the pictures; a page without any needs nothing that draws."""
+    ready_to_draw(folder)
     draw = ShotPictures()
     for sound in sounds:
         yield _picture(sound.event, why[sound.event.id], timeline, draw.drawn(sound))

@@ -1,7 +1,7 @@
 """Rules as data: what a user may tune, read from TOML into frozen, range-checked values.
 
-`tables` holds one struct for each table of a tier and of `scenes.toml`; other rule files have a module each. `files`
-finds, merges and reads them, `toml_text` writes them.
+`tables` and `row_tables` hold a struct for each table of a tier and of `scenes.toml`; other rule files have a module
+each. `files` finds, merges and reads them, `toml_text` writes them.
 """
 
 from .aligning import AlignRules

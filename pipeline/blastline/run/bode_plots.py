@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ..actuator import MeasuredResponse, minimum_phase, read_measured, sensitivity_db
 from ..dsp import felt_response
 from ..errors import OutputError
-from ..report import BodeCurve, ready_to_draw, write_bode
+from ..report import BodeCurve, write_bode
 from ..ruleset import ActuatorProfile, PerceptionCurve, load_actuator, load_perception
 from ..staging import staged
 from ..units import gains_from_db, levels_db
@@ -38,7 +38,6 @@ def draw_bode(
     if picture.suffix.lower() not in _PICTURES:
         raise OutputError(f"{picture}: expected a name that ends in {', '.join(_PICTURES)}")
     with staged(picture.parent, names=[picture.name], overwrite=overwrite) as hidden:
-        ready_to_draw(hidden)
         write_bode(
             hidden / picture.name,
             profile,

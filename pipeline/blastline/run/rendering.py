@@ -13,7 +13,7 @@ import msgspec
 from ..export import export_timeline, known_formats, needs_drive, require_frame_rate, require_late_enough, rounding
 from ..model import DriveInfo, Edits, Timeline
 from ..progress import Note, Progress, no_note, no_progress
-from ..report import OverviewMeter, ready_to_draw, typeset, write_report
+from ..report import OverviewMeter, typeset, write_report
 from ..soundtrack import Soundtrack, open_soundtrack
 from ..staging import require_free, require_utf_8, staged
 from ..timecode import late_stamp
@@ -150,7 +150,6 @@ def write_report_of(
 ) -> None:
     """Write the report of a result whose files have been written."""
     setup.progress("reporting", 0, None)
-    ready_to_draw(folder)
     options = setup.options
     write_report(
         folder / names.REPORT,

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import msgspec
 
-from ..report import ready_to_draw
+from ..report.drawing import ready_to_draw
 from .bootstrap import Interval
 from .pareto import ParetoStudy
 from .pareto_picture import front_svg
