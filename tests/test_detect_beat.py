@@ -119,6 +119,29 @@ def test_sustained_fire_of_which_some_rounds_were_not_heard_is_no_rhythm() -> No
         assert not any(kept(onsets, onsets))
 
 
+@pytest.mark.parametrize("gap_s", [0.0937, 0.1171, 0.1429])
+@pytest.mark.parametrize("seed", range(6))
+def test_rolls_at_the_pace_of_a_gun_that_share_a_grid_for_longer_than_any_belt_lasts_are_music(
+    gap_s: float, seed: int
+) -> None:
+    """They begin on it as well: one row, however long, is for the rules on fire to judge."""
+    rng = np.random.default_rng(seed)
+    played = np.concatenate([np.arange(bar) < rng.integers(3, bar - 1) for bar in rng.integers(6, 14, 90)])
+    places = np.flatnonzero(played[: round(60.0 / gap_s)])
+    onsets = samples(1.234 + gap_s * places + rng.uniform(-1e-3, 1e-3, places.size))
+    assert np.mean(kept(onsets, onsets)) > 0.9
+
+
+@pytest.mark.parametrize("gap_s", [0.0937, 0.1171, 0.1429])
+@pytest.mark.parametrize("late", [0.3, 0.5, 0.7])
+def test_long_bursts_of_one_gun_share_no_grid(gap_s: float, late: float) -> None:
+    """Each lasts for ten seconds, and the next begins somewhere between the rounds of the one before."""
+    burst = gap_s * np.arange(round(10.0 / gap_s))
+    starts = 1.234 + np.arange(4) * (round(14.0 / gap_s) + late) * gap_s
+    onsets = samples((starts[:, None] + burst).ravel())
+    assert not any(kept(onsets, onsets))
+
+
 @pytest.mark.parametrize("period_s", [0.0923, 0.1171, 0.1467, 0.187, 0.231, 0.2583])
 def test_what_lies_anywhere_over_music_is_on_the_beat_by_chance_alone(period_s: float) -> None:
     """At most twice as often as one grid would have it: each of three windows has its own."""

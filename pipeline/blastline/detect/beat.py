@@ -27,6 +27,7 @@ _FEWEST_BESIDE = 4
 """So many sounds have to keep the grid beside the fullest row."""
 
 _MOSTLY = 0.6  # of the gaps
+_PIECE, _FEWEST_IN_PIECE = 0.25, 4  # of a window; sounds on the grid, that tell that it is kept there
 _BY_CHANCE = 0.05  # of the places
 
 _WRITTEN_MS, _WRITTEN = 50.0, 0.85
@@ -74,8 +75,7 @@ def on_the_beat(
         stop = int(np.searchsorted(asked_ms, asked_ms[start] + window_ms / _STRIDE, side="right"))
         for before in _BEFORE:
             begin_ms = asked_ms[start] - before * window_ms
-            first, last = np.searchsorted(sounds_ms, (begin_ms, begin_ms + window_ms))
-            grid = _beat(sounds_ms[first:last], rules, bursts.longest_gap_ms)
+            grid = _beat(sounds_ms, begin_ms, rules, bursts.longest_gap_ms)
             if grid is not None:
                 found[start:stop] |= grid.holds(asked_ms[start:stop], rules.within_ms)
         start = stop
@@ -84,8 +84,9 @@ def on_the_beat(
     return found
 
 
-def _beat(sounds: Times, rules: BeatRules, longest_gap: float) -> _Grid | None:
-    """Return the grid that sounds within a window keep, all in ms; None where they keep none."""
+def _beat(heard: Times, begin: float, rules: BeatRules, longest_gap: float) -> _Grid | None:
+    """Return the grid that the sounds of the window from `begin` on keep, all in ms; None where they keep none."""
+    sounds = _between(heard, begin, begin + 1000.0 * rules.window_s)
     if sounds.size < rules.fewest:
         return None
     grid = _strongest(sounds, rules)
@@ -103,7 +104,8 @@ def _beat(sounds: Times, rules: BeatRules, longest_gap: float) -> _Grid | None:
         rules.fewest_apart, rules.share * begins.sum()
     ):
         return None
-    if _is_written(on_grid) or _is_even(grid, sounds[near], rules) or _is_even(grid, on_grid, rules):
+    even = _is_even(grid, sounds[near], rules) or _is_even(grid, on_grid, rules)
+    if _is_written(on_grid) or (even and not _goes_on(grid, heard, begin, rules)):
         return None
     return _coarsest(grid, sounds[near], rules) if _is_rhythm(grid, on_grid, int(begins.sum()), rules) else None
 
@@ -119,6 +121,23 @@ def _is_even(grid: _Grid, on_grid: Times, rules: BeatRules) -> bool:
     gaps = np.bincount(np.diff(grid.places(on_grid)).astype(np.intp))
     usual = int(np.argmax(gaps))
     return bool(usual * grid.period <= rules.longest_ms and gaps[usual] >= _MOSTLY * gaps.sum())
+
+
+def _goes_on(grid: _Grid, heard: Times, begin: float, rules: BeatRules) -> bool:
+    """Return whether the grid is kept for longer than a window: no belt lasts so long, nor do bursts share a grid.
+
+    Half a window before it and half a one after it are heard as well, piece by piece.
+    """
+    edges = begin + 1000.0 * rules.window_s * np.arange(-0.5, 1.5 + _PIECE, _PIECE)
+    around = _between(heard, edges[0], edges[-1])
+    sounds, on_grid = (np.histogram(each, edges)[0] for each in (around, around[grid.holds(around, rules.within_ms)]))
+    kept = np.flatnonzero(on_grid >= np.maximum(_FEWEST_IN_PIECE, rules.share * sounds))
+    return bool(kept.size) and bool((kept[-1] - kept[0]) * _PIECE > 1.0)
+
+
+def _between(times: Times, start: float, stop: float) -> Times:
+    first, last = np.searchsorted(times, (start, stop))
+    return times[first:last]
 
 
 def _is_rhythm(grid: _Grid, on_grid: Times, count: int, rules: BeatRules) -> bool:
