@@ -43,7 +43,10 @@ def scored(
     """Return candidates of which screen and networks think alike, or the screen otherwise."""
     by_screen = probability if by_screen is None else by_screen
     return ScoredCandidates(
-        onsets, np.zeros(onsets.size), log_odds_in(Verdicts(probability, by_screen, np.full(onsets.size, 2)))
+        onsets,
+        np.zeros(onsets.size),
+        log_odds_in(Verdicts(probability, by_screen, np.full(onsets.size, 2))),
+        np.zeros((onsets.size, LEVELS), np.int16),
     )
 
 

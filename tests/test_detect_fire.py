@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import expit, logit
 
+from blastline.detect.backdrop import LEVELS
 from blastline.detect.fire import ScoredCandidates, even_rows, in_long_rows, worth_a_look
 from blastline.detect.pace import automatic, evenly_placed, rows_at
 from blastline.detect.verify import LogOdds, Verdicts, combined_log_odds, log_odds_in
@@ -26,7 +27,8 @@ def told(
     onsets = np.array([samples_from_ms(n * gap_ms, RATE_HZ) for n in range(len(probability))], np.intp)
     by_screen = np.array(probability if screened is None else screened)
     odds = log_odds_in(Verdicts(np.array(probability), by_screen, np.full(onsets.size, 2)))
-    return even_rows(ScoredCandidates(onsets, np.zeros(onsets.size), odds), rate_hz=RATE_HZ, tier=TIER)
+    scored = ScoredCandidates(onsets, np.zeros(onsets.size), odds, np.zeros((onsets.size, LEVELS), np.int16))
+    return even_rows(scored, rate_hz=RATE_HZ, tier=TIER)
 
 
 def rows(onsets_ms: list[float], peaks_dbfs: list[float] | None = None, rate_hz: int = RATE_HZ) -> list[list[int]]:
@@ -209,7 +211,9 @@ def long_told(count: int, by_networks: float, as_burst: float) -> set[EvenRow | 
     """Return what is told of the sounds of a row, by their probabilities as they are and as if in a burst."""
     onsets = samples_from_ms(FAST_MS, RATE_HZ) * np.arange(count)
     usual, alike = (np.full(count, float(logit(p))) for p in (by_networks, as_burst))
-    candidates = ScoredCandidates(onsets, np.zeros(count), LogOdds(usual, usual, alike))
+    candidates = ScoredCandidates(
+        onsets, np.zeros(count), LogOdds(usual, usual, alike), np.zeros((count, LEVELS), np.int16)
+    )
     return set(even_rows(candidates, rate_hz=RATE_HZ, tier=TIER))
 
 

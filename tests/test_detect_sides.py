@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from blastline import run
 from blastline.detect import LATENCY_S, Detection, find_shots, verifier_of
+from blastline.detect.backdrop import LEVELS
 from blastline.detect.company import in_company
 from blastline.detect.find import ChunkResult, apply_row_verdicts
 from blastline.detect.fire import ScoredCandidates
@@ -335,7 +336,8 @@ def test_a_row_is_told_by_the_mix_that_judged_its_shots_wherever_they_begin_in_i
 
 def _scored(onsets: NDArray[np.intp], log_odds: float) -> ScoredCandidates:
     odds = np.full(onsets.size, log_odds)
-    return ScoredCandidates(onsets, np.full(onsets.size, -6.0), LogOdds(odds, odds, odds))
+    unheard = np.zeros((onsets.size, LEVELS), np.int16)
+    return ScoredCandidates(onsets, np.full(onsets.size, -6.0), LogOdds(odds, odds, odds), unheard)
 
 
 def test_what_the_mains_are_sure_of_is_not_moved_by_the_sides() -> None:

@@ -40,13 +40,15 @@ def backdrops(shown: Spectrograms) -> list[int | None]:
     return [number if known else None for number, known in zip(numbers.tolist(), told.tolist(), strict=True)]
 
 
-def sounds(shown: Spectrograms) -> list[tuple[int, ...]]:
-    """Return the sound of each candidate itself: levels in dB against its attack, `_OWN_BANDS` at each moment."""
+def sounds(shown: Spectrograms) -> NDArray[np.int16]:
+    """Return the sound of each of n candidates itself, shape (n, LEVELS).
+
+    Levels in dB against its attack, `_OWN_BANDS` at each moment.
+    """
     own = shown.near[:, _OWN]
     count, frames, bands = own.shape
     parts = own.reshape(count, _OWN_FRAMES, frames // _OWN_FRAMES, _OWN_BANDS, bands // _OWN_BANDS)
-    levels = np.round(parts.mean(axis=(2, 4))).reshape(count, LEVELS)
-    return [tuple(each) for each in levels.astype(int).tolist()]
+    return np.asarray(np.round(parts.mean(axis=(2, 4))).reshape(count, LEVELS), np.int16)
 
 
 def hamming_distance(first: NDArray[np.int64], second: NDArray[np.int64]) -> NDArray[np.int64]:

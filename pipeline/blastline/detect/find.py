@@ -1,6 +1,5 @@
 """The detection pipeline, chunk by chunk: candidates, verification, segmentation; then what the whole film tells."""
 
-from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -54,16 +53,22 @@ class ChunkResult:
 
 
 @dataclass(frozen=True)
-class _RowVerdicts:
-    """What rows tell of all that was scored in a mix: its onsets, ascending, and the verdict of each."""
+class _Told:
+    """What a whole film tells of all that was scored in a mix: the verdict of each one's row, and what keeps a beat."""
 
-    onsets: list[int]
+    scored: ScoredCandidates
     rows: list[EvenRow | None]
+    on_beat: set[int]  # indices
 
-    def of(self, onset: int, near: int) -> EvenRow | None:
-        """Return the verdict of a shot that the mix has judged, which may begin up to `near` samples aside in it."""
-        places = range(bisect_left(self.onsets, onset - near), bisect_right(self.onsets, onset + near))
-        return self.rows[min(places, key=lambda place: abs(self.onsets[place] - onset))]
+    def of(self, onset: int, near: int) -> dict[str, object]:
+        """Return it of a shot that the mix has judged, which may begin up to `near` samples aside in it."""
+        place = _nearest(self.scored, onset, near)
+        return {"even_row": self.rows[place], "on_beat": place in self.on_beat}
+
+
+def _nearest(scored: ScoredCandidates, onset: int, near: int) -> int:
+    first, stop = np.searchsorted(scored.onsets, (onset - near, onset + near + 1))
+    return int(first + np.argmin(np.abs(scored.onsets[first:stop] - onset)))
 
 
 def find_shots(
@@ -80,29 +85,21 @@ def find_shots(
 
 
 def apply_row_verdicts(found: Sequence[ChunkResult], *, rate_hz: int, tier: QualityRules) -> Iterator[list[Shot]]:
-    """Yield the shots of each chunk, with what the rows of the whole film tell of them: a row may cross chunks."""
-    told: dict[HeardIn, _RowVerdicts] = {}
-    on_beat: set[tuple[HeardIn, int]] = set()
+    """Yield the shots of each chunk, with what the whole film tells of them: rows and the beat may cross chunks."""
+    told: dict[HeardIn, _Told] = {}
     rules_of: dict[HeardIn, QualityRules] = {"mains": tier, "sides": side_rules(tier)}
+    near = samples_from_ms(SAME_MS, rate_hz)
     for mix, rules in rules_of.items():
         parts = [each.scored[mix] for each in found if mix in each.scored]
         if parts:
             every = ScoredCandidates.all_of(parts)
-            told[mix] = _RowVerdicts(every.onsets.tolist(), even_rows(every, rate_hz=rate_hz, tier=rules))
-            asked = {shot.onset for each in found for shot in each.shots if shot.heard_in == mix}
-            onsets = np.array(sorted(asked), np.intp)
-            kept = on_the_beat(onsets, every.onsets, rate_hz=rate_hz, rules=tier.beat, bursts=tier.bursts)
-            on_beat |= {(mix, onset) for onset in onsets[kept].tolist()}
-    near = samples_from_ms(SAME_MS, rate_hz)
+            shots = (shot.onset for each in found for shot in each.shots if shot.heard_in == mix)
+            asked = np.array(sorted({_nearest(every, onset, near) for onset in shots}), np.intp)
+            kept = on_the_beat(asked, every, rate_hz=rate_hz, rules=tier.beat, bursts=tier.bursts)
+            rows = even_rows(every, rate_hz=rate_hz, tier=rules)
+            told[mix] = _Told(every, rows, set(asked[kept].tolist()))
     for each in found:
-        yield [
-            _with_evidence(
-                shot,
-                even_row=told[shot.heard_in].of(shot.onset, near),
-                on_beat=(shot.heard_in, shot.onset) in on_beat,
-            )
-            for shot in each.shots
-        ]
+        yield [_with_evidence(shot, **told[shot.heard_in].of(shot.onset, near)) for shot in each.shots]
 
 
 def select_shots(
@@ -171,13 +168,14 @@ def _search_chunk(
     verdicts = verifier.verdicts(found.rows, shown, [partial(seen, speed=speed) for speed in tier.verify.speeds])
     peaks_dbfs = np.array([peak_dbfs(chunk.samples, onset, grid.rate_hz) for onset in found.onsets.tolist()])
     odds = with_long_rows(log_odds_in(verdicts), found, shown, peaks_dbfs, grid, tier, verifier)
-    scored = ScoredCandidates(found.onsets + chunk.start, peaks_dbfs, odds)
+    scored = ScoredCandidates(found.onsets + chunk.start, peaks_dbfs, odds, sounds(shown))
     rows = even_rows(scored, rate_hz=grid.rate_hz, tier=tier)
     worth = worth_segmenting(scored, rows, rate_hz=grid.rate_hz, tier=tier, core=chunk.core)
     alone = worth & np.array([row != "fire" for row in rows], bool)  # the next round goes on for a round
     steady = _going_on(chunk, found.onsets, grid, alone, least_fall_db=tier.verify.least_fall_db)
     worth &= ~steady
-    shots = _segmented(chunk, found, verdicts, shown, np.flatnonzero(worth), rate_hz=grid.rate_hz, tier=tier)
+    chosen = np.flatnonzero(worth)
+    shots = _segmented(chunk, found, verdicts, shown, scored.sounds, chosen, rate_hz=grid.rate_hz, tier=tier)
     refused = [
         unlike_a_shot(int(scored.onsets[index]), float(verdicts.probability[index]), goes_on=bool(steady[index]))
         for index in np.flatnonzero(~worth & (verdicts.probability >= tier.verify.report_from))
@@ -200,13 +198,14 @@ def _segmented(
     found: CandidateFeatures,
     verdicts: Verdicts,
     shown: Spectrograms,
+    own: NDArray[np.int16],
     chosen: NDArray[np.intp],
     *,
     rate_hz: int,
     tier: QualityRules,
 ) -> list[Shot]:
     """Return the candidates with these indices as shots: segmented, each with the evidence of its verdict."""
-    before, own = backdrops(shown), sounds(shown)
+    before = backdrops(shown)
     shots = []
     for index in chosen.tolist():
         shot = segment(
@@ -222,7 +221,7 @@ def _segmented(
             "screen": float(verdicts.screen_probability[index]),
             "networks": int(verdicts.networks[index]),
             "backdrop": before[index],
-            "sound": own[index],
+            "sound": tuple(own[index].tolist()),
             "attack": attack(chunk.samples, int(found.onsets[index]), rate_hz),
         }
         shots.append(_with_evidence(shot, **evidence))

@@ -24,11 +24,15 @@ from .verify import LogOdds, log_odds_of
 
 @dataclass(frozen=True, eq=False)
 class ScoredCandidates:
-    """The candidates of a chunk or a film that the networks judged, in order: onsets, peaks, log-odds; shape (n,)."""
+    """The candidates of a chunk or a film that the networks judged, in order: onsets, peaks, log-odds; shape (n,).
+
+    What each sounds like (`backdrop.sounds`) has shape (n, LEVELS).
+    """
 
     onsets: NDArray[np.intp]
     peaks_dbfs: NDArray[np.float64]
     odds: LogOdds
+    sounds: NDArray[np.int16]
 
     @classmethod
     def all_of(cls, parts: Sequence["ScoredCandidates"]) -> "ScoredCandidates":
@@ -41,6 +45,7 @@ class ScoredCandidates:
                 np.concatenate([part.odds.by_networks for part in parts]),
                 np.concatenate([part.odds.as_burst for part in parts]),
             ),
+            np.concatenate([part.sounds for part in parts]),
         )
 
 

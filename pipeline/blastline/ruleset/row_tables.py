@@ -70,6 +70,10 @@ class BeatRules(Table, frozen=True):
     A beat is a grid of `shortest_ms` to `longest_ms` on which, within `window_s`, `fewest` sounds or more lie, to
     `within_ms`, and `share` or more of all that were looked at. So many of those that no other sound precedes as fast
     as a gun fires lie on it as well, `fewest_apart` or more, not all of them equally far apart.
+
+    Where the phases of n sounds have a resultant of R on the grid, with n R^2 of `alike_resultant` or more, what lies
+    on it to `alike_within_ms` keeps the beat where those that are alike do: peaks within `alike_level_db` and sounds,
+    in the mean, within `alike_sound_db`, so many of them on the grid that `by_chance` is their chance at most.
     """
 
     window_s: Annotated[float, Meta(ge=2.0, le=120.0)]
@@ -79,6 +83,11 @@ class BeatRules(Table, frozen=True):
     fewest: Annotated[int, Meta(ge=4, le=10_000)]
     fewest_apart: Annotated[int, Meta(ge=4, le=10_000)]
     share: Ratio
+    alike_resultant: Annotated[float, Meta(ge=1.0, le=1000.0)]
+    alike_within_ms: Annotated[float, Meta(gt=0.0, le=50.0)]
+    alike_level_db: Difference
+    alike_sound_db: Difference
+    by_chance: Ratio
 
     def __post_init__(self) -> None:
         """Refuse a range of grids that is empty."""

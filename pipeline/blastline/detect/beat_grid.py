@@ -1,0 +1,163 @@
+"""The grid that music is played to, and what keeps a grid but is no music: guns, and times that somebody wrote down.
+
+The grid is the highest peak of the periodogram of a point process (Bartlett, J. R. Stat. Soc. B 25, 1963), fitted to
+the sounds that lie on it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import bdtrc
+
+from ..ruleset import BeatRules
+
+Times = NDArray[np.float64]
+
+_SLOWEST_ROW_MS = 3000.0
+"""Somebody may fire, walk or hammer evenly, with pauses: one even row, up to so slow, is no rhythm by itself."""
+
+_MOSTLY = 0.6  # of the gaps
+_PIECE, _FEWEST_IN_PIECE = 0.25, 4  # of a window; sounds on the grid, that tell that it is kept there
+
+_WRITTEN_MS, _WRITTEN = 50.0, 0.85
+"""Times that somebody wrote down are multiples of this, hence of many grids: where sounds are so near to multiples, as
+the mean resultant length of their phases, they tell of no beat. It is .88 where half begin 8 ms after the others."""
+
+_SPEEDS = np.outer((1.0, 1.001, 1.0 / 1.001), (1.0, 0.96, 1.0 / 0.96)).ravel()
+"""Or as long as that became at the speed of television: 24 frames a second as 23.976, or as 25."""
+
+_FINER = 4  # frequencies, than what a window tells apart
+_AT_ONCE = 256  # of them
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Places in time, all in ms: one at `phase`, and one each `period` before and after it."""
+
+    period: float
+    phase: float
+
+    def holds(self, times: Times, within: float) -> NDArray[np.bool_]:
+        """Return which times lie on the grid."""
+        return np.asarray(np.abs(times - self.phase - self.places(times) * self.period) <= within)
+
+    def places(self, times: Times) -> Times:
+        """Return the nearest place of the grid for each time, in periods."""
+        return np.asarray(np.round((times - self.phase) / self.period), np.float64)
+
+    def resultant(self, times: Times) -> float:
+        """Return the mean resultant length of the times' phases on the grid, 0 to 1."""
+        return float(np.abs(np.exp(2j * np.pi * (times - self.phase) / self.period).mean()))
+
+
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """A window of a film, in ms: the film's sudden sounds, ascending, and where the window begins."""
+
+    film: Times
+    begin: float
+    rules: BeatRules
+    longest_gap: float
+    """As fast as a gun fires: what follows so is a grid by itself."""
+
+    def spans(self, times: Times, before: float = 0.0, after: float = 0.0) -> NDArray[np.bool_]:
+        """Return which times lie in the window, or so much of a window before or after it."""
+        window = 1000.0 * self.rules.window_s
+        since = (times - self.begin) / window
+        return np.asarray((since >= -before) & (since < 1.0 + after))
+
+    @property
+    def sounds(self) -> Times:
+        """The window's own sounds."""
+        return self.film[self.spans(self.film)]
+
+    @property
+    def begins(self) -> NDArray[np.bool_]:
+        """Which of them nothing precedes as fast as a gun fires."""
+        return np.asarray(np.diff(self.sounds, prepend=-np.inf) > self.longest_gap)
+
+
+def strongest_grid(passage: Passage) -> Grid:
+    """Return the grid at the highest peak of the periodogram of a passage's sounds, one at least."""
+    rules, sounds = passage.rules, passage.sounds
+    step = 1.0 / (_FINER * 1000.0 * rules.window_s)
+    frequencies = np.arange(1.0 / rules.longest_ms, 1.0 / rules.shortest_ms + step, step)
+    since = sounds - sounds[0]
+    sums = np.concatenate(
+        [
+            np.exp(2j * np.pi * np.outer(frequencies[first : first + _AT_ONCE], since)).sum(axis=1)
+            for first in range(0, frequencies.size, _AT_ONCE)
+        ]
+    )
+    best = int(np.argmax(np.abs(sums)))
+    period = 1.0 / float(frequencies[best])
+    return Grid(period, float(sounds[0] + np.angle(sums[best]) / (2.0 * np.pi) * period))
+
+
+def fitted_grid(grid: Grid, passage: Passage, within: Sequence[float]) -> Grid | None:
+    """Return the grid fitted to what lies on it, ever nearer; None where that is too little, or guns may do the same.
+
+    It has to hold `fewest_apart` of those that nothing precedes as fast as a gun fires.
+    """
+    rules, sounds = passage.rules, passage.sounds
+    for wide in within:
+        near = grid.holds(sounds, wide)
+        if near.sum() < rules.fewest_apart:
+            return None
+        grid = Grid(*np.polyfit(grid.places(sounds[near]), sounds[near], 1).tolist())
+        if not 0.9 * rules.shortest_ms <= grid.period <= 1.1 * rules.longest_ms:
+            return None
+    near, begins = grid.holds(sounds, within[-1]), passage.begins
+    every, apart = sounds[near], sounds[near & begins]
+    if apart.size < rules.fewest_apart or _is_written(apart):
+        return None
+    even = _is_even(grid, every, rules) or _is_even(grid, apart, rules)
+    if even and not _goes_on(grid, passage):
+        return None
+    return grid if _is_rhythm(grid, apart, int(begins.sum()), within[-1], rules) else None
+
+
+def _is_written(times: Times) -> bool:
+    """Return whether times are as near to multiples of what people write down as a grid allows."""
+    phases = np.outer(2.0 * np.pi / (_WRITTEN_MS * _SPEEDS), times)
+    return bool((np.abs(np.exp(1j * phases).mean(axis=1)) >= _WRITTEN).any())
+
+
+def _is_even(grid: Grid, on_grid: Times, rules: BeatRules) -> bool:
+    """Return whether most gaps are alike, and no longer than a grid's: an even row, or fire that misses some rounds."""
+    gaps = np.bincount(np.diff(grid.places(on_grid)).astype(np.intp))
+    usual = int(np.argmax(gaps))
+    return bool(usual * grid.period <= rules.longest_ms and gaps[usual] >= _MOSTLY * gaps.sum())
+
+
+def _goes_on(grid: Grid, passage: Passage) -> bool:
+    """Return whether the grid is kept for longer than a window: no belt lasts so long, nor do bursts share a grid.
+
+    Half a window before it and half a one after it are heard as well, piece by piece.
+    """
+    rules = passage.rules
+    edges = passage.begin + 1000.0 * rules.window_s * np.arange(-0.5, 1.5 + _PIECE, _PIECE)
+    around = passage.film[passage.spans(passage.film, 0.5, 0.5)]
+    sounds, on_grid = (np.histogram(each, edges)[0] for each in (around, around[grid.holds(around, rules.within_ms)]))
+    kept = np.flatnonzero(on_grid >= np.maximum(_FEWEST_IN_PIECE, rules.share * sounds))
+    return bool(kept.size) and bool((kept[-1] - kept[0]) * _PIECE > 1.0)
+
+
+def _is_rhythm(grid: Grid, on_grid: Times, count: int, within: float, rules: BeatRules) -> bool:
+    """Return whether the grid is kept, of so many sounds in all, by more than those of any one even row."""
+    places = grid.places(on_grid).astype(np.intp)
+    for apart in range(int(1.01 * rules.longest_ms / grid.period) + 1, int(_SLOWEST_ROW_MS / grid.period) + 1):
+        row = int(np.bincount(places % apart).max())
+        beside, left = on_grid.size - row, count - row
+        if beside < rules.share * left or chance_of(beside, left, grid, within) > rules.by_chance:
+            return False
+    return True
+
+
+def chance_of(
+    on_grid: NDArray[np.intp] | int, count: NDArray[np.intp] | int, grid: Grid, within: float
+) -> NDArray[np.float64]:
+    """Return how likely so many of some sounds, or more, lie on a grid if they come anywhere, of the same shape."""
+    return np.asarray(bdtrc(np.asarray(on_grid) - 1.0, count, min(1.0, 2.0 * within / grid.period)))
