@@ -6,6 +6,7 @@ import pytest
 from numpy.typing import NDArray
 
 from blastline.detect import find_shots, verifier_of
+from blastline.detect.rounds import before_a_round
 from blastline.detect.steady import goes_on
 from blastline.detect.tracks import Grid, pieces
 from blastline.model import Clip
@@ -16,6 +17,19 @@ GRID = Grid(RATE_HZ)
 ONSET = RATE_HZ
 RULES = load_rules("standard")
 LEAST_DB = RULES.tier.verify.least_fall_db
+_ASKED = (
+    "report_from",
+    "round_threshold",
+    "even_threshold",
+    "even_networks_threshold",
+    "company_threshold",
+    "burst_threshold",
+)
+_FROM = ("look_from", "row_from", "gate_from")
+CREDULOUS = msgspec.structs.replace(
+    RULES.tier, verify=msgspec.structs.replace(RULES.tier.verify, **dict.fromkeys((*_ASKED, *_FROM), 0.0))
+)
+"""Standard's rules, but that anything is believed of what comes as fast as a gun fires."""
 
 Samples = NDArray[np.float64]
 
@@ -94,19 +108,43 @@ def test_a_bang_on_the_cut_is_kept() -> None:
 
 def test_rounds_of_even_fire_that_hardly_fall_are_followed() -> None:
     """A minigun in a hall: its rounds are judged as a row."""
-    asked = dict.fromkeys(("report_from", "round_threshold", "even_threshold", "even_networks_threshold"), 0.0)
-    verify = msgspec.structs.replace(RULES.tier.verify, look_from=0.0, row_from=0.0, gate_from=0.0, **asked)
-    tier = msgspec.structs.replace(RULES.tier, verify=verify)
     film = 0.001 * noise(4.0, seed=6)
     onsets = [ONSET + number * RATE_HZ // 12 for number in range(24)]
     film[ONSET : ONSET + 2 * RATE_HZ] += 0.05 * noise(2.0, seed=7)
     for at in onsets:
         film[at : at + 4_000] += 0.07 * noise(0.1, seed=at)[:4_000] * np.exp(-np.arange(4_000) / 900.0)
     blocks = [Clip(film.astype(np.float32)[:, None], RATE_HZ, 0)]
-    found = find_shots(blocks, rate_hz=RATE_HZ, tier=tier, verifier=verifier_of(tier))
+    found = find_shots(blocks, rate_hz=RATE_HZ, tier=CREDULOUS, verifier=verifier_of(CREDULOUS))
     assert is_steady(film)
     assert found.shots[0].onset == pytest.approx(ONSET, abs=480)
     assert len(found.shots) >= 20
+
+
+@pytest.mark.parametrize("softer_db", [4.0, 5.0, 8.0])
+def test_the_first_round_may_be_softer_than_its_row(softer_db: float) -> None:
+    """A hall fills with the sound of a burst: only the rounds after the first are as loud as one another."""
+    film = 0.001 * noise(4.0, seed=6)
+    film[ONSET : ONSET + 2 * RATE_HZ] += 0.05 * noise(2.0, seed=7)
+    for number in range(24):
+        at = ONSET + number * RATE_HZ // 12
+        gain = 0.1 * 10.0 ** (-softer_db / 20.0 if number == 0 else 0.0)
+        film[at : at + 4_000] += gain * noise(0.1, seed=at)[:4_000] * np.exp(-np.arange(4_000) / 900.0)
+    blocks = [Clip(film.astype(np.float32)[:, None], RATE_HZ, 0)]
+    found = find_shots(blocks, rate_hz=RATE_HZ, tier=CREDULOUS, verifier=verifier_of(CREDULOUS))
+    assert is_steady(film)
+    assert found.shots[0].onset == pytest.approx(ONSET, abs=480)
+
+
+def test_a_likely_round_follows_as_fast_as_a_gun_fires() -> None:
+    gap = round(RULES.tier.bursts.longest_gap_ms * RATE_HZ / 1000.0)
+    onsets = np.array([0, 1_000, gap, gap + 1, 2 * gap + 2_000])
+    for likely, expected in (
+        ([False, False, True, False, False], [True, True, False, False, False]),
+        ([False, False, False, True, False], [False, True, False, False, False]),
+        ([True, True, False, False, True], 5 * [False]),
+    ):
+        told = before_a_round(onsets, np.array(likely), rate_hz=RATE_HZ, rules=RULES.tier.bursts)
+        assert told.tolist() == expected
 
 
 def test_where_nothing_rises_nothing_goes_on() -> None:

@@ -23,13 +23,14 @@ from .copies import attack
 from .direction import with_azimuths
 from .fire import ScoredCandidates, even_rows
 from .rate import LISTENING_HZ, film_sample, in_film, resampled
+from .rounds import before_a_round
 from .scan import loudest_around
 from .segment import peak_dbfs, segment
 from .sides import SAME_MS, merge_mixes, side_as_main, side_rules
 from .spectrogram import Spectrograms, spectrograms
 from .steady import goes_on
 from .tracks import Grid, pieces
-from .verify import Verdicts, Verifier, log_odds_in
+from .verify import Verdicts, Verifier, log_odds_in, log_odds_of
 
 LATENCY_S = 40.0
 """Of a film with channels a shot is found at the latest so long after it: a short core, what follows, some blocks."""
@@ -171,7 +172,10 @@ def _search_chunk(
     scored = ScoredCandidates(found.onsets + chunk.start, peaks_dbfs, odds, sounds(shown))
     rows = even_rows(scored, rate_hz=grid.rate_hz, tier=tier)
     worth = worth_segmenting(scored, rows, rate_hz=grid.rate_hz, tier=tier, core=chunk.core)
-    alone = worth & np.array([row != "fire" for row in rows], bool)  # the next round goes on for a round
+    fire = np.array([row == "fire" for row in rows], bool)
+    rounds = fire | (scored.odds.by_all >= log_odds_of(tier.verify.burst_threshold))
+    goes_off_again = fire | before_a_round(found.onsets, rounds, rate_hz=grid.rate_hz, rules=tier.bursts)
+    alone = worth & ~goes_off_again  # the next round goes on for a round
     steady = _going_on(chunk, found.onsets, grid, alone, least_fall_db=tier.verify.least_fall_db)
     worth &= ~steady
     chosen = np.flatnonzero(worth)

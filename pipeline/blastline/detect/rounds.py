@@ -37,6 +37,16 @@ def in_a_run(
     return found
 
 
+def before_a_round(
+    onsets: NDArray[np.intp], rounds: NDArray[np.bool_], *, rate_hz: int, rules: BurstRules
+) -> NDArray[np.bool_]:
+    """Return which onsets, ascending, a likely round follows as fast as a gun fires, shape (n,)."""
+    shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
+    likely = onsets[rounds]
+    first = np.searchsorted(likely, onsets + shortest)
+    return np.asarray(np.searchsorted(likely, onsets + longest, side="right") > first)
+
+
 def with_rounds(
     onsets: NDArray[np.intp],
     believed: NDArray[np.bool_],
