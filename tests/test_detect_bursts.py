@@ -24,8 +24,8 @@ def shot(at_ms: float, *, confidence: float = 0.9, echoes_at_ms: tuple[float, ..
     return Shot(at, confidence, peak_dbfs=0.0, snr_db=20.0, blast=Span(at, at + 9), reflections=echoes, span=span)
 
 
-def apart(*shots: Shot) -> tuple[list[int], list[Rejection]]:
-    kept, dropped = suppress_non_maxima(shots, rate_hz=RATE_HZ, rules=RULES)
+def apart(*shots: Shot, sure: float = 1.0) -> tuple[list[int], list[Rejection]]:
+    kept, dropped = suppress_non_maxima(shots, rate_hz=RATE_HZ, rules=RULES, sure=sure)
     return [each.onset for each in kept], list(dropped)
 
 
@@ -39,6 +39,15 @@ def test_of_two_as_sure_the_earlier_stays() -> None:
     kept, dropped = apart(shot(20), shot(0))
     assert kept == [sample(0)]
     assert [each.at_sample for each in dropped] == [sample(20)]
+
+
+@pytest.mark.parametrize("later_ms", [4.0, 12.0, 19.0])
+def test_a_shot_begins_where_it_is_sure_and_not_with_its_loudest_stage(later_ms: float) -> None:
+    begin, stage = shot(100, confidence=0.86), shot(100 + later_ms, confidence=0.97)
+    assert apart(begin, stage, sure=0.84)[0] == [begin.onset]
+    assert apart(msgspec.structs.replace(begin, confidence=0.83), stage, sure=0.84)[0] == [stage.onset]
+    another = shot(130, confidence=0.97)  # too late for a stage
+    assert apart(begin, another, sure=0.84)[0] == [another.onset]
 
 
 def test_shots_as_near_as_a_gun_fires_both_stay() -> None:

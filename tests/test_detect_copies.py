@@ -114,6 +114,19 @@ def test_a_shot_with_nothing_louder_before_it_copies_nothing_however_little_is_a
     assert (len(kept), dropped) == (2, ())
 
 
+@pytest.mark.parametrize(("seed", "is_echo"), [(1, True), (2, False)])
+def test_where_a_reflection_was_found_only_what_is_a_little_like_the_shot_is_its_echo(
+    seed: int, *, is_echo: bool
+) -> None:
+    """Another shot is a spike of the matched filter as well."""
+    later = shot(300.0, -12.0, seed=seed, row="no fire")  # asked about by no other rule
+    heard = Reflection(later.onset, later.onset + 9, 300.0, -6.0)
+    first = msgspec.structs.replace(shot(0.0, -6.0), reflections=(heard,))
+    assert echoes(first, later) == ([later.onset] if is_echo else [])
+    unknown = msgspec.structs.replace(later, evidence=None)
+    assert echoes(first, unknown) == [later.onset]
+
+
 def test_an_echo_found_as_a_sound_is_a_reflection_of_what_it_copies() -> None:
     other, first, echo = shot(0.0, -6.0, seed=2), shot(300.0, -8.0), shot(700.0, -15.0)
     kept, _ = without_echoes([other, first, echo], rate_hz=RATE_HZ, rules=RULES)

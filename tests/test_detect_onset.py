@@ -359,7 +359,10 @@ def test_what_two_shots_claim_is_the_later_ones_echo() -> None:
 
 def test_of_two_shots_nearer_than_any_gun_the_surer_stays() -> None:
     kept, dropped = suppress_non_maxima(
-        [*shots_at(0, confidence=0.6), *shots_at(20, confidence=0.9), *shots_at(60)], rate_hz=RATE_HZ, rules=TIER.bursts
+        [*shots_at(0, confidence=0.6), *shots_at(20, confidence=0.9), *shots_at(60)],
+        rate_hz=RATE_HZ,
+        rules=TIER.bursts,
+        sure=TIER.verify.threshold,
     )
     assert [s.onset for s in kept] == [20 * 48, 60 * 48]
     assert [r.at_sample for r in dropped] == [0]

@@ -15,22 +15,26 @@ from .copies import likeness
 from .rows import runs_of
 
 _ROUNDS_HEARD = 5  # of a burst, to tell its pace by
+_STAGES_MS = 20.0  # from where a shot begins: a bolt, the blast, what the room adds
 _SAME_ECHO_MS = 1.0  # two shots that hear an echo this close hear the same one
 
 
 def suppress_non_maxima(
-    shots: Iterable[Shot], *, rate_hz: int, rules: BurstRules
+    shots: Iterable[Shot], *, rate_hz: int, rules: BurstRules, sure: float
 ) -> tuple[tuple[Shot, ...], tuple[Rejection, ...]]:
     """Return the shots no two of which lie nearer than `shortest_gap_ms`, and the rest, both in order of time.
 
-    Temporal non-maximum suppression: what is given up lies too near to one that is kept and at least as sure.
+    Temporal non-maximum suppression: what is given up lies too near to one that is kept and at least as sure, or that
+    has a probability of `sure` and comes first: the loudest stage of a shot is not where it begins.
     """
+    shots = list(shots)
     gap = samples_from_ms(rules.shortest_gap_ms, rate_hz)
+    later = _later_stages(shots, samples_from_ms(_STAGES_MS, rate_hz), sure)
     kept: list[Shot] = []
     dropped: list[Rejection] = []
     taken: list[int] = []  # onsets, ascending
     # the surest first, so that only a shot that stays costs another its place; of equals the one that began the sound
-    for shot in sorted(shots, key=lambda s: (-s.confidence, s.onset)):
+    for shot in sorted(shots, key=lambda s: (s.onset in later, -s.confidence, s.onset)):
         place = bisect_left(taken, shot.onset)
         if any(abs(shot.onset - onset) < gap for onset in taken[max(0, place - 1) : place + 1]):
             why = "nearer to a surer shot than any gun fires"
@@ -41,24 +45,41 @@ def suppress_non_maxima(
     return tuple(sorted(kept, key=lambda s: s.onset)), tuple(sorted(dropped, key=lambda r: r.at_sample))
 
 
+def _later_stages(shots: Iterable[Shot], longest: int, sure: float) -> set[int]:
+    """Return the onsets of what comes up to so many samples after what begins a shot by itself."""
+    begun: int | None = None
+    later: set[int] = set()
+    for shot in sorted(shots, key=lambda s: s.onset):
+        if begun is not None and shot.onset - begun < longest:
+            later.add(shot.onset)
+        elif shot.confidence >= sure:
+            begun = shot.onset
+    return later
+
+
 def without_echoes(
     shots: Iterable[Shot], *, rate_hz: int, rules: BurstRules
 ) -> tuple[tuple[Shot, ...], tuple[Rejection, ...]]:
     """Return the shots that are no echo of an earlier one, in order of time, and the echoes.
 
-    An echo lies where an earlier shot was found to repeat itself more softly, or sounds as an earlier shot does, and
-    its own peak is lower by as much. The rounds of a burst are alike, too, but about as loud, or fall evenly: what
-    comes when the next round of even fire is due is none. An echo that only its sound gives away becomes a reflection
-    of the shot that it copies.
+    An echo lies where an earlier shot was found to repeat itself more softly, and is a little like it, or sounds as an
+    earlier shot does; its own peak is lower by as much. The rounds of a burst are alike, too, but about as loud, or
+    fall evenly: what comes when the next round of even fire is due is none. An echo that only its sound gives away
+    becomes a reflection of the shot that it copies.
     """
     same = samples_from_ms(_SAME_ECHO_MS, rate_hz)
     kept: list[Shot] = []
     echoes: list[Rejection] = []
-    due: list[tuple[int, float]] = []  # where echoes are still to come, and how high they may peak
+    due: list[
+        tuple[int, float, Shot]
+    ] = []  # where echoes are still to come, how high they may peak, and whose they are
     in_order = sorted(shots, key=lambda s: s.onset)
     for place, shot in enumerate(in_order):
-        due = [(at, highest_dbfs) for at, highest_dbfs in due if at >= shot.onset - same]
-        expected = any(at <= shot.onset + same and shot.peak_dbfs <= highest_dbfs for at, highest_dbfs in due)
+        due = [each for each in due if each[0] >= shot.onset - same]
+        expected = any(
+            at <= shot.onset + same and shot.peak_dbfs <= highest_dbfs and _may_repeat(shot, first, rules)
+            for at, highest_dbfs, first in due
+        )
         copied = None if expected else _copied_by(shot, kept, rate_hz=rate_hz, rules=rules)
         later = in_order[place + 1 : place + _ROUNDS_HEARD]
         if (expected or copied is not None) and not _is_next_round(shot, kept, later, rate_hz=rate_hz, rules=rules):
@@ -68,8 +89,17 @@ def without_echoes(
             continue
         kept.append(shot)
         softer = (echo for echo in shot.reflections if echo.level_db <= -rules.echo_drop_db)
-        due += [(echo.start, shot.peak_dbfs - rules.echo_drop_db) for echo in softer]
+        due += [(echo.start, shot.peak_dbfs - rules.echo_drop_db, shot) for echo in softer]
     return tuple(kept), tuple(echoes)
+
+
+def _may_repeat(shot: Shot, earlier: Shot, rules: BurstRules) -> bool:
+    """Return whether a shot is like an earlier one, as echoes of crowded places still are, or nobody knows.
+
+    Where reflections are looked for, another shot is a spike as well.
+    """
+    attacks = [each.evidence.attack if each.evidence else b"" for each in (shot, earlier)]
+    return not all(attacks) or likeness(attacks[0], attacks[1:])[0] >= rules.echo_likeness
 
 
 def _is_next_round(

@@ -12,11 +12,11 @@ class BurstRules(Table, frozen=True):
 
     A burst has `fewest_shots` or more, each within `longest_gap_ms` of the one before; of two nearer each other than
     `shortest_gap_ms` one is not told. What copies an earlier shot, and is weaker by `echo_drop_db` or more, is that
-    shot's echo: what lies where one of its reflections was found, or comes up to `latest_copy_ms` after it and has a
-    waveform that is `copy_likeness` like its own. A row of even fire has `fewest_even` sounds or more, each gap within
-    `unevenness` of the one before, peaks within `echo_drop_db` of the first; from `fewest_as_one` on it is believed as
-    a whole or not at all. Of an even run of more than `most_unsure`, half have to be sure by themselves, or in a
-    row as long as that which is fire by `sustained_threshold`.
+    shot's echo: what lies where one of its reflections was found and has a waveform that is `echo_likeness` like its
+    own, or comes up to `latest_copy_ms` after it and is `copy_likeness` like it. A row of even fire has `fewest_even`
+    sounds or more, each gap within `unevenness` of the one before, peaks within `echo_drop_db` of the first; from
+    `fewest_as_one` on it is believed as a whole or not at all. Of an even run of more than `most_unsure`, half have to
+    be sure by themselves, or in a row as long as that which is fire by `sustained_threshold`.
     """
 
     shortest_gap_ms: Annotated[float, Meta(ge=2.0, le=1000.0)]
@@ -24,6 +24,7 @@ class BurstRules(Table, frozen=True):
     echo_drop_db: Difference
     latest_copy_ms: Annotated[float, Meta(ge=0.0, le=5000.0)]
     copy_likeness: Ratio
+    echo_likeness: Ratio
     fewest_shots: Annotated[int, Meta(ge=2, le=10_000)]
     fewest_even: Annotated[int, Meta(ge=3, le=10_000)]
     fewest_as_one: Annotated[int, Meta(ge=3, le=10_000)]
