@@ -126,24 +126,37 @@ def test_what_reaches_less_than_a_round_is_never_believed() -> None:
         (BURSTS.shortest_gap_ms, 0.0, 2),
         (60.0, BURSTS.echo_drop_db - 0.1, 2),
         (60.0, BURSTS.echo_drop_db, 1),
-        (BURSTS.longest_gap_ms, -20.0, 2),
-        (BURSTS.longest_gap_ms + 1.0, 0.0, 1),
+        (VERIFY.pair_ms, -20.0, 2),
+        (VERIFY.pair_ms + 1.0, 0.0, 1),
     ],
 )
-def test_a_sure_shot_has_a_second_one_where_that_is_as_fast_and_loud_as_a_gun_fires(
-    gap_ms: float, softer_db: float, number: int
+@pytest.mark.parametrize("sooner", [False, True])
+def test_a_sure_shot_is_one_of_two_where_the_other_is_near_and_as_loud(
+    gap_ms: float, softer_db: float, number: int, *, sooner: bool
 ) -> None:
     first = shot(20_000, VERIFY.threshold)
-    after = shot(20_000 + gap_ms, VERIFY.pair_threshold, first.peak_dbfs - softer_db)
-    assert len(believed_ms(first, after)) == number
+    other_ms = 20_000 - gap_ms if sooner else 20_000 + gap_ms
+    other = shot(other_ms, VERIFY.pair_threshold, first.peak_dbfs - softer_db)
+    assert len(believed_ms(first, other)) == number
 
 
-def test_a_second_shot_follows_one_that_is_sure_by_itself_and_has_no_second_of_its_own() -> None:
-    first, *others = (shot(20_000 + n * FAST_MS, VERIFY.pair_threshold) for n in range(4))
-    sure_ = shot(20_000 + FAST_MS, VERIFY.threshold)
-    assert believed_ms(first, sure_, *others[1:]) == [20_000 + FAST_MS, 20_000 + 2 * FAST_MS]
-    company = shot(20_000 + FAST_MS, VERIFY.company_threshold)
-    assert believed_ms(shot(15_000, VERIFY.threshold), first, company, *others[1:]) == [15_000, 20_000 + FAST_MS]
+def test_the_other_of_two_shots_is_near_one_that_is_sure_by_itself_and_brings_no_other() -> None:
+    gap_ms = 0.7 * VERIFY.pair_ms
+    first, *others = (shot(20_000 + n * gap_ms, VERIFY.pair_threshold) for n in range(4))
+    sure_ = shot(20_000 + gap_ms, VERIFY.threshold)
+    assert believed_ms(first, sure_, *others[1:]) == [20_000 + n * gap_ms for n in range(3)]
+    company = shot(20_000 + gap_ms, VERIFY.company_threshold)
+    assert believed_ms(shot(15_000, VERIFY.threshold), first, company, *others[1:]) == [15_000, 20_000 + gap_ms]
+
+
+@pytest.mark.parametrize("first_inside", [False, True])
+def test_two_shots_that_the_end_of_a_core_parts_are_both_segmented(*, first_inside: bool) -> None:
+    gap = round(0.9 * VERIFY.pair_ms * RATE_HZ / 1000)
+    other = scored(np.array([1_000_000]), np.array([VERIFY.pair_threshold + 0.01]))
+    for edge, worth in ((1_000_000 + gap, True), (1_000_000 + 10 * RATE_HZ, False)):
+        core = Span(0, edge) if first_inside else Span(2_000_000 - edge, 100 * RATE_HZ)
+        told = worth_segmenting(other, [None], rate_hz=RATE_HZ, tier=TIER, core=core)
+        assert told.tolist() == [worth]
 
 
 @pytest.mark.parametrize("gap_ms", [BURSTS.shortest_gap_ms, FAST_MS, BURSTS.longest_gap_ms])

@@ -7,7 +7,7 @@ run of likely ones, as fast as a gun fires ──► sure        guns do what no
 even row, likely in the mean               ──► believed    a weapon keeps its pace, and is heard so many times
 long even row, unlikely in the mean        ──► none        so do machines
 believed ──► the next as fast as a gun fires, unlikely     one round is followed by another
-surely a shot ──► the next as fast, less likely            as is one of two
+surely a shot ──► one right before or after, less likely   many come in twos
 even row, slower, half of it unsure, and   ──► none        so come steps and blows
     unlikely in the mean
 even run without an end, half of it unsure     ──► none    so do machines as well
@@ -22,13 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import EvenRow, Rejection, Shot, Span
-from ..ruleset import QualityRules
+from ..ruleset import QualityRules, VerifyRules
 from ..units import samples_from_ms, samples_from_s
 from .backdrop import LEVELS
 from .fire import ScoredCandidates, in_sustained_fire
 from .loops import LoopCandidates, in_loops
 from .pace import rows_at, shot_by_shot
-from .rounds import in_a_run, with_rounds, with_second_shots
+from .rounds import in_a_run, with_pairs, with_rounds
 from .rows import in_endless_fire, in_even_rows, runs_of
 from .verify import log_odds_of
 
@@ -71,8 +71,8 @@ def in_company(
     - the rounds of a row of even fire that sounds like fire in the mean (`fire.py`);
     - of a burst with two believed shots, the other rounds that reach `round_threshold`: what lies within
       `longest_gap_ms` from one to the next, unless it is `echo_drop_db` softer than the believed ones;
-    - what follows a shot that is sure by itself within `longest_gap_ms`, if it reaches `pair_threshold` and is not
-      `echo_drop_db` softer: the second of a double shot.
+    - what lies within `pair_ms` of a shot that is sure by itself, if it reaches `pair_threshold` and is not
+      `echo_drop_db` softer: the other one of a double shot.
 
     Refused all the same, so that they are company for no other, are
 
@@ -119,7 +119,9 @@ def _belief(shots: Sequence[Shot], *, rate_hz: int, tier: QualityRules) -> _Beli
     believed |= fire
     believed = with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=bursts)
     perhaps = rounds & (probability >= rules.pair_threshold)
-    believed = with_second_shots(onsets, believed, by_itself, perhaps, peaks_dbfs, rate_hz=rate_hz, rules=bursts)
+    believed = with_pairs(
+        onsets, believed, by_itself, perhaps, peaks_dbfs, longest_ms=rules.pair_ms, rate_hz=rate_hz, rules=bursts
+    )
     unlike = np.array([row == "no fire" for row in rows], bool) & ~by_itself
     sustained = in_sustained_fire(onsets, peaks_dbfs, fire, rate_hz=rate_hz, rules=bursts)
     return _Belief(believed, by_itself, likely, fire, sustained, unlike)
@@ -190,6 +192,7 @@ def worth_segmenting(
     longest = samples_from_ms(tier.bursts.longest_gap_ms, rate_hz) + _ROUNDING
     fired = np.array([row == "fire" for row in rows], bool)
     worth: NDArray[np.bool_] = (scored.odds.by_all >= log_odds_of(tier.verify.company_threshold)) | fired
+    worth |= _perhaps_of_a_pair(scored, rate_hz=rate_hz, rules=tier.verify, core=core)
     likeliest = np.maximum(scored.odds.by_all, scored.odds.by_networks)
     members = np.flatnonzero((likeliest >= log_odds_of(tier.verify.round_threshold)) | worth)
     reach = (tier.rows.fewest - 1) * samples_from_ms(tier.rows.longest_gap_ms, rate_hz)
@@ -203,6 +206,14 @@ def worth_segmenting(
         if (at < core.start + longest).any() or (at >= core.stop - longest).any() or worth[burst].any():
             worth[burst] = True
     return worth
+
+
+def _perhaps_of_a_pair(scored: ScoredCandidates, *, rate_hz: int, rules: VerifyRules, core: Span) -> NDArray[np.bool_]:
+    """Return which of n candidates are likely enough and near enough to a sure one, which may lie beyond the core."""
+    reach = samples_from_ms(rules.pair_ms, rate_hz) + _ROUNDING
+    sure = scored.onsets[scored.odds.by_all >= log_odds_of(rules.threshold)]
+    cut = (scored.onsets < core.start + reach) | (scored.onsets >= core.stop - reach)
+    return (scored.odds.by_all >= log_odds_of(rules.pair_threshold)) & (cut | _near(scored.onsets, sure, reach))
 
 
 def _near(places: NDArray[np.intp], others: NDArray[np.intp], reach: int) -> NDArray[np.bool_]:

@@ -68,24 +68,26 @@ def with_rounds(
     return kept
 
 
-def with_second_shots(
+def with_pairs(
     onsets: NDArray[np.intp],
     believed: NDArray[np.bool_],
     sure: NDArray[np.bool_],
     perhaps: NDArray[np.bool_],
     peaks_dbfs: NDArray[np.float64],
     *,
+    longest_ms: float,
     rate_hz: int,
     rules: BurstRules,
 ) -> NDArray[np.bool_]:
-    """Return the believed with those of `perhaps` that follow a sure one as fast as a gun fires, about as loud.
+    """Return the believed with those of `perhaps` that come so soon before or after a sure one, about as loud.
 
-    What is softer is more likely the echo of the first.
+    What is softer is more likely an echo, or a hand at the gun.
     """
-    shortest, longest = (samples_from_ms(ms, rate_hz) for ms in (rules.shortest_gap_ms, rules.longest_gap_ms))
+    shortest, longest = samples_from_ms(rules.shortest_gap_ms, rate_hz), samples_from_ms(longest_ms, rate_hz)
     kept = believed.copy()
     for place in np.flatnonzero(perhaps & ~believed).tolist():
-        begin = np.searchsorted(onsets, onsets[place] - longest, side="left")
-        end = np.searchsorted(onsets, onsets[place] - shortest, side="right")
-        kept[place] = (sure[begin:end] & (peaks_dbfs[place] > peaks_dbfs[begin:end] - rules.echo_drop_db)).any()
+        at = onsets[place]
+        begin, end = np.searchsorted(onsets, (at - longest, at + longest + 1))
+        partners = sure[begin:end] & (np.abs(onsets[begin:end] - at) >= shortest)
+        kept[place] = (partners & (peaks_dbfs[place] > peaks_dbfs[begin:end] - rules.echo_drop_db)).any()
     return kept

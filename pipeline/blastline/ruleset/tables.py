@@ -72,8 +72,8 @@ class VerifyRules(Table, frozen=True):
     latter reach `threshold`, from the pace of steps on, or what lies between. A fast row of more than `most_unsure` is
     fire where they reach `report_from`, and `sustained_threshold` if each is taken for one of a burst. Two shots that
     fast take along their burst's other rounds, if about as loud, from `round_threshold` on; one that is sure by itself
-    takes along what follows it that fast and that loud from `pair_threshold` (and `round_threshold`) on, as the second
-    of a double shot.
+    takes along what lies within `pair_ms` of it and is that loud from `pair_threshold` (and `round_threshold`) on, as
+    the other one of a double shot.
     From `report_from` on a candidate is at least listed among the rejections. What falls by less than `least_fall_db`
     for a second is none, unless it is a round of even fire: it goes on, as after a cut to another scene.
     """
@@ -90,6 +90,7 @@ class VerifyRules(Table, frozen=True):
     even_networks_threshold: Ratio
     round_threshold: Ratio
     pair_threshold: Ratio
+    pair_ms: Annotated[float, Meta(ge=0.0, le=10_000.0)]
     report_from: Ratio
     sustained_threshold: Ratio
     least_fall_db: Annotated[float, Meta(ge=0.0, le=60.0)]
