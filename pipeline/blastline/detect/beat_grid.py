@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import bdtrc
 
 from ..ruleset import BeatRules
 
@@ -160,4 +159,6 @@ def chance_of(
     on_grid: NDArray[np.intp] | int, count: NDArray[np.intp] | int, grid: Grid, within: float
 ) -> NDArray[np.float64]:
     """Return how likely so many of some sounds, or more, lie on a grid if they come anywhere, of the same shape."""
+    from scipy.special import bdtrc
+
     return np.asarray(bdtrc(np.asarray(on_grid) - 1.0, count, min(1.0, 2.0 * within / grid.period)))
