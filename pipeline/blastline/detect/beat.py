@@ -36,14 +36,15 @@ def on_the_beat(
     found = np.zeros(asked.size, bool)
     film_ms = np.asarray(1000.0 / rate_hz * heard.onsets, np.float64)
     asked_ms = film_ms[asked]
-    first = np.diff(film_ms, prepend=-np.inf) > _SAME_MS
+    sounds = np.flatnonzero(np.diff(film_ms, prepend=-np.inf) > _SAME_MS)
+    sounds_ms = film_ms[sounds]
     start = 0
     while start < asked.size:
         stop = int(np.searchsorted(asked_ms, asked_ms[start] + 1000.0 * rules.window_s / _STRIDE, side="right"))
         some = slice(start, stop)
         for before in _BEFORE:
             begin_ms = float(asked_ms[start]) - 1000.0 * before * rules.window_s
-            passage = Passage(film_ms[first], begin_ms, rules, bursts.longest_gap_ms)
+            passage = Passage(sounds_ms, begin_ms, rules, bursts.longest_gap_ms)
             if passage.sounds.size < rules.fewest:
                 continue
             peak = strongest_grid(passage)
@@ -51,7 +52,7 @@ def on_the_beat(
             if exact is not None:
                 found[some] |= exact.holds(asked_ms[some], rules.within_ms)
             if rough is not None:
-                around = np.flatnonzero(first & passage.spans(film_ms))
+                around = sounds[passage.part()]
                 found[some] |= _with_those_alike(rough, asked[some], around, heard, film_ms, rules)
         start = stop
     for run in runs_of(asked_ms, bursts.longest_gap_ms):
@@ -96,10 +97,10 @@ def _with_those_alike(
     as_loud = np.abs(heard.peaks_dbfs[asked, None] - heard.peaks_dbfs[around]) <= rules.alike_level_db
     differ_db = np.abs(heard.sounds[asked, None] - heard.sounds[around]).mean(axis=2)
     alike = apart & as_loud & (differ_db <= rules.alike_sound_db)
-    on_grid = grid.holds(film_ms, rules.alike_within_ms)
-    count, kept = alike.sum(axis=1), (alike & on_grid[around]).sum(axis=1)
+    own, others = (grid.holds(film_ms[which], rules.alike_within_ms) for which in (asked, around))
+    count, kept = alike.sum(axis=1), (alike & others).sum(axis=1)
     unlikely = chance_of(kept, count, grid, rules.alike_within_ms) <= rules.by_chance
-    return np.asarray(on_grid[asked] & (count >= _FEWEST_ALIKE) & unlikely)
+    return np.asarray(own & (count >= _FEWEST_ALIKE) & unlikely)
 
 
 def _coarsest(grid: Grid, on_grid: Times, rules: BeatRules) -> Grid:

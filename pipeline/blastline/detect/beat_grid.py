@@ -61,16 +61,16 @@ class Passage:
     longest_gap: float
     """As fast as a gun fires: what follows so is a grid by itself."""
 
-    def spans(self, times: Times, before: float = 0.0, after: float = 0.0) -> NDArray[np.bool_]:
-        """Return which times lie in the window, or so much of a window before or after it."""
+    def part(self, before: float = 0.0, after: float = 0.0) -> slice:
+        """Return which of the film's sounds lie in the window, or so much of a window before or after it."""
         window = 1000.0 * self.rules.window_s
-        since = (times - self.begin) / window
-        return np.asarray((since >= -before) & (since < 1.0 + after))
+        ends = (self.begin - before * window, self.begin + (1.0 + after) * window)
+        return slice(*np.searchsorted(self.film, ends).tolist())
 
     @property
     def sounds(self) -> Times:
         """The window's own sounds."""
-        return self.film[self.spans(self.film)]
+        return self.film[self.part()]
 
     @property
     def begins(self) -> NDArray[np.bool_]:
@@ -138,7 +138,7 @@ def _goes_on(grid: Grid, passage: Passage) -> bool:
     """
     rules = passage.rules
     edges = passage.begin + 1000.0 * rules.window_s * np.arange(-0.5, 1.5 + _PIECE, _PIECE)
-    around = passage.film[passage.spans(passage.film, 0.5, 0.5)]
+    around = passage.film[passage.part(0.5, 0.5)]
     sounds, on_grid = (np.histogram(each, edges)[0] for each in (around, around[grid.holds(around, rules.within_ms)]))
     kept = np.flatnonzero(on_grid >= np.maximum(_FEWEST_IN_PIECE, rules.share * sounds))
     return bool(kept.size) and bool((kept[-1] - kept[0]) * _PIECE > 1.0)
