@@ -24,12 +24,19 @@ def samples(times_s: NDArray[np.floating], rate_hz: int = RATE_HZ) -> Onsets:
     return np.round(np.sort(times_s) * rate_hz).astype(np.intp)
 
 
-def kept(shots: Onsets, onsets: Onsets, rate_hz: int = RATE_HZ, kinds: NDArray[np.intp] | None = None) -> list[bool]:
+def kept(
+    shots: Onsets,
+    onsets: Onsets,
+    rate_hz: int = RATE_HZ,
+    kinds: NDArray[np.intp] | None = None,
+    peaks_dbfs: NDArray[np.float64] | None = None,
+) -> list[bool]:
     """Return which shots, all of them heard, keep the beat of what is heard; without kinds no two sounds are alike."""
     kind = np.arange(onsets.size) if kinds is None else kinds
     sounds = np.random.default_rng(7).integers(-60, 1, (onsets.size, LEVELS)).astype(np.int16)
     odds = np.zeros(onsets.size)
-    heard = ScoredCandidates(onsets, odds, LogOdds(odds, odds, odds), sounds[kind])
+    peaks = odds if peaks_dbfs is None else peaks_dbfs
+    heard = ScoredCandidates(onsets, peaks, LogOdds(odds, odds, odds), sounds[kind])
     asked = np.flatnonzero(np.isin(onsets, shots))
     found = on_the_beat(asked, heard, rate_hz=rate_hz, rules=TIER.beat, bursts=TIER.bursts)
     return [bool(each) for each in found]
@@ -146,6 +153,40 @@ def test_rolls_at_the_pace_of_a_gun_that_share_a_grid_for_longer_than_any_belt_l
     assert np.mean(kept(onsets, onsets)) > 0.9
 
 
+@pytest.mark.parametrize("length_s", [30.0, 45.0])
+@pytest.mark.parametrize("unheard", [0.05, 0.1, 0.2])
+def test_sustained_fire_that_goes_on_for_longer_than_a_window_is_no_music(length_s: float, unheard: float) -> None:
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        rounds = np.flatnonzero(rng.random(round(length_s / 0.1091)) > unheard)
+        assert keep_no_beat(samples(1.37 + 0.1091 * rounds + rng.uniform(-1e-3, 1e-3, rounds.size)))
+
+
+@pytest.mark.parametrize("pace_s", [0.3, 0.37, 0.45])
+@pytest.mark.parametrize("strays", [0, 15])
+def test_a_gun_fired_evenly_in_strings_keeps_no_beat(pace_s: float, strays: int) -> None:
+    """The shots of a string follow from its first two: they are no more looks at a grid."""
+    refused: list[bool] = []
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        gaps = [
+            np.append(pace_s * rng.normal(1.0, 0.03, rng.integers(3, 12)), rng.uniform(1.1, 3.4)) for _ in range(12)
+        ]
+        shots = samples(1.3 + np.cumsum(np.concatenate(gaps)))
+        heard = np.append(shots, samples(rng.uniform(1.0, 59.0, strays)))
+        order = np.argsort(heard, kind="stable")
+        refused += kept(shots, heard[order], kinds=np.append(np.zeros(shots.size, int), 1 + np.arange(strays))[order])
+    assert np.mean(refused) < 0.02
+
+
+@pytest.mark.parametrize("step_s", [0.1, 0.25, 0.5])
+def test_clips_may_begin_anywhere_near_the_times_that_were_written_down(step_s: float) -> None:
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        times = step_s * np.flatnonzero(rng.random(round(60.0 / step_s)) < 0.4)
+        assert keep_no_beat(samples(1.0 + times + rng.normal(0.0, 0.006, times.size)))
+
+
 @pytest.mark.parametrize("gap_s", [0.0937, 0.1171, 0.1429])
 @pytest.mark.parametrize("late", [0.3, 0.5, 0.7])
 def test_long_bursts_of_one_gun_share_no_grid(gap_s: float, late: float) -> None:
@@ -180,6 +221,17 @@ def test_strokes_of_one_drum_need_not_keep_the_beat_as_exactly(period_s: float, 
     onsets, kinds = played_by_hand(period_s, seed)
     assert np.mean(kept(onsets, onsets, kinds=kinds)) > 0.7
     assert np.mean(kept(onsets, onsets)) < 0.3
+    levels_dbfs = -6.0 * np.arange(onsets.size)  # no two as loud
+    assert np.mean(kept(onsets, onsets, kinds=kinds, peaks_dbfs=levels_dbfs)) < 0.3
+
+
+def test_what_keeps_the_beat_does_not_depend_on_what_else_is_asked() -> None:
+    onsets, kinds = played_by_hand(0.1467, 3)
+    whole = np.array(kept(onsets, onsets, kinds=kinds))
+    apart = np.diff(onsets, prepend=-RATE_HZ, append=99 * RATE_HZ) > 0.16 * RATE_HZ
+    alone = np.flatnonzero(apart[:-1] & apart[1:])
+    for some in (alone[::2], alone[5:], alone[7:9]):
+        assert kept(onsets[some], onsets, kinds=kinds) == whole[some].tolist()
 
 
 @pytest.mark.parametrize("period_s", [0.1171, 0.1467, 0.187, 0.231])

@@ -25,7 +25,7 @@ def shot(at_ms: float, *, confidence: float = 0.9, echoes_at_ms: tuple[float, ..
 
 
 def apart(*shots: Shot, sure: float = 1.0) -> tuple[list[int], list[Rejection]]:
-    kept, dropped = suppress_non_maxima(shots, rate_hz=RATE_HZ, rules=RULES, sure=sure)
+    kept, dropped = suppress_non_maxima(shots, rate_hz=RATE_HZ, rules=RULES, sure={"mains": sure})
     return [each.onset for each in kept], list(dropped)
 
 
@@ -46,8 +46,9 @@ def test_a_shot_begins_where_it_is_sure_and_not_with_its_loudest_stage(later_ms:
     begin, stage = shot(100, confidence=0.86), shot(100 + later_ms, confidence=0.97)
     assert apart(begin, stage, sure=0.84)[0] == [begin.onset]
     assert apart(msgspec.structs.replace(begin, confidence=0.83), stage, sure=0.84)[0] == [stage.onset]
-    another = shot(130, confidence=0.97)  # too late for a stage
+    another = shot(130, confidence=0.98)  # too late for a stage
     assert apart(begin, another, sure=0.84)[0] == [another.onset]
+    assert apart(begin, stage, msgspec.structs.replace(another, confidence=0.9), sure=0.84)[0] == [begin.onset]
 
 
 def test_shots_as_near_as_a_gun_fires_both_stay() -> None:

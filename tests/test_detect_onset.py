@@ -362,7 +362,7 @@ def test_of_two_shots_nearer_than_any_gun_the_surer_stays() -> None:
         [*shots_at(0, confidence=0.6), *shots_at(20, confidence=0.9), *shots_at(60)],
         rate_hz=RATE_HZ,
         rules=TIER.bursts,
-        sure=TIER.verify.threshold,
+        sure={"mains": TIER.verify.threshold},
     )
     assert [s.onset for s in kept] == [20 * 48, 60 * 48]
     assert [r.at_sample for r in dropped] == [0]

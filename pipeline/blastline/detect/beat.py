@@ -7,11 +7,13 @@ A sound is a drum where half of all sounds around lie on the grid to a few milli
 to a few more and of those that sound like it, as strokes of one drum do, more lie there than chance would have.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ..ruleset import BeatRules, BurstRules
-from .beat_grid import Grid, Passage, Times, chance_of, fitted_grid, strongest_grid
+from .beat_grid import Grid, Passage, Times, chance_of, fitted_grid, of_no_row, strongest_grid
 from .fire import ScoredCandidates
 from .rows import runs_of
 
@@ -22,8 +24,8 @@ _STRIDE = 8  # of a window: so much of it is asked about at once
 _BEFORE = (0.0, 7 / 16, 7 / 8)  # of a window, before what is asked about: music may begin or end there
 _NARROWING = (3.0, 1.5, 1.0, 1.0)  # of what lies on a grid exactly, while it is fitted
 _WIDE = (0.25, 0.15, 0.12)  # of a period: what lies on one roughly
+_WRITTEN, _ROUGHLY_WRITTEN = 0.85, 0.5  # it is .88 where half begin 8 ms after the others, .57 where 17 ms
 _BY_CHANCE = 0.05  # of the places
-_FEWEST_ALIKE = 3
 
 
 def on_the_beat(
@@ -38,13 +40,10 @@ def on_the_beat(
     asked_ms = film_ms[asked]
     sounds = np.flatnonzero(np.diff(film_ms, prepend=-np.inf) > _SAME_MS)
     sounds_ms = film_ms[sounds]
-    start = 0
-    while start < asked.size:
-        stop = int(np.searchsorted(asked_ms, asked_ms[start] + 1000.0 * rules.window_s / _STRIDE, side="right"))
-        some = slice(start, stop)
-        for before in _BEFORE:
-            begin_ms = float(asked_ms[start]) - 1000.0 * before * rules.window_s
-            passage = Passage(sounds_ms, begin_ms, rules, bursts.longest_gap_ms)
+    for start_ms, stop_ms in _strides(film_ms, 1000.0 * rules.window_s / _STRIDE):
+        some = slice(*np.searchsorted(asked_ms, (start_ms, stop_ms)).tolist())
+        for before in _BEFORE if some.start < some.stop else ():
+            passage = Passage(sounds_ms, start_ms - 1000.0 * before * rules.window_s, rules, bursts.longest_gap_ms)
             if passage.sounds.size < rules.fewest:
                 continue
             peak = strongest_grid(passage)
@@ -54,16 +53,24 @@ def on_the_beat(
             if rough is not None:
                 around = sounds[passage.part()]
                 found[some] |= _with_those_alike(rough, asked[some], around, heard, film_ms, rules)
-        start = stop
     for run in runs_of(asked_ms, bursts.longest_gap_ms):
         found[run] &= 2 * found[run].sum() >= run.size
     return found
 
 
+def _strides(times: Times, length: float) -> Iterator[tuple[float, float]]:
+    """Yield from when to when to ask: from a sound on for so long, then from the next one on."""
+    place = 0
+    while place < times.size:
+        start = float(times[place])
+        yield start, start + length
+        place = int(np.searchsorted(times, start + length))
+
+
 def _exact(peak: Grid, passage: Passage) -> Grid | None:
     """Return the grid that half of all sounds of a passage keep, to a few milliseconds; None where they keep none."""
     rules, sounds = passage.rules, passage.sounds
-    grid = fitted_grid(peak, passage, [wide * rules.within_ms for wide in _NARROWING])
+    grid = fitted_grid(peak, passage, [wide * rules.within_ms for wide in _NARROWING], _WRITTEN)
     if grid is None:
         return None
     near, begins = grid.holds(sounds, rules.within_ms), passage.begins
@@ -77,11 +84,11 @@ def _rough(peak: Grid, passage: Passage) -> Grid | None:
     At one period, n sounds that come anywhere have phases with a resultant of R by a chance of exp(-n R^2) (Rayleigh).
     """
     rules = passage.rules
-    grid = fitted_grid(peak, passage, [wide * peak.period for wide in _WIDE])
+    grid = fitted_grid(peak, passage, [wide * peak.period for wide in _WIDE], _ROUGHLY_WRITTEN)
     if grid is None:
         return None
-    odds = passage.sounds.size * grid.resultant(passage.sounds) ** 2
-    return grid if odds >= rules.alike_resultant else None
+    told = passage.sounds[of_no_row(passage.sounds)]
+    return grid if told.size * grid.resultant(told) ** 2 >= rules.alike_resultant else None
 
 
 def _with_those_alike(
@@ -98,9 +105,12 @@ def _with_those_alike(
     differ_db = np.abs(heard.sounds[asked, None] - heard.sounds[around]).mean(axis=2)
     alike = apart & as_loud & (differ_db <= rules.alike_sound_db)
     own, others = (grid.holds(film_ms[which], rules.alike_within_ms) for which in (asked, around))
+    for row in alike:
+        places = np.flatnonzero(row)
+        row[places] = of_no_row(film_ms[around[places]])
     count, kept = alike.sum(axis=1), (alike & others).sum(axis=1)
     unlikely = chance_of(kept, count, grid, rules.alike_within_ms) <= rules.by_chance
-    return np.asarray(own & (count >= _FEWEST_ALIKE) & unlikely)
+    return np.asarray(own & unlikely)
 
 
 def _coarsest(grid: Grid, on_grid: Times, rules: BeatRules) -> Grid:

@@ -17,12 +17,20 @@ Times = NDArray[np.float64]
 _SLOWEST_ROW_MS = 3000.0
 """Somebody may fire, walk or hammer evenly, with pauses: one even row, up to so slow, is no rhythm by itself."""
 
+_FEWEST_BESIDE = 4
+"""So many sounds have to keep the grid beside the fullest row."""
+
 _MOSTLY = 0.6  # of the gaps
 _PIECE, _FEWEST_IN_PIECE = 0.25, 4  # of a window; sounds on the grid, that tell that it is kept there
 
-_WRITTEN_MS, _WRITTEN = 50.0, 0.85
-"""Times that somebody wrote down are multiples of this, hence of many grids: where sounds are so near to multiples, as
-the mean resultant length of their phases, they tell of no beat. It is .88 where half begin 8 ms after the others."""
+_LONGEST_ROLL = 16  # places: what goes on for longer may be fire
+_MISSED = 2  # places from one round to the next, where one between them is not heard
+_RESTS = 0.4  # of the gaps that are no step of a roll, longer than that
+
+_PACE = 0.1  # of a gap, within which the next one is as long
+
+_WRITTEN_MS = 50.0
+"""Times that somebody wrote down are multiples of this, hence of many grids."""
 
 _SPEEDS = np.outer((1.0, 1.001, 1.0 / 1.001), (1.0, 0.96, 1.0 / 0.96)).ravel()
 """Or as long as that became at the speed of television: 24 frames a second as 23.976, or as 25."""
@@ -78,6 +86,14 @@ class Passage:
         return np.asarray(np.diff(self.sounds, prepend=-np.inf) > self.longest_gap)
 
 
+def of_no_row(times: Times) -> NDArray[np.bool_]:
+    """Return which times, ascending, do not go on at the pace of the two before: a row tells of no grid but its own."""
+    gaps = np.diff(times)
+    told = np.ones(times.size, np.bool_)
+    told[2:] = np.abs(np.diff(gaps)) > _PACE * gaps[:-1]
+    return told
+
+
 def strongest_grid(passage: Passage) -> Grid:
     """Return the grid at the highest peak of the periodogram of a passage's sounds, one at least."""
     rules, sounds = passage.rules, passage.sounds
@@ -95,10 +111,11 @@ def strongest_grid(passage: Passage) -> Grid:
     return Grid(period, float(sounds[0] + np.angle(sums[best]) / (2.0 * np.pi) * period))
 
 
-def fitted_grid(grid: Grid, passage: Passage, within: Sequence[float]) -> Grid | None:
+def fitted_grid(grid: Grid, passage: Passage, within: Sequence[float], written: float) -> Grid | None:
     """Return the grid fitted to what lies on it, ever nearer; None where that is too little, or guns may do the same.
 
-    It has to hold `fewest_apart` of those that nothing precedes as fast as a gun fires.
+    It has to hold `fewest_apart` of those that nothing precedes as fast as a gun fires. They may be written down where
+    they are so near to multiples of 50 ms, as the mean resultant length of their phases.
     """
     rules, sounds = passage.rules, passage.sounds
     for wide in within:
@@ -110,7 +127,7 @@ def fitted_grid(grid: Grid, passage: Passage, within: Sequence[float]) -> Grid |
             return None
     near, begins = grid.holds(sounds, within[-1]), passage.begins
     every, apart = sounds[near], sounds[near & begins]
-    if apart.size < rules.fewest_apart or _is_written(apart):
+    if apart.size < rules.fewest_apart or _is_written(apart, written):
         return None
     even = _is_even(grid, every, rules) or _is_even(grid, apart, rules)
     if even and not _goes_on(grid, passage):
@@ -118,10 +135,10 @@ def fitted_grid(grid: Grid, passage: Passage, within: Sequence[float]) -> Grid |
     return grid if _is_rhythm(grid, apart, int(begins.sum()), within[-1], rules) else None
 
 
-def _is_written(times: Times) -> bool:
-    """Return whether times are as near to multiples of what people write down as a grid allows."""
+def _is_written(times: Times, written: float) -> bool:
+    """Return whether times are near to multiples of what people write down."""
     phases = np.outer(2.0 * np.pi / (_WRITTEN_MS * _SPEEDS), times)
-    return bool((np.abs(np.exp(1j * phases).mean(axis=1)) >= _WRITTEN).any())
+    return bool((np.abs(np.exp(1j * phases).mean(axis=1)) >= written).any())
 
 
 def _is_even(grid: Grid, on_grid: Times, rules: BeatRules) -> bool:
@@ -132,16 +149,25 @@ def _is_even(grid: Grid, on_grid: Times, rules: BeatRules) -> bool:
 
 
 def _goes_on(grid: Grid, passage: Passage) -> bool:
-    """Return whether the grid is kept for longer than a window: no belt lasts so long, nor do bursts share a grid.
+    """Return whether the grid is kept for longer than a window, by rolls: the bursts of one gun share none.
 
-    Half a window before it and half a one after it are heard as well, piece by piece.
+    Half a window before it and half a one after it are heard as well, piece by piece. What goes on for longer than a
+    magazine lasts, or rests hardly longer than where a round is not heard, may be fire.
     """
     rules = passage.rules
     edges = passage.begin + 1000.0 * rules.window_s * np.arange(-0.5, 1.5 + _PIECE, _PIECE)
     around = passage.film[passage.part(0.5, 0.5)]
-    sounds, on_grid = (np.histogram(each, edges)[0] for each in (around, around[grid.holds(around, rules.within_ms)]))
+    near = around[grid.holds(around, rules.within_ms)]
+    sounds, on_grid = (np.histogram(each, edges)[0] for each in (around, near))
     kept = np.flatnonzero(on_grid >= np.maximum(_FEWEST_IN_PIECE, rules.share * sounds))
-    return bool(kept.size) and bool((kept[-1] - kept[0]) * _PIECE > 1.0)
+    if not kept.size or (kept[-1] - kept[0]) * _PIECE <= 1.0:
+        return False
+    places = grid.places(near)
+    gaps = np.diff(places)
+    ends = np.flatnonzero(gaps > 1.0)
+    rolls = places[np.append(ends, -1)] - places[np.append(0, ends + 1)] + 1.0
+    fire = rolls[rolls > _LONGEST_ROLL].sum()
+    return bool(fire < rules.share * near.size and (gaps > _MISSED).sum() >= _RESTS * ends.size)
 
 
 def _is_rhythm(grid: Grid, on_grid: Times, count: int, within: float, rules: BeatRules) -> bool:
@@ -150,7 +176,7 @@ def _is_rhythm(grid: Grid, on_grid: Times, count: int, within: float, rules: Bea
     for apart in range(int(1.01 * rules.longest_ms / grid.period) + 1, int(_SLOWEST_ROW_MS / grid.period) + 1):
         row = int(np.bincount(places % apart).max())
         beside, left = on_grid.size - row, count - row
-        if beside < rules.share * left or chance_of(beside, left, grid, within) > rules.by_chance:
+        if beside < max(_FEWEST_BESIDE, rules.share * left) or chance_of(beside, left, grid, within) > rules.by_chance:
             return False
     return True
 

@@ -1,14 +1,14 @@
 """Which shots are one, which are echoes, and which belong together as automatic fire."""
 
 from bisect import bisect_left, bisect_right, insort
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise, takewhile
 from statistics import median
 
 import msgspec
 import numpy as np
 
-from ..model import Reflection, Rejection, Shot, Span
+from ..model import HeardIn, Reflection, Rejection, Shot, Span
 from ..ruleset import BurstRules
 from ..units import ms_from_samples, samples_from_ms
 from .copies import likeness
@@ -20,24 +20,23 @@ _SAME_ECHO_MS = 1.0  # two shots that hear an echo this close hear the same one
 
 
 def suppress_non_maxima(
-    shots: Iterable[Shot], *, rate_hz: int, rules: BurstRules, sure: float
+    shots: Iterable[Shot], *, rate_hz: int, rules: BurstRules, sure: Mapping[HeardIn, float]
 ) -> tuple[tuple[Shot, ...], tuple[Rejection, ...]]:
     """Return the shots no two of which lie nearer than `shortest_gap_ms`, and the rest, both in order of time.
 
-    Temporal non-maximum suppression: what is given up lies too near to one that is kept and at least as sure, or that
-    has a probability of `sure` and comes first: the loudest stage of a shot is not where it begins.
+    Temporal non-maximum suppression: what is given up lies too near to one that is kept and at least as sure. What is
+    `sure` by itself, in the mix that judged it, begins a shot and is as sure as its surest stage, of those up to 20 ms
+    later: a shot does not begin where it is loudest.
     """
-    shots = list(shots)
     gap = samples_from_ms(rules.shortest_gap_ms, rate_hz)
-    later = _later_stages(shots, samples_from_ms(_STAGES_MS, rate_hz), sure)
     kept: list[Shot] = []
     dropped: list[Rejection] = []
     taken: list[int] = []  # onsets, ascending
     # the surest first, so that only a shot that stays costs another its place; of equals the one that began the sound
-    for shot in sorted(shots, key=lambda s: (s.onset in later, -s.confidence, s.onset)):
+    for shot, _ in sorted(_with_surest_stage(shots, rate_hz, sure), key=lambda each: (-each[1], each[0].onset)):
         place = bisect_left(taken, shot.onset)
         if any(abs(shot.onset - onset) < gap for onset in taken[max(0, place - 1) : place + 1]):
-            why = "nearer to a surer shot than any gun fires"
+            why = "nearer to another shot than any gun fires"
             dropped.append(Rejection(shot.onset, why, {"probability": shot.confidence}))
         else:
             taken.insert(place, shot.onset)
@@ -45,16 +44,17 @@ def suppress_non_maxima(
     return tuple(sorted(kept, key=lambda s: s.onset)), tuple(sorted(dropped, key=lambda r: r.at_sample))
 
 
-def _later_stages(shots: Iterable[Shot], longest: int, sure: float) -> set[int]:
-    """Return the onsets of what comes up to so many samples after what begins a shot by itself."""
-    begun: int | None = None
-    later: set[int] = set()
-    for shot in sorted(shots, key=lambda s: s.onset):
-        if begun is not None and shot.onset - begun < longest:
-            later.add(shot.onset)
-        elif shot.confidence >= sure:
-            begun = shot.onset
-    return later
+def _with_surest_stage(
+    shots: Iterable[Shot], rate_hz: int, sure: Mapping[HeardIn, float]
+) -> Iterator[tuple[Shot, float]]:
+    """Yield the shots in order of time, each with the probability of the surest stage of what it begins."""
+    longest = samples_from_ms(_STAGES_MS, rate_hz)
+    in_time = sorted(shots, key=lambda s: s.onset)
+    onsets = [shot.onset for shot in in_time]
+    for place, shot in enumerate(in_time):
+        stages = in_time[place : bisect_left(onsets, shot.onset + longest)]
+        begins = shot.confidence >= sure[shot.heard_in]
+        yield shot, max(each.confidence for each in stages) if begins else shot.confidence
 
 
 def without_echoes(

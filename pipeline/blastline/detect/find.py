@@ -108,7 +108,8 @@ def select_shots(
 ) -> Detection:
     """Return which of a film's candidates are shots, echoes and doublets taken out and bursts numbered."""
     believed, alone = in_company(shots, rate_hz=rate_hz, tier=tier)
-    kept, dropped = suppress_non_maxima(believed, rate_hz=rate_hz, rules=tier.bursts, sure=tier.verify.threshold)
+    sure: dict[HeardIn, float] = {"mains": tier.verify.threshold, "sides": tier.channels.sides_threshold}
+    kept, dropped = suppress_non_maxima(believed, rate_hz=rate_hz, rules=tier.bursts, sure=sure)
     fired, echoes = without_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
     segmented = drop_claimed_reflections(fired, rate_hz=rate_hz, rules=tier.bursts)
     return Detection(

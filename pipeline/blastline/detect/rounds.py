@@ -1,4 +1,4 @@
-"""What comes as fast as a gun fires: runs that are sure as a whole, a burst's other rounds, second shots."""
+"""What comes as fast as a gun fires: runs that are sure as a whole, a burst's other rounds; and shots in twos."""
 
 import numpy as np
 from numpy.typing import NDArray

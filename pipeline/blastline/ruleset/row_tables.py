@@ -68,13 +68,15 @@ class RowRules(Table, frozen=True):
 class BeatRules(Table, frozen=True):
     """What keeps the beat of music: no shot, however much it sounds like one.
 
-    A beat is a grid of `shortest_ms` to `longest_ms` on which, within `window_s`, `fewest` sounds or more lie, to
-    `within_ms`, and `share` or more of all that were looked at. So many of those that no other sound precedes as fast
-    as a gun fires lie on it as well, `fewest_apart` or more, not all of them equally far apart.
+    A beat is a grid of `shortest_ms` to `longest_ms`, on which, within `window_s`, `fewest_apart` or more lie of the
+    sounds that no other one precedes as fast as a gun fires, more of them than any one even row has: those beside it
+    lie there with a chance of `by_chance` at most. What lies on it to `within_ms` keeps the beat where `fewest` sounds
+    or more do, and `share` or more of all that were looked at and of those apart.
 
-    Where the phases of n sounds have a resultant of R on the grid, with n R^2 of `alike_resultant` or more, what lies
-    on it to `alike_within_ms` keeps the beat where those that are alike do: peaks within `alike_level_db` and sounds,
-    in the mean, within `alike_sound_db`, so many of them on the grid that `by_chance` is their chance at most.
+    Where the phases of n sounds, without those that go on at the pace of the two before, have a resultant of R on the
+    grid, with n R^2 of `alike_resultant` or more, what lies on it to `alike_within_ms` keeps the beat where those that
+    are alike do: peaks within `alike_level_db` and sounds, in the mean, within `alike_sound_db`, so many of them on the
+    grid that `by_chance` is their chance at most.
     """
 
     window_s: Annotated[float, Meta(ge=2.0, le=120.0)]
