@@ -18,7 +18,9 @@ import pytest
 from blastline.errors import RuleError
 from blastline.export import export_timeline, require_frame_rate, require_late_enough
 from blastline.export.frames import FRAME_FORMATS, frame_markers
+from blastline.export.rounding import rounding
 from blastline.model import Timeline, Window
+from blastline.timebase import parse_timebase, retimed
 from films import COUNTINGS, HOSTILE, ONSETS, Counting, film
 
 Found = list[tuple[str, Fraction]]
@@ -300,6 +302,33 @@ def test_markers_keep_to_the_sound_of_a_clip_that_begins_between_two_frames(
 ) -> None:
     counting = Counting(rate, start)
     timeline = film(counting, onsets=range(0, 96_000, 1_777), name="mix.wav", has_picture=False)
+    assert_markers_keep_to_the_clip(timeline, counting, tmp_path)
+
+
+@pytest.mark.parametrize("has_picture", [False, True])
+@pytest.mark.parametrize("clock", ["01:00:00.010", "01:00:00.020", "00:59:59.999", "01:00:00.000"])
+@pytest.mark.parametrize("rate", ["29.97df", "59.94df"])
+def test_markers_keep_to_the_clip_where_a_clock_became_drop_frame(
+    tmp_path: Path, rate: str, clock: str, has_picture: bool
+) -> None:
+    filmed = film(Counting("25", clock), onsets=range(0, 96_000, 1_777), name="mix.wav", has_picture=has_picture)
+    timeline = retimed(filmed, parse_timebase(clock, rate))
+    source = timeline.source
+    assert source.start_timecode
+    assert source.frame_rate
+    counting = Counting(source.frame_rate, source.start_timecode)
+    assert counting.drop_frame
+    assert_markers_keep_to_the_clip(timeline, counting, tmp_path)
+    half_ms = float(500 / counting.fraction)
+    for line in rounding(timeline, ["otio", "fcp7", "fcpxml"]):
+        moved = re.search(r"by ([+-]\d+\.\d+) ms$", line)
+        assert moved
+        assert abs(float(moved[1])) <= half_ms
+        assert has_picture or "in the clip, which begins on the nearest frame" in line
+
+
+def assert_markers_keep_to_the_clip(timeline: Timeline, counting: Counting, tmp_path: Path) -> None:
+    """Check that in each format with a clip the markers are where its sound has the events."""
     found = fcpxml_markers(written(timeline, tmp_path, "fcpxml"), counting)
     assert_each_event_is_there(found, timeline, counting)
     for name in ("otio", "fcp7"):

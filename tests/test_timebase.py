@@ -179,13 +179,16 @@ OFFSETS = st.just(0.0) | st.builds(
     OFFSETS,
     STARTS,
     st.sampled_from([None, "23.976", "25", "29.97", "29.97df", "29.97ndf", "59.94df", "119.88df", "120"]),
+    st.booleans(),
 )
 @settings(max_examples=200)
 def test_what_was_said_of_a_film_is_known_from_the_timeline_made_of_it(
-    own_start: str | None, own_rate: str | None, offset_s: float, start: str | None, rate: str | None
+    own_start: str | None, own_rate: str | None, offset_s: float, start: str | None, rate: str | None, picture: bool
 ) -> None:
     """Whoever renders an edited timeline says nothing and gets the timecodes of the first time, to the last bit."""
-    filmed = msgspec.structs.replace(FILM, start_timecode=own_start, frame_rate=own_rate, start_offset_s=offset_s)
+    filmed = msgspec.structs.replace(
+        FILM, start_timecode=own_start, frame_rate=own_rate, start_offset_s=offset_s, has_picture=picture
+    )
     try:
         earlier = with_timebase(filmed, parse_timebase(start, rate))
     except RuleError:

@@ -202,10 +202,11 @@ def _counted(source: Source, rate: Fraction, timebase: Timebase) -> Source:
             return source
         frames = clock_seconds(start) * rate
         whole = nearest(frames)  # the nearest, as editing programs put the sound
+        rest_s = Fraction(0) if source.has_picture else (frames - whole) / rate  # a picture begins on a frame
         return msgspec.structs.replace(
             source,
             start_timecode=label(whole, nominal, drop_frame=True),
-            start_offset_s=float(exact_offset(source) + (frames - whole) / rate),
+            start_offset_s=float(exact_offset(source) + rest_s),
         )
     drops = start[8] != ":" if asked is None else asked
     whose = "--start-timecode" if timebase.start_timecode else f"--frame-rate: {source.name}: its start timecode"

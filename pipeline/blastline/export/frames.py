@@ -4,6 +4,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
+import msgspec
+
 from ..errors import RuleError
 from ..model import Event, Source, Timeline
 from ..timebase import rate_text
@@ -58,10 +60,10 @@ def frame_markers(timeline: Timeline, *, format_name: str) -> FrameMarkers:
 
     Raises RuleError where the film has no frame rate, or the format cannot hold an event so early.
     """
-    source = timeline.source
-    require_frame_rate([format_name], source)
-    scale = scale_in(format_name, source)
-    assert scale is not None
+    require_frame_rate([format_name], timeline.source)
+    counted = counted_in(format_name, timeline.source)
+    assert counted is not None
+    source, scale = counted
     markers = []
     for event, stop in with_ends(timeline):
         place = frame_time(source, event.onset_sample, scale)
@@ -77,20 +79,27 @@ def frame_markers(timeline: Timeline, *, format_name: str) -> FrameMarkers:
     return FrameMarkers(scale, start, stop, tuple(markers))
 
 
-def scale_in(format_name: str, source: Source) -> FrameScale | None:
-    """Return how a format counts a film's frames: from where it puts the film's start; None as for `frame_scale`."""
+def counted_in(format_name: str, source: Source) -> tuple[Source, FrameScale] | None:
+    """Return a film as a format holds it, and how its frames count there; None as for `frame_scale`.
+
+    In a clip that is sound alone the first sample is where the clip begins, though its start lies between two frames.
+    """
     scale = frame_scale(source)
     if scale is None or format_name not in CLIP_FORMATS:
-        return scale
-    return replace(scale, start=Fraction(scale.first_frame))
+        return None if scale is None else (source, scale)
+    if source.has_picture:
+        return source, replace(scale, start=Fraction(scale.first_frame))
+    begins = frame_time(source, 0, scale).frame
+    return msgspec.structs.replace(source, start_offset_s=0.0), replace(scale, start=Fraction(begins))
 
 
 def require_late_enough(formats: Iterable[str], source: Source) -> None:
     """Raise RuleError where a film begins long before 00:00:00:00, and one of the formats there."""
     for name in formats:
-        scale = scale_in(name, source) if name in CLIP_FORMATS else None
-        if scale is not None:
-            early_s = -frame_time(source, 0, scale).frame / scale.rate
+        counted = counted_in(name, source) if name in CLIP_FORMATS else None
+        if counted is not None:
+            film, scale = counted
+            early_s = -frame_time(film, 0, scale).frame / scale.rate
             if early_s >= _LEAD_IN_S:
                 where = f"its sound begins {float(early_s):.3f} s before 00:00:00:00"
                 raise RuleError(f"--format {name}: {source.name}: {where}; {_BEGINS_THERE}")

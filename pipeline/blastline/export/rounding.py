@@ -7,7 +7,7 @@ from ..model import Source, Timeline
 from ..timebase import rate_text
 from ..timecode import FrameScale, frame_scale, frame_time, frames_per_day, picture_time
 from ..units import nearest
-from .frames import FRAME_FORMATS, scale_in
+from .frames import FRAME_FORMATS, counted_in
 from .midi import beat_of
 from .webvtt import STEP_S
 from .words import one_line
@@ -43,18 +43,19 @@ def _line(timeline: Timeline, names: Iterable[str], way: str, shift: Shift) -> s
 
 def _way(name: str, source: Source) -> tuple[str, Shift] | None:
     """Return how a format rounds, in words, and the function from an onset to how much later the format has it."""
-    scale = scale_in(name, source)
-    if name in FRAME_FORMATS and scale is not None:
+    counted = counted_in(name, source)
+    if name in FRAME_FORMATS and counted is not None:
+        film, scale = counted
         half_ms = float(500 / scale.rate)
         counting = " drop-frame" if scale.drop_frame else ""
         words = f"times are whole frames, {rate_text(scale.rate)} a second{counting}, at most {half_ms:.2f} ms off"
-        if scale != frame_scale(source):
+        if counted != (source, frame_scale(source)):
             words += " in the clip, which begins on the nearest frame"
         if name == "fcpxml" and scale.nominal not in _FINAL_CUTS:
             words += "; Final Cut Pro may not open the file: it has no projects of that rate"
         if name in _EDLS and _passes_midnight(source, scale):
             words += "; the film passes midnight, across which many programs do not read an EDL"
-        return words, lambda sample: -frame_time(source, sample, scale).offset_s
+        return words, lambda sample: -frame_time(film, sample, scale).offset_s
     if name == "webvtt":
         return "times are whole milliseconds", lambda sample: _stepped(picture_time(source, sample), STEP_S)
     beat = beat_of(source.sample_rate_hz)
