@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import sys
@@ -429,6 +430,33 @@ def test_a_profile_that_has_changed_since_is_not_what_the_drive_was_made_for(
     assert "that is not the one of that name here" in blastline(*check).complaint
     assert "give its file with --actuator" in blastline(*export).complaint
     assert blastline(*check, *own).code == 0
+
+
+@pytest.mark.parametrize("command", ["check", "export"])
+@pytest.mark.parametrize("name", ["crowson-t108sm", "my-seat"])
+def test_a_profile_that_the_drive_was_not_made_for_is_told_and_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: Path, film: Path, believing: Path, command: str, name: str
+) -> None:
+    """A changed profile of the same name is another; one that was only written otherwise is the same."""
+    monkeypatch.chdir(tmp_path)
+    built_in = Path(__file__).parents[1] / "rules" / "actuators" / "crowson-t108sm.toml"
+    same = "# of mine\n" + built_in.read_text(encoding="utf-8")
+    Path("same.toml").write_text(same, encoding="utf-8")
+    other = same.replace('"crowson-t108sm"', f'"{name}"').replace("corner_hz = 1000.0", "corner_hz = 990.0")
+    Path("other.toml").write_text(other, encoding="utf-8")
+    words: dict[str, tuple[str | Path, ...]] = {
+        "check": ("check", result, "--audio", film, "--rules", believing),
+        "export": ("export", result, "--format", "hjif", "--overwrite", "-o", "out"),
+    }
+    made_for = read_timeline(result / "timeline.json").actuator
+    assert made_for is not None
+    ended = blastline(*words[command], "--actuator", "other.toml")
+    [told] = [line for line in ended.err.splitlines() if "--actuator" in line]
+    both = rf"crowson-t108sm \(digest {made_for.digest[:12]}\); .* {name} \(digest [0-9a-f]{{12}}\)"
+    assert re.search(f"timeline.json: its drive was made for {both}", told)
+    assert ended.code in (0, 1)
+    assert "--actuator" not in blastline(*words[command], "--actuator", "same.toml").err
+    assert "--actuator" not in blastline(*words[command]).err
 
 
 @pytest.mark.parametrize(

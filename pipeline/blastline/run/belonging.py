@@ -6,6 +6,7 @@ from pathlib import Path
 from ..errors import TimelineError
 from ..export import read_timeline
 from ..model import Source, Timeline
+from ..progress import Note
 from ..ruleset import ActuatorProfile, actuator_names, load_actuator
 
 
@@ -49,9 +50,12 @@ def require_length(timeline: Timeline, name: Path, *, rate_hz: int, frames: int,
             raise TimelineError(f"{name}: has {found} {key}, the timeline {expected}: not {what}")
 
 
-def profile_of(timeline: Timeline, path: Path, *, actuator: str | None, rules: Path | None) -> ActuatorProfile:
+def profile_of(
+    timeline: Timeline, path: Path, *, actuator: str | None, rules: Path | None, note: Note
+) -> ActuatorProfile:
     """Return the profile of an actuator, by default of the one that the timeline in the file `path` names.
 
+    `note` is told where the actuator given is not the one that the timeline's drive was made for.
     Raises TimelineError where that is the user's own, or is not what it was when the drive was made; RuleError where
     the actuator given does not exist or fit.
     """
@@ -70,4 +74,11 @@ def profile_of(timeline: Timeline, path: Path, *, actuator: str | None, rules: P
                 f"not the one of that name here ({digest[:12]}); give its file with --actuator"
             )
         return profile
-    return load_actuator(actuator, rules)[0]
+    profile, digest = load_actuator(actuator, rules)
+    made_for = timeline.actuator
+    if made_for is not None and digest != made_for.digest:
+        note(
+            f"{path}: its drive was made for {made_for.name} (digest {made_for.digest[:12]}); --actuator gives another "
+            f"profile, {profile.name} (digest {digest[:12]}), which is used all the same"
+        )
+    return profile

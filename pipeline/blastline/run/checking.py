@@ -36,8 +36,8 @@ def check(
 
     Without `audio` the film is looked for beside the results, without `drive` the drive; without `stream` its sound
     is the stream that the timeline was made from. A timeline without a drive is checked against the sound alone. `note`
-    is told where it was made with other rules. Raises BlastlineError where a file that is needed is missing or
-    unusable.
+    is told where it was made with other rules or for another actuator. Raises BlastlineError where a file that is
+    needed is missing or unusable.
     """
     path = names.timeline_of(target)
     timeline = read_timeline(path)
@@ -51,7 +51,7 @@ def check(
     heard = timeline.source.stream if stream is None else stream
     has_drive = timeline.actuator is not None or drive is not None
     # before the film is decoded, which takes minutes, whatever can be told without it
-    profile = profile_of(timeline, path, actuator=actuator, rules=rules) if has_drive else None
+    profile = profile_of(timeline, path, actuator=actuator, rules=rules, note=note) if has_drive else None
     with (
         open_soundtrack(film, stream=heard, mix=timeline.source.mix) as track,
         open_drive(drive or path.parent / names.DRIVE) if has_drive else nullcontext() as made,

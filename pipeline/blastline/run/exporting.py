@@ -89,7 +89,7 @@ def _haptic_track(
             f"{path}: has no drive and names no actuator; haptic formats are made from a drive: `blastline render` "
             "makes one, or give --drive and --actuator"
         )
-    profile = profile_of(timeline, path, actuator=actuator, rules=rules)
+    profile = profile_of(timeline, path, actuator=actuator, rules=rules, note=note)
     file = drive or path.parent / names.DRIVE
     if drive is None and not file.is_file():
         raise TimelineError(f"{file}: no such file; haptic formats are made from the drive: give it with --drive")
