@@ -381,6 +381,24 @@ def test_another_film_is_not_checked_against(
     assert expected in ended.complaint
 
 
+def test_another_file_than_the_film_is_told_and_checked_against(
+    tmp_path: Path, result: Path, film: Path, believing: Path
+) -> None:
+    """A copy in another container passes; another film of the same length fails, and the drive is not to blame."""
+    samples = np.asarray(soundfile.read(film, dtype="float32", always_2d=True)[0])
+    copy = write_media(tmp_path / "film.mkv", [samples], codec="flac")
+    other = write_film(tmp_path / "other.wav", length_s=4.0, shots_s=(1.7,))
+    made_from = read_timeline(result / "timeline.json").source.sha256
+    for file, code in ((copy, 0), (other, 1)):
+        ended = blastline("check", result, "--audio", file, "--rules", believing)
+        assert ended.code == code
+        [told] = [line for line in ended.err.splitlines() if "sha256" in line]
+        assert told.startswith(f"{file}: is not the file that {result / 'timeline.json'} was made from")
+        assert made_from[:12] in told
+    same = shutil.copy(film, tmp_path / "same.wav")
+    assert "sha256" not in blastline("check", result, "--audio", same, "--rules", believing).err
+
+
 @pytest.mark.parametrize(
     ("inside", "target"),
     [("scene/out", "."), ("scene/out", "timeline.json"), ("scene/out/cues", ".."), ("scene", "out")],

@@ -29,6 +29,15 @@ def require_same_film(film: Path, found: Source, timeline: Path, expected: Sourc
             raise TimelineError(f"{film}: {made}: its {what} is {here}, expected {there} ({expected.name}){advice}")
 
 
+def tell_other_file(film: Path, found: Source, timeline: Path, expected: Source, note: Note) -> None:
+    """Tell where a film of the right length is not the file of a timeline: a copy of its sound may well be another."""
+    if expected.sha256 and found.sha256 != expected.sha256:
+        note(
+            f"{film}: is not the file that {timeline} was made from: its sha256 is {found.sha256[:12]}, expected "
+            f"{expected.sha256[:12]} ({expected.name}); if its sound is another, what fails is not the drive's fault"
+        )
+
+
 def require_unchanged(path: Path, timeline: Timeline) -> None:
     """Raise TimelineError where a file no longer holds the timeline that was read from it.
 

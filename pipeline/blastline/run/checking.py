@@ -16,7 +16,7 @@ from ..ruleset import ActuatorProfile, Rules, load_rules
 from ..soundtrack import Soundtrack, open_soundtrack
 from ..streams import Streams
 from . import names
-from .belonging import profile_of, require_length, require_same_film, require_unchanged
+from .belonging import profile_of, require_length, require_same_film, require_unchanged, tell_other_file
 from .driving import open_drive
 from .listening import BLOCK
 
@@ -36,8 +36,8 @@ def check(
 
     Without `audio` the film is looked for beside the results, without `drive` the drive; without `stream` its sound
     is the stream that the timeline was made from. A timeline without a drive is checked against the sound alone. `note`
-    is told where it was made with other rules or for another actuator. Raises BlastlineError where a file that is
-    needed is missing or unusable.
+    is told where it was made with other rules, for another actuator or from another file than `audio`. Raises
+    BlastlineError where a file that is needed is missing or unusable.
     """
     path = names.timeline_of(target)
     timeline = read_timeline(path)
@@ -65,6 +65,8 @@ def check(
         if audio is None:
             advice = "; give --audio to check against it all the same"
             require_same_film(film, source, path, timeline.source, advice=advice)
+        else:
+            tell_other_file(film, source, path, timeline.source, note)
         if profile is None or made is None:
             found = msgspec.structs.replace(timeline, checks=check_timeline(timeline, audio=track, rules=read.align))
         else:
