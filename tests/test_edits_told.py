@@ -87,6 +87,34 @@ def test_without_its_original_no_shot_is_said_to_be_kept_or_moved(
     assert f"edits: {file.name}: 3 kept, 1 moved\n" in rendered(film, alone, "--original", result)[0].err
 
 
+@pytest.mark.parametrize("name", ["audacity", "reaper"])
+def test_a_gain_comes_back_with_its_marker_without_the_original(
+    tmp_path: Path, film: Path, result: Path, name: str
+) -> None:
+    """A shot that was muted must not shake the seat again because a tool knows nothing of gains."""
+    gains_db = (-60.0, 2.25, 0.0, -1 / 3)
+
+    def regain(rows: list[Row]) -> None:
+        for row, gain_db in zip(rows, gains_db, strict=True):
+            row["gain_db"] = repr(gain_db)
+
+    file = edited(result, tmp_path, regain)
+    _, before, muted = rendered(film, file)
+    assert [event.gain_db for event in before.events] == list(gains_db)
+    assert blastline("export", tmp_path / "out", "--format", name, "-o", tmp_path / "cues").code == 0
+    (markers,) = (tmp_path / "cues").iterdir()
+    _, after, drive = rendered(film, markers)
+    assert [event.gain_db for event in after.events] == list(gains_db)
+    own = slice(before.events[0].window.start, before.events[0].window.stop)
+    assert np.max(np.abs(drive[own])) <= 2 * np.max(np.abs(muted[own]))
+    again = tmp_path / "again" / markers.name
+    again.parent.mkdir()
+    again.write_text(markers.read_text().replace("gain -60 dB", "gain -6 dB loud enough"))
+    ended, after, _ = rendered(film, again, "--original", tmp_path / "out")
+    assert f"edits: {markers.name}: 3 kept, 1 changed\n" in ended.err
+    assert [event.gain_db for event in after.events] == [-6.0, *gains_db[1:]]
+
+
 def test_labels_that_are_ids_alone_are_as_given_without_their_original(tmp_path: Path, film: Path) -> None:
     """Somebody has taken the confidence away, or written another name behind the id: it is no new shot by that."""
     (tmp_path / "labels.txt").write_text("1.0\t1.0\tshot-0001\n2.5\t2.5\tshot-0002 door?\n4.0\t4.0\tboom\n")

@@ -20,10 +20,14 @@ def one_line(text: str) -> str:
 
 
 def label(event: Event) -> str:
-    """Return an event in a few words: its id first, then confidence, burst and shot, peak and drive model."""
+    """Return an event in a few words: its id first, then confidence, burst and shot, peak, drive model and gain.
+
+    The gain is read back from it, so it has all its digits.
+    """
     burst = "" if event.burst is None else f" burst {event.burst}.{event.shot_in_burst}"
     model = f" {event.drive.model}" if event.drive else ""
-    return f"{one_line(event.id)} {event.confidence:.2f}{burst} {event.peak_dbfs:z.1f} dBFS{model}"
+    gain = f" {gain_text(event.gain_db)}" if event.gain_db else ""
+    return f"{one_line(event.id)} {event.confidence:.2f}{burst} {event.peak_dbfs:z.1f} dBFS{model}{gain}"
 
 
 def note(event: Event, offset_s: Fraction) -> str:
@@ -36,8 +40,19 @@ def note(event: Event, offset_s: Fraction) -> str:
         said.append(f"azimuth {azimuth_text(event.azimuth_deg)}")
     if event.drive is not None:
         said.append(f"drive {event.drive.model}")
+    if event.gain_db:
+        said.append(gain_text(event.gain_db))
     said.append(f"sub-frame {offset_text(offset_s)}")
     return ", ".join(said)
+
+
+def gain_text(gain_db: float) -> str:
+    """Return how much stronger or softer than usual an event was asked to be, with all digits.
+
+    >>> gain_text(-60.0), gain_text(2.25)
+    ('gain -60 dB', 'gain +2.25 dB')
+    """
+    return f"gain {f'{gain_db:+}'.removesuffix('.0')} dB"
 
 
 def azimuth_text(azimuth_deg: float) -> str:

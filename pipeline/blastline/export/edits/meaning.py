@@ -11,6 +11,9 @@ from .row import Edit, EditedFile, Point, nearest_sample
 WITH_CONFIDENCE = re.compile(r"(\S+) ([01]\.\d\d)")
 """A label as it is exported: an id and a confidence."""
 
+_WITH_GAIN = re.compile(r"dBFS(?: [a-z]+)? gain ([+-]?\d+(?:[.,]\d+)?(?:e-\d+)?) dB(?!\S)")
+"""The end of a label as it is exported of an event that was asked to be stronger or softer than usual."""
+
 _COARSEST = Decimal("0.01")
 """A program that rounds gains and confidences keeps so much; who writes less has typed it."""
 
@@ -77,13 +80,16 @@ def confidence(edited: EditedFile, edit: Edit, was: Event | None) -> float | Non
 
 
 def gain_db(edited: EditedFile, edit: Edit, was: Event | None) -> float:
-    """Return the gain that the file has; without one, the original's or none."""
-    if edit.gain_db is None:
+    """Return the gain that the file has, in its column or in its label; without one, the original's or none."""
+    said = edit.gain_db
+    if said is None and (labelled := _WITH_GAIN.search(edit.text)):
+        said = Decimal(labelled[1].replace(",", "."))
+    if said is None:
         return was.gain_db if was else 0.0
-    if not FROM_GAIN_DB <= edit.gain_db <= TO_GAIN_DB:
+    if not FROM_GAIN_DB <= said <= TO_GAIN_DB:
         expected = f"{FROM_GAIN_DB} to {TO_GAIN_DB} dB"
-        raise TimelineError(f"{edited.path}: {edit.place}: gain_db = {edit.gain_db}: expected {expected}")
-    return was.gain_db if was and _rounds_to(was.gain_db, edit.gain_db) else float(edit.gain_db)
+        raise TimelineError(f"{edited.path}: {edit.place}: gain_db = {said}: expected {expected}")
+    return was.gain_db if was and _rounds_to(was.gain_db, said) else float(said)
 
 
 def _rounds_to(value: float, said: Decimal) -> bool:
