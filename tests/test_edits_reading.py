@@ -291,6 +291,36 @@ def test_a_table_that_cannot_be_used_is_refused(tmp_path: Path, text: str | byte
     assert refusal(tmp_path, text).startswith(complaint)
 
 
+WHOLE = (
+    "id,onset_sample,onset_s,gain_db\r\nshot-0001,48000,1.0,0.0\r\nshot-0002,150300,3.13125,-6.0",
+    "#,Name,Start,End,Length\nR1,shot-0001,0:01.000,0:01.500,0:00.500\nR2,shot-0002,0:02.000,0:02.500,0:00.500",
+)
+
+
+@pytest.mark.parametrize("whole", WHOLE, ids=["table", "reaper"])
+def test_a_table_that_was_cut_off_in_a_row_is_refused(tmp_path: Path, whole: str) -> None:
+    """What is left of a number is a number, and would put the shot elsewhere; the last cell alone cannot be told."""
+    after_header = whole.index("\n") + 1
+    for stop in range(after_header + 1, len(whole)):
+        kept = whole[:stop]
+        last = kept.splitlines()[-1]
+        if kept.endswith(("\r", "\n")) or last.count(",") == whole.splitlines()[0].count(","):
+            continue
+        told = refusal(tmp_path, kept)
+        assert told.startswith(f"line {len(kept.splitlines())}: the file ends in it, after {last.rpartition(',')[2]!r}")
+
+
+@pytest.mark.parametrize("whole", WHOLE, ids=["table", "reaper"])
+@pytest.mark.parametrize("end", ["", "\n", "\r\n", "\n\n", "\n,,,", "\n \t"])
+def test_a_whole_last_row_needs_no_line_end(tmp_path: Path, whole: str, end: str) -> None:
+    assert len(read(tmp_path, whole + end).edits) == 2
+
+
+def test_a_short_row_that_a_line_end_follows_is_whole(tmp_path: Path) -> None:
+    assert len(read(tmp_path, "onset_s,id,gain_db\n1.5\n2.5,b\n\n").edits) == 2
+    assert len(read(tmp_path, "onset_s,id,gain_db\n1.5\n2.5,b\n,,,").edits) == 2
+
+
 @pytest.mark.parametrize("name", ["edited.csv", "edited.tsv", "edited.txt"])
 @pytest.mark.parametrize("text", ["sep=;\n", "sep=;", "sep=;\n;;;\n", 'sep=;\n""; \n\n'])
 def test_a_table_without_a_filled_cell_is_refused(tmp_path: Path, name: str, text: str) -> None:

@@ -36,7 +36,8 @@ def lines_of(text: str) -> list[str]:
 def separated(text: str, path: Path) -> Grid:
     """Return the rows of a table, without empty ones; its separator is the one that the header has most of.
 
-    Where that is not a comma, numbers may have a decimal comma. Excel's first line `sep=;` is understood.
+    Where that is not a comma, numbers may have a decimal comma. Excel's first line `sep=;` is understood. Raises
+    TimelineError where the rows cannot be told, or the last was cut off.
     """
     lines = [line + "\n" for line in lines_of(text)]
     skipped = 0
@@ -57,4 +58,19 @@ def separated(text: str, path: Path) -> Grid:
             line = skipped + reader.line_num + 1
     except csv.Error as error:
         raise TimelineError(f"{path}: line {line}: not a row of a table: {error}") from error
+    if rows and lines[-1].strip(f'{separator}" \t\n'):
+        _refuse_cut_off(rows, path)
     return Grid(tuple(rows), decimal_comma=separator != ",")
+
+
+def _refuse_cut_off(rows: list[Row], path: Path) -> None:
+    """Raise TimelineError where the last row, which no line end follows, is shorter than the header.
+
+    Its last cell may be the first digits of a number.
+    """
+    header, last = rows[0], rows[-1]
+    if len(last.cells) < len(header.cells):
+        raise TimelineError(
+            f"{path}: line {last.line}: the file ends in it, after {last.cells[-1][:60]!r} in cell "
+            f"{len(last.cells)} of {len(header.cells)}: it was cut off; expected a whole row, or a line end behind it"
+        )
