@@ -219,6 +219,20 @@ def test_what_the_old_timeline_turned_down_moves_with_its_scene(films: tuple[Pat
     assert all(each.evidence == {"probability": 0.4} for each in moved.values())
 
 
+@pytest.mark.parametrize("seed", range(40, 48))
+def test_a_copy_keeps_what_was_turned_down_from_the_first_sample_to_the_last(tmp_path: Path, seed: int) -> None:
+    sound = 0.2 * film(8.0, (2.0, 5.5), seed=seed)
+    old, new = (write_wave(tmp_path / name, sound, rate_hz=RATE_HZ) for name in ("old.wav", "copy.wav"))
+    source = Source(old.name, hashlib.sha256(old.read_bytes()).hexdigest(), RATE_HZ, len(sound), 1)
+    places = [0, 1, 70_000, len(sound) - 2, len(sound) - 1]
+    turned_down = tuple(Rejection(at, "soft", {}) for at in places)
+    timeline = tmp_path / "timeline.json"
+    timeline.write_bytes(encode(Timeline(SCHEMA, "0.1.0", "standard", "ab" * 32, source, None, (), turned_down, ())))
+    assert blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out").code == 0
+    made = read_timeline(tmp_path / "out" / "timeline.json")
+    assert [each.at_sample for each in made.rejections] == places
+
+
 @pytest.mark.parametrize("lead_ms", [0, 2, 30])
 @pytest.mark.parametrize("faster", [False, True])
 def test_a_window_begins_where_somebody_has_set_its_start(

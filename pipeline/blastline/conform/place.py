@@ -74,10 +74,15 @@ def place(
     return _without_doubles(onsets_s, found, courses)
 
 
-def moment(old_s: float, courses: Sequence[Course]) -> float | None:
-    """Return when a moment of the old film comes in the new one, by its course alone; None where its scene does not."""
-    holds = (course for course in courses if _distance(old_s, course) == 0.0)
-    return next((course.segment.line.at(old_s) for course in holds), None)
+def moment(old_s: float, courses: Sequence[Course], *, within_s: float) -> float | None:
+    """Return when a moment of the old film comes in the new one, by its course alone; None where its scene does not.
+
+    A scene that begins or ends so little beside the moment, `within_s`, holds it: an end is measured, not exact.
+    """
+    nearest = min(courses, key=lambda course: _distance(old_s, course), default=None)
+    if nearest is None or _distance(old_s, nearest) > within_s:
+        return None
+    return nearest.segment.line.at(old_s)
 
 
 def _place(

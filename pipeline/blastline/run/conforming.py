@@ -194,9 +194,9 @@ def _are_alike(one: Soundtrack, other: Soundtrack) -> bool:
 def _rejections(timeline: Timeline, courses: Sequence[Course], old: Film, new: Film) -> Iterator[Rejection]:
     """Yield what the old film's timeline turned down, where the new film has its moment."""
     for each in timeline.rejections:
-        new_s = moment(each.at_sample / old.rate_hz, courses)
-        if new_s is not None and 0.0 <= new_s < new.duration_s:
-            at = min(samples_from_s(new_s, new.rate_hz), new.frames - 1)
+        new_s = moment(each.at_sample / old.rate_hz, courses, within_s=0.5 / old.rate_hz)
+        if new_s is not None and -0.5 / new.rate_hz <= new_s < new.duration_s:
+            at = min(max(0, samples_from_s(new_s, new.rate_hz)), new.frames - 1)
             yield msgspec.structs.replace(each, at_sample=at)
 
 
