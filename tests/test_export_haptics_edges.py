@@ -1,5 +1,6 @@
 """Haptic files where a window meets another or an end of the film, and how strong their pulses are."""
 
+import csv
 import math
 from pathlib import Path
 
@@ -25,6 +26,8 @@ def test_every_reel_ends_at_rest_however_late_the_last_attack_is(tmp_path: Path,
     reels = [haptic_played(path) for path in sorted(tmp_path.glob("*.haptic"))]
     assert [len(reel.pulses) for reel in reels] == [1]
     assert [reel.amplitude[-1][1] for reel in reels] == [0.0]
+    with (tmp_path / "timeline.reels.csv").open(newline="") as table:
+        assert [row["stop_s"] for row in csv.DictReader(table)] == ["2.0"], "in a row they are the film"
 
 
 @pytest.mark.parametrize("name", NAMES)

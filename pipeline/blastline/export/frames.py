@@ -46,7 +46,7 @@ class FrameMarkers:
     """A film's events on its frames: how frames are counted, the frames that the film covers, the markers in order.
 
     Frames count from 00:00:00:00. `start` is the picture's first frame, or an earlier one where an event comes before
-    the picture; `stop` lies behind the film's end and behind every event.
+    the picture; `stop` lies behind the film's last frame and behind every event.
     """
 
     scale: FrameScale
@@ -66,7 +66,7 @@ def frame_markers(timeline: Timeline, *, format_name: str) -> FrameMarkers:
     source, scale = counted
     markers = []
     for event, stop in with_ends(timeline):
-        place = frame_time(source, event.onset_sample, scale)
+        place = marker_time(source, event.onset_sample, scale)
         frames = frame_time(source, stop, scale).frame - place.frame
         markers.append(Marker(event, place.frame, place.offset_s, max(1, frames)))
     start = min([scale.first_frame, *(marker.frame for marker in markers)])
@@ -74,9 +74,22 @@ def frame_markers(timeline: Timeline, *, format_name: str) -> FrameMarkers:
         early = min(markers, key=lambda marker: marker.frame).event
         where = f"{early.id} is {-start} frames before 00:00:00:00"
         raise RuleError(f"--format {format_name}: {source.name}: {where}; {_BEGINS_THERE}")
-    end = frame_time(source, source.frames, scale).frame
-    stop = max([start + 1, end, *(marker.frame + marker.frames for marker in markers)])
+    stop = max([start + 1, _end(source, scale), *(marker.frame + marker.frames for marker in markers)])
     return FrameMarkers(scale, start, stop, tuple(markers))
+
+
+def marker_time(source: Source, sample: int, scale: FrameScale) -> FrameTime:
+    """Return the frame of an event's marker and what remains: the nearest frame, but none behind the film's last."""
+    nearest = frame_time(source, sample, scale)
+    last = _end(source, scale) - 1
+    if source.frames == 0 or nearest.frame <= last:  # the end of a film of 0 frames is unknown
+        return nearest
+    return FrameTime(last, nearest.offset_s + (nearest.frame - last) / scale.rate)
+
+
+def _end(source: Source, scale: FrameScale) -> int:
+    """Return the frame behind a film's last: as many whole frames as come nearest to its length, at least one."""
+    return max(frame_time(source, source.frames, scale).frame, frame_time(source, 0, scale).frame + 1)
 
 
 def counted_in(format_name: str, source: Source) -> tuple[Source, FrameScale] | None:

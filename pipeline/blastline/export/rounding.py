@@ -7,7 +7,7 @@ from ..model import Source, Timeline
 from ..timebase import rate_text
 from ..timecode import FrameScale, frame_scale, frame_time, frames_per_day, picture_time
 from ..units import nearest
-from .frames import FRAME_FORMATS, counted_in
+from .frames import FRAME_FORMATS, counted_in, marker_time
 from .midi import beat_of
 from .webvtt import STEP_S
 from .words import one_line
@@ -27,7 +27,7 @@ def rounding(timeline: Timeline, formats: Iterable[str]) -> tuple[str, ...]:
     """
     ways: dict[str, tuple[list[str], Shift]] = {}
     for name in dict.fromkeys(formats):
-        found = _way(name, timeline.source)
+        found = _way(name, timeline)
         if found is not None:
             ways.setdefault(found[0], ([], found[1]))[0].append(name)
     return tuple(_line(timeline, names, way, shift) for way, (names, shift) in ways.items())
@@ -41,8 +41,9 @@ def _line(timeline: Timeline, names: Iterable[str], way: str, shift: Shift) -> s
     return f"{', '.join(names)}: {way}; {one_line(event)} moves farthest, by {float(1000 * largest):+z.3f} ms"
 
 
-def _way(name: str, source: Source) -> tuple[str, Shift] | None:
+def _way(name: str, timeline: Timeline) -> tuple[str, Shift] | None:
     """Return how a format rounds, in words, and the function from an onset to how much later the format has it."""
+    source = timeline.source
     counted = counted_in(name, source)
     if name in FRAME_FORMATS and counted is not None:
         film, scale = counted
@@ -55,7 +56,10 @@ def _way(name: str, source: Source) -> tuple[str, Shift] | None:
             words += "; Final Cut Pro may not open the file: it has no projects of that rate"
         if name in _EDLS and _passes_midnight(source, scale):
             words += "; the film passes midnight, across which many programs do not read an EDL"
-        return words, lambda sample: -frame_time(film, sample, scale).offset_s
+        onsets = (event.onset_sample for event in timeline.events)
+        if any(marker_time(film, onset, scale) != frame_time(film, onset, scale) for onset in onsets):
+            words += "; what comes from the middle of the film's last frame on is on that"
+        return words, lambda sample: -marker_time(film, sample, scale).offset_s
     if name == "webvtt":
         return "times are whole milliseconds", lambda sample: _stepped(picture_time(source, sample), STEP_S)
     beat = beat_of(source.sample_rate_hz)

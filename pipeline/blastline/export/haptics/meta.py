@@ -52,7 +52,7 @@ def write_haptic(track: HapticTrack, folder: Path) -> Rounding:
                 start,
                 _seconds(start / track.rate_hz),
                 clock_text(Fraction(start // track.rate_hz), 0, hour_digits=1),
-                _seconds(stop / track.rate_hz),
+                _seconds(min(stop, track.frames) / track.rate_hz),
                 len(pulses),
             ]
         )
