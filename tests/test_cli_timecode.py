@@ -2,6 +2,7 @@
 
 import json
 import re
+import struct
 from fractions import Fraction
 from pathlib import Path
 
@@ -96,6 +97,19 @@ def test_an_edited_timeline_keeps_a_start_that_was_said_as_a_clock(mix: Path, ru
     assert later.source == earlier.source
     assert [event.timecode for event in later.events] == [event.timecode for event in earlier.events]
     assert earlier.events[0].timecode.startswith("01:00:01;")
+
+
+def test_a_film_that_is_too_long_for_an_edl_is_refused_before_it_is_heard(tmp_path: Path) -> None:
+    rate_hz, head = 8000, 44
+    frames = 24 * 3600 * rate_hz
+    said = (b"RIFF", head - 8 + frames, b"WAVEfmt ", 16, 1, 1, rate_hz, rate_hz, 1, 8, b"data", frames)
+    with (tmp_path / "long.wav").open("wb") as file:
+        file.write(struct.pack("<4sI8sIHHIIHH4sI", *said))
+        file.truncate(head + frames)  # a hole, which takes no room
+    words = ("--format", "json,cmx3600", "--frame-rate", "24", "--quiet")
+    complaint = blastline("render", tmp_path / "long.wav", "-o", tmp_path / "out", *words).complaint
+    assert complaint.startswith("--format cmx3600: long.wav lasts 24:00:00.000; ")
+    assert not (tmp_path / "out").exists()
 
 
 def test_a_mix_without_a_frame_rate_is_refused_before_it_is_heard(mix: Path, tmp_path: Path) -> None:

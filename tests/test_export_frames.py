@@ -21,6 +21,7 @@ from blastline.export.frames import FRAME_FORMATS, frame_markers
 from blastline.export.rounding import rounding
 from blastline.model import Timeline, Window
 from blastline.timebase import parse_timebase, retimed
+from blastline.timecode import frames_per_day
 from films import COUNTINGS, HOSTILE, ONSETS, Counting, film
 
 Found = list[tuple[str, Fraction]]
@@ -113,6 +114,38 @@ def test_a_shot_in_the_last_half_frame_is_within_the_film_and_lasts_a_frame() ->
     found = frame_markers(timeline, format_name="otio")
     assert [(marker.frame - found.start, marker.frames) for marker in found.markers] == [(23, 1), (23, 1)]
     assert found.stop == found.start + 24
+
+
+@pytest.mark.parametrize("counting", [COUNTINGS[1], COUNTINGS[3], COUNTINGS[4]], ids=lambda each: each.rate)
+@pytest.mark.parametrize("more", [-2, -1, 0, 1, 100_000])
+def test_a_film_that_timecode_cannot_tell_the_days_of_is_refused_or_told(
+    tmp_path: Path, counting: Counting, more: int
+) -> None:
+    """An EDL would have an edit of no length, or one too short by a day; two markers would have one timecode."""
+    day = frames_per_day(math.ceil(counting.fraction), drop_frame=counting.drop_frame)
+    frames = round((day + more) / counting.fraction * 48_000)
+    timeline = film(counting, onsets=[0, frames - 48_000])
+    timeline = msgspec.structs.replace(timeline, source=msgspec.structs.replace(timeline.source, frames=frames))
+    edl = tmp_path / "timeline.cmx3600.edl"
+    if more < 0:
+        written(timeline, tmp_path, "cmx3600")
+        [edit] = [line for line in edl.read_text("utf-8").splitlines() if line.startswith("001")]
+        assert edit.split()[-1] != edit.split()[-2]
+        assert frames_of(edit.split()[-1], counting) == day + more
+    else:
+        with pytest.raises(
+            RuleError, match=r"--format cmx3600: film\.mkv lasts 2\d:\d\d:\d\d\.\d{3}; .* 24 hours of timecode"
+        ):
+            written(timeline, tmp_path, "cmx3600")
+        assert not edl.exists()
+    for name in ("resolve", "avid"):
+        [line] = rounding(timeline, [name])
+        assert ("one timecode may stand for two moments" in line) == (more > 0)
+    for name in ("otio", "fcpxml"):
+        [line] = rounding(timeline, [name])
+        assert "two moments" not in line
+    markers = fcpxml_markers(written(timeline, tmp_path, "fcpxml"), counting)
+    assert_each_event_is_there(markers, timeline, counting)
 
 
 @pytest.mark.parametrize("name", sorted(FRAME_FORMATS))

@@ -9,7 +9,7 @@ import msgspec
 from ..errors import RuleError
 from ..model import Event, Source, Timeline
 from ..timebase import rate_text
-from ..timecode import FrameScale, FrameTime, frame_scale, frame_time
+from ..timecode import FrameScale, FrameTime, clock, frame_scale, frame_time, frames_per_day
 from .order import with_ends
 
 FRAME_FORMATS = frozenset({"resolve", "cmx3600", "avid", "fcp7", "otio", "fcpxml"})
@@ -129,3 +129,15 @@ def require_frame_rate(formats: Iterable[str], source: Source) -> None:
         if name == "fcp7" and scale is not None and scale.nominal > _FCP7_MOST_FRAMES:
             found = f"{rate_text(scale.rate)} frames a second"
             raise RuleError(f"--format {name}: {source.name} has {found}; this format holds up to {_FCP7_MOST_FRAMES}")
+        if name == "cmx3600" and scale is not None and days(source, scale) >= 1:
+            found = f"lasts {clock(source.frames, source.sample_rate_hz, decimals=3)}"
+            raise RuleError(
+                f"--format {name}: {source.name} {found}; an edit of this format is shorter than the 24 hours of "
+                "timecode; otio and fcpxml hold it"
+            )
+
+
+def days(source: Source, scale: FrameScale) -> Fraction:
+    """Return how often timecode goes round within a film; where it is 1, the film ends at the timecode of its start."""
+    start = min(scale.first_frame, frame_time(source, 0, scale).frame)
+    return Fraction(_end(source, scale) - start, frames_per_day(scale.nominal, drop_frame=scale.drop_frame))

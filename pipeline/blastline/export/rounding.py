@@ -7,7 +7,7 @@ from ..model import Source, Timeline
 from ..timebase import rate_text
 from ..timecode import FrameScale, frame_scale, frame_time, frames_per_day, picture_time
 from ..units import nearest
-from .frames import FRAME_FORMATS, counted_in, marker_time
+from .frames import CLIP_FORMATS, FRAME_FORMATS, counted_in, days, marker_time
 from .midi import beat_of
 from .webvtt import STEP_S
 from .words import one_line
@@ -54,7 +54,9 @@ def _way(name: str, timeline: Timeline) -> tuple[str, Shift] | None:
             words += " in the clip, which begins on the nearest frame"
         if name == "fcpxml" and scale.nominal not in _FINAL_CUTS:
             words += "; Final Cut Pro may not open the file: it has no projects of that rate"
-        if name in _EDLS and _passes_midnight(source, scale):
+        if name not in CLIP_FORMATS and days(source, scale) > 1:
+            words += "; the film is longer than the 24 hours of timecode: one timecode may stand for two moments"
+        elif name in _EDLS and _passes_midnight(source, scale):
             words += "; the film passes midnight, across which many programs do not read an EDL"
         onsets = (event.onset_sample for event in timeline.events)
         if any(marker_time(film, onset, scale) != frame_time(film, onset, scale) for onset in onsets):

@@ -49,7 +49,7 @@ def render(
         place as hidden,
         open_soundtrack(film, stream=options.stream, mix=options.mix, spool_folder=hidden, timebase=timebase) as track,
     ):
-        require_frame_rate(options.formats, track.describe())
+        require_frame_rate(options.formats, track.describe(frames=track.expected_frames or 0))
         require_late_enough(options.formats, track.describe())
         require_seat(setup.options.actuator, setup.profile, track.rate_hz)
         meter = OverviewMeter(track.rate_hz) if options.report else None
