@@ -93,7 +93,10 @@ def test_channels_of_one_file_are_chosen(run: Path, tmp_path: Path) -> None:
     assert ended.code == 0, ended
     assert off_db(tmp_path / "seat.toml") < 0.5
     wrong = blastline(*asked, "--excitation-channel", "2", "--overwrite", "-q")
-    assert "there is no channel 2" in wrong.complaint
+    assert wrong.complaint == f"--excitation-channel 2: {both} has 2 channels, counted from 0"
+    words = ("actuator", "identify", "--excitation", run / "sent.wav", "--response", run / "came.wav", "-q")
+    one = blastline(*words, "-o", tmp_path / "one.toml", "--response-channel", "1")
+    assert one.complaint == f"--response-channel 1: {run / 'came.wav'} has 1 channel, counted from 0"
 
 
 @pytest.mark.parametrize(

@@ -106,7 +106,11 @@ def test_a_drive_elsewhere_is_given(tmp_path: Path, timeline: Path) -> None:
     assert complaint in blastline("export", timeline, "--format", "hjif", "-o", tmp_path / "out").complaint
     assert not (tmp_path / "out").exists()
     export(timeline, tmp_path / "out", "--drive", elsewhere)
-    export(timeline, tmp_path / "csv", formats="csv,audacity")
+    assert export(timeline, tmp_path / "csv", formats="csv,audacity") == []
+    more = ("--drive", elsewhere, "--actuator", "crowson-t108sm")
+    told = "not used: --drive and --actuator; only ahap, haptic, hjif are made from the drive"
+    assert export(timeline, tmp_path / "more", *more, formats="csv,audacity") == [told]
+    assert not [line for line in export(timeline, tmp_path / "both", *more, formats="csv,hjif") if "not used" in line]
 
 
 @pytest.mark.parametrize(

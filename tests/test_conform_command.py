@@ -9,6 +9,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 import pytest
+import soundfile
 
 from blastline.conform import Course, Placed, write_events, write_stretches
 from blastline.conform.lines import Line
@@ -414,6 +415,17 @@ def test_a_new_film_that_cannot_be_used(
     ended = blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out", "-q")
     assert complaint in ended.complaint
     assert not (tmp_path / "out").exists()
+
+
+def test_channels_are_advised_on_only_where_there_are_several(films: tuple[Path, Path, Path], tmp_path: Path) -> None:
+    timeline, old, _ = films
+    other = film(20.0, (5.0,), seed=41)
+    one = write_wave(tmp_path / "one.wav", other, rate_hz=RATE_HZ)
+    soundfile.write(tmp_path / "two.wav", np.stack([0.2 * other, 0.1 * other], axis=1), RATE_HZ)
+    for new, advised in ((one, False), (tmp_path / "two.wav", True)):
+        ended = blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out", "-q")
+        assert "expected a cut of the same film" in ended.complaint
+        assert ("--mix 0 hears the first alone" in ended.complaint) == advised
 
 
 @pytest.mark.parametrize(

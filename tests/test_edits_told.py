@@ -47,6 +47,7 @@ def test_a_json_without_its_original_says_what_it_cannot_tell(tmp_path: Path, fi
     plain["events"][1]["gain_db"] = -12.0
     (tmp_path / "alone.json").write_text(json.dumps(plain))
     ended, after, _ = rendered(film, tmp_path / "alone.json")
+    assert "nothing to compare the timeline with (--original), which matters only if it was edited: " in ended.err
     assert "changed gains, ends and confidences hold as they stand, and count as kept" in ended.err
     assert after.events[1].gain_db == -12.0
 

@@ -258,10 +258,11 @@ def _source(fitted: FittedResponse, origin: str, curve: PerceptionCurve | None, 
 
 
 def _open_channel(path: Path, channel: int | None, what: str) -> Soundtrack:
-    track = open_soundtrack(path, mix=str(channel or 0))
-    if channel is None and track.channels > 1:
-        track.close()
-        raise SoundtrackError(
-            f"{path}: has {track.channels} channels; expected --{what}-channel N to say which, counted from 0"
-        )
-    return track
+    with open_soundtrack(path, mix="0") as track:
+        channels = track.channels
+    count = f"{channels} channel{'s' * (channels != 1)}"
+    if channel is None and channels > 1:
+        raise SoundtrackError(f"{path}: has {count}; expected --{what}-channel N to say which, counted from 0")
+    if channel is not None and channel >= channels:
+        raise SoundtrackError(f"--{what}-channel {channel}: {path} has {count}, counted from 0")
+    return open_soundtrack(path, mix=str(channel or 0))

@@ -105,10 +105,9 @@ def conform(
         after = _heard(new_track, new, "new film", progress, kept_sides=beside)
         done = _conformed(read, before, after, (old_track, new_track), known, hearing, progress)
         if not done.courses:
-            raise SoundtrackError(
-                f"{new}: nothing of {old} was found in it; expected a cut of the same film "
-                "(where its channels cancel in the mix, --mix 0 hears the first alone)"
-            )
+            several = max(old_track.channels, new_track.channels) > 1
+            advice = " (where its channels cancel in the mix, --mix 0 hears the first alone)" if several else ""
+            raise SoundtrackError(f"{new}: nothing of {old} was found in it; expected a cut of the same film{advice}")
         (hidden / names.TIMELINE).write_bytes(encode(done.timeline))
         write_events(hidden / names.EVENTS, done.events, done.places, source=done.timeline.source)
         write_stretches(hidden / names.STRETCHES, done.courses)

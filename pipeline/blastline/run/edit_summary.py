@@ -61,9 +61,9 @@ def summarise_edits(
         )
     if not has_original and edited.own:
         notes.append(
-            "nothing to compare the timeline with (--original): it tells itself which shots were moved; what was "
-            "deleted cannot be known, and is still felt where it shared a window; changed gains, ends and confidences "
-            "hold as they stand, and count as kept"
+            "nothing to compare the timeline with (--original), which matters only if it was edited: it tells itself "
+            "which shots were moved; what was deleted cannot be known, and is still felt where it shared a window; "
+            "changed gains, ends and confidences hold as they stand, and count as kept"
         )
         notes += _gaps(edited)
     notes += _unheeded(edited, wanted)

@@ -1,10 +1,11 @@
 """Writing a timeline in other formats."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ..errors import TimelineError
 from ..export import (
+    HAPTIC_FORMATS,
     HapticTrack,
     export_timeline,
     known_formats,
@@ -65,9 +66,17 @@ def export(
             track = _haptic_track(read, timeline, drive=drive, actuator=actuator, rules=rules, note=note)
             require_unchanged(timeline, as_written)
         written = export_timeline(read, hidden, formats=chosen, track=track, rounding=rounding_notes(note))
-    for line in rounding(read, chosen):
+    unused = () if needs_drive(chosen) else _unused(drive=drive, actuator=actuator)
+    for line in (*unused, *rounding(read, chosen)):
         note(line)
     return [folder / file.name for file in written]
+
+
+def _unused(*, drive: Path | None, actuator: str | None) -> Iterator[str]:
+    """Yield a line where something was given that only formats which are made from the drive have a use for."""
+    given = [name for name, value in (("--drive", drive), ("--actuator", actuator)) if value is not None]
+    if given:
+        yield f"not used: {' and '.join(given)}; only {', '.join(HAPTIC_FORMATS)} are made from the drive"
 
 
 def _replaces_another_films(timeline: Timeline, folder: Path, files: Iterable[str]) -> bool:

@@ -76,7 +76,7 @@ def match(edited: EditedFile, originals: Mapping[str, Event] | None, *, rate_hz:
     fresh = _free_ids({*known, *(pair.id for pair in pairs if pair.id is not None)})
     told = originals is not None or bool(known)
     wishes = [_wish(edited, pair, next(fresh) if pair.id is None else pair.id, rate_hz, known=told) for pair in pairs]
-    _refuse_repeats(edited.path, ((wish.place, wish.onset) for wish in wishes), "onset_sample")
+    _refuse_repeated_onsets(edited.path, pairs, wishes)
     _refuse_rounded_repeats(edited.path, pairs, wishes, rate_hz)
     taken = {wish.was.id for wish in wishes if wish.was is not None}
     deleted = tuple(event for event in known.values() if event.id not in taken)
@@ -131,6 +131,18 @@ def _refuse_repeats(path: Path, values: Iterable[tuple[str, object]], name: str)
         if value in first:
             raise TimelineError(f"{path}: {place}: {name} = {value!r}: {first[value]} has it too; expected each once")
         first[value] = place
+
+
+def _refuse_repeated_onsets(path: Path, pairs: Iterable[Pair], wishes: Iterable[Wish]) -> None:
+    """Raise TimelineError where two rows are on one sample; the message has the time as the row has it."""
+    first: dict[int, str] = {}
+    for pair, wish in zip(pairs, wishes, strict=True):
+        if wish.onset in first:
+            onset, said = pair.edit.onset, f"onset_sample = {wish.onset}"
+            if onset.sample is None and onset.seconds is not None:
+                said = f"onset_s = {float(onset.seconds):.9g}, sample {wish.onset}"
+            raise TimelineError(f"{path}: {wish.place}: {said}: {first[wish.onset]} has it too; expected each once")
+        first[wish.onset] = wish.place
 
 
 def _refuse_rounded_repeats(path: Path, pairs: Iterable[Pair], wishes: Iterable[Wish], rate_hz: int) -> None:
