@@ -43,9 +43,10 @@ def test_of_two_as_sure_the_earlier_stays() -> None:
 
 @pytest.mark.parametrize("later_ms", [4.0, 12.0, 19.0])
 def test_a_shot_begins_where_it_is_sure_and_not_with_its_loudest_stage(later_ms: float) -> None:
-    begin, stage = shot(100, confidence=0.86), shot(100 + later_ms, confidence=0.97)
+    begin, stage = shot(100, confidence=0.95), shot(100 + later_ms, confidence=0.97)
     assert apart(begin, stage, sure=0.84)[0] == [begin.onset]
-    assert apart(msgspec.structs.replace(begin, confidence=0.83), stage, sure=0.84)[0] == [stage.onset]
+    assert apart(begin, stage, sure=0.96)[0] == [stage.onset]
+    assert apart(msgspec.structs.replace(begin, confidence=0.93), stage, sure=0.84)[0] == [stage.onset]
     another = shot(130, confidence=0.98)  # too late for a stage
     assert apart(begin, another, sure=0.84)[0] == [another.onset]
     assert apart(begin, stage, msgspec.structs.replace(another, confidence=0.9), sure=0.84)[0] == [begin.onset]

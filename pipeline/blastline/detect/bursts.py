@@ -16,6 +16,7 @@ from .rows import runs_of
 
 _ROUNDS_HEARD = 5  # of a burst, to tell its pace by
 _STAGES_MS = 20.0  # from where a shot begins: a bolt, the blast, what the room adds
+_HAIR = 0.03  # of probability: by so little one of two may be surer by chance
 _SAME_ECHO_MS = 1.0  # two shots that hear an echo this close hear the same one
 
 
@@ -25,8 +26,8 @@ def suppress_non_maxima(
     """Return the shots no two of which lie nearer than `shortest_gap_ms`, and the rest, both in order of time.
 
     Temporal non-maximum suppression: what is given up lies too near to one that is kept and at least as sure. What is
-    `sure` by itself, in the mix that judged it, begins a shot and is as sure as its surest stage, of those up to 20 ms
-    later: a shot does not begin where it is loudest.
+    `sure` by itself, in the mix that judged it, begins a shot and counts as sure as a later stage of it, up to 20 ms
+    on, that is surer by a hair: a shot does not begin where it is loudest.
     """
     gap = samples_from_ms(rules.shortest_gap_ms, rate_hz)
     kept: list[Shot] = []
@@ -47,14 +48,15 @@ def suppress_non_maxima(
 def _with_surest_stage(
     shots: Iterable[Shot], rate_hz: int, sure: Mapping[HeardIn, float]
 ) -> Iterator[tuple[Shot, float]]:
-    """Yield the shots in order of time, each with the probability of the surest stage of what it begins."""
+    """Yield the shots in order of time, each with the probability of the surest stage of what it begins, if near it."""
     longest = samples_from_ms(_STAGES_MS, rate_hz)
     in_time = sorted(shots, key=lambda s: s.onset)
     onsets = [shot.onset for shot in in_time]
     for place, shot in enumerate(in_time):
         stages = in_time[place : bisect_left(onsets, shot.onset + longest)]
-        begins = shot.confidence >= sure[shot.heard_in]
-        yield shot, max(each.confidence for each in stages) if begins else shot.confidence
+        surest = max(each.confidence for each in stages)
+        begins = shot.confidence >= max(sure[shot.heard_in], surest - _HAIR)
+        yield shot, surest if begins else shot.confidence
 
 
 def without_echoes(
