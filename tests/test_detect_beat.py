@@ -153,6 +153,16 @@ def test_rolls_at_the_pace_of_a_gun_that_share_a_grid_for_longer_than_any_belt_l
     assert np.mean(kept(onsets, onsets)) > 0.9
 
 
+@pytest.mark.parametrize("gap_s", [0.0937, 0.1091])
+def test_long_bursts_and_short_ones_on_one_grid_may_be_fire(gap_s: float) -> None:
+    """A scene may be cut so that its pauses are whole rounds; music plays rolls of more than 16 seldom."""
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        played = [np.arange(n + rng.integers(3, 8)) < n for n in rng.permutation(np.tile([17, 18, 3, 20], 20))]
+        places = np.flatnonzero(np.concatenate(played)[: round(60.0 / gap_s)])
+        assert keep_no_beat(samples(1.234 + gap_s * places + rng.uniform(-1e-3, 1e-3, places.size)))
+
+
 @pytest.mark.parametrize("length_s", [30.0, 45.0])
 @pytest.mark.parametrize("unheard", [0.05, 0.1, 0.2])
 def test_sustained_fire_that_goes_on_for_longer_than_a_window_is_no_music(length_s: float, unheard: float) -> None:

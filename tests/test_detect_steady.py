@@ -121,7 +121,8 @@ def test_rounds_of_even_fire_that_hardly_fall_are_followed() -> None:
 
 
 @pytest.mark.parametrize("softer_db", [4.0, 5.0, 8.0])
-def test_the_first_round_may_be_softer_than_its_row(softer_db: float) -> None:
+@pytest.mark.parametrize("begun_s", [0.0, 64.496])  # a second, and 40 ms, before the first core ends
+def test_the_first_round_may_be_softer_than_its_row(softer_db: float, begun_s: float) -> None:
     """A hall fills with the sound of a burst: only the rounds after the first are as loud as one another."""
     film = 0.001 * noise(4.0, seed=6)
     film[ONSET : ONSET + 2 * RATE_HZ] += 0.05 * noise(2.0, seed=7)
@@ -129,10 +130,12 @@ def test_the_first_round_may_be_softer_than_its_row(softer_db: float) -> None:
         at = ONSET + number * RATE_HZ // 12
         gain = 0.1 * 10.0 ** (-softer_db / 20.0 if number == 0 else 0.0)
         film[at : at + 4_000] += gain * noise(0.1, seed=at)[:4_000] * np.exp(-np.arange(4_000) / 900.0)
+    assert is_steady(film)
+    film = np.append(0.001 * noise(70.0, seed=8)[: round(begun_s * RATE_HZ)], film)
     blocks = [Clip(film.astype(np.float32)[:, None], RATE_HZ, 0)]
     found = find_shots(blocks, rate_hz=RATE_HZ, tier=CREDULOUS, verifier=verifier_of(CREDULOUS))
-    assert is_steady(film)
-    assert found.shots[0].onset == pytest.approx(ONSET, abs=480)
+    nearest = min(abs(shot.onset - ONSET - round(begun_s * RATE_HZ)) for shot in found.shots)
+    assert nearest <= 480
 
 
 def test_a_likely_round_follows_as_fast_as_a_gun_fires() -> None:

@@ -116,6 +116,14 @@ def test_a_gain_comes_back_with_its_marker_without_the_original(
     assert [event.gain_db for event in after.events] == [-6.0, *gains_db[1:]]
 
 
+@pytest.mark.parametrize(
+    "typed", ["gain -60dB", "gain -60 dB.", "Gain  -60 dB", "gain \u221260 dB", "quiet gain -60 DB"]
+)
+def test_a_gain_may_be_typed_as_people_write_it(tmp_path: Path, film: Path, typed: str) -> None:
+    (tmp_path / "labels.txt").write_text(f"1.0\t1.0\tshot-0001 0.99 -6.0 dBFS direct {typed}\n", encoding="utf-8")
+    assert [event.gain_db for event in rendered(film, tmp_path / "labels.txt")[1].events] == [-60.0]
+
+
 def test_labels_that_are_ids_alone_are_as_given_without_their_original(tmp_path: Path, film: Path) -> None:
     """Somebody has taken the confidence away, or written another name behind the id: it is no new shot by that."""
     (tmp_path / "labels.txt").write_text("1.0\t1.0\tshot-0001\n2.5\t2.5\tshot-0002 door?\n4.0\t4.0\tboom\n")

@@ -24,8 +24,8 @@ _STRIDE = 8  # of a window: so much of it is asked about at once
 _BEFORE = (0.0, 7 / 16, 7 / 8)  # of a window, before what is asked about: music may begin or end there
 _NARROWING = (3.0, 1.5, 1.0, 1.0)  # of what lies on a grid exactly, while it is fitted
 _WIDE = (0.25, 0.15, 0.12)  # of a period: what lies on one roughly
-_WRITTEN, _ROUGHLY_WRITTEN = 0.85, 0.5  # it is .88 where half begin 8 ms after the others, .57 where 17 ms
-_BY_CHANCE = 0.05  # of the places
+_WRITTEN, _ROUGHLY_WRITTEN = 0.85, 0.5  # it is .88 where half begin 8 ms after the others, .50 where 16.7 ms
+_FEW_ODD = 0.05  # of the places
 
 
 def on_the_beat(
@@ -117,7 +117,7 @@ def _coarsest(grid: Grid, on_grid: Times, rules: BeatRules) -> Grid:
     """Return the grid of twice the period, and again, as long as that holds as good as all that lies on this one."""
     while 2.0 * grid.period <= rules.longest_ms:
         odd = grid.places(on_grid) % 2 == 1
-        if min(odd.mean(), 1.0 - odd.mean()) > _BY_CHANCE:
+        if min(odd.mean(), 1.0 - odd.mean()) > _FEW_ODD:
             break
         grid = Grid(2.0 * grid.period, grid.phase + (grid.period if odd.mean() > 0.5 else 0.0))
     return grid

@@ -21,7 +21,8 @@ _FEWEST_BESIDE = 4
 """So many sounds have to keep the grid beside the fullest row."""
 
 _MOSTLY = 0.6  # of the gaps
-_PIECE, _FEWEST_IN_PIECE = 0.25, 4  # of a window; sounds on the grid, that tell that it is kept there
+_PIECE = 0.25  # of a window: so long a piece of music
+_FEWEST_IN_PIECE = 4  # sounds on the grid tell that it is kept in a piece
 
 _LONGEST_ROLL = 16  # places: what goes on for longer may be fire
 _MISSED = 2  # places from one round to the next, where one between them is not heard
@@ -152,7 +153,7 @@ def _goes_on(grid: Grid, passage: Passage) -> bool:
     """Return whether the grid is kept for longer than a window, by rolls: the bursts of one gun share none.
 
     Half a window before it and half a one after it are heard as well, piece by piece. What goes on for longer than a
-    magazine lasts, or rests hardly longer than where a round is not heard, may be fire.
+    roll, or rests hardly longer than where a round is not heard, may be fire.
     """
     rules = passage.rules
     edges = passage.begin + 1000.0 * rules.window_s * np.arange(-0.5, 1.5 + _PIECE, _PIECE)

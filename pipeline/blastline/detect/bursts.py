@@ -72,9 +72,7 @@ def without_echoes(
     same = samples_from_ms(_SAME_ECHO_MS, rate_hz)
     kept: list[Shot] = []
     echoes: list[Rejection] = []
-    due: list[
-        tuple[int, float, Shot]
-    ] = []  # where echoes are still to come, how high they may peak, and whose they are
+    due: list[tuple[int, float, Shot]] = []  # where echoes are still to come, their highest peak, and whose they are
     in_order = sorted(shots, key=lambda s: s.onset)
     for place, shot in enumerate(in_order):
         due = [each for each in due if each[0] >= shot.onset - same]

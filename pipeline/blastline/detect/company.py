@@ -12,11 +12,13 @@ even row, slower, half of it unsure, and   ──► none        so come steps a
     unlikely in the mean
 even run without an end, half of it unsure     ──► none    so do machines as well
 on the beat that is kept around                ──► none    so do drums
+goes on as loud as it begins                   ──► none    so does a louder scene
 again and again with what is heard before it   ──► none    so do loops of ambience
 """
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,7 +83,8 @@ def in_company(
       even fire as long as that;
     - a slower even row (`RowRules`) of which fewer than half are sure by themselves or rounds of even fire;
     - what turns with a loop of ambience, unless it is in such a long row of fire;
-    - what keeps the beat of music (`beat.py`).
+    - what keeps the beat of music (`beat.py`);
+    - what goes on as loud as it begins (`steady.py`), unless it is a round of even fire or a likely round follows it.
     """
     left = sorted(shots, key=lambda s: s.onset)
     refused: list[Rejection] = []
@@ -119,9 +122,8 @@ def _belief(shots: Sequence[Shot], *, rate_hz: int, tier: QualityRules) -> _Beli
     believed |= fire
     believed = with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=bursts)
     perhaps = rounds & (probability >= rules.pair_threshold)
-    believed = with_pairs(
-        onsets, believed, by_itself, perhaps, peaks_dbfs, longest_ms=rules.pair_ms, rate_hz=rate_hz, rules=bursts
-    )
+    pairs = partial(with_pairs, onsets, peaks_dbfs, longest_ms=rules.pair_ms, rate_hz=rate_hz, rules=bursts)
+    believed = believed | pairs(by_itself & aside, perhaps & aside) | pairs(by_itself & ~aside, perhaps & ~aside)
     unlike = np.array([row == "no fire" for row in rows], bool) & ~by_itself
     sustained = in_sustained_fire(onsets, peaks_dbfs, fire, rate_hz=rate_hz, rules=bursts)
     return _Belief(believed, by_itself, likely, fire, sustained, unlike)
@@ -137,21 +139,19 @@ def _rows(shots: Sequence[Shot], belief: _Belief, *, rate_hz: int, tier: Quality
     returning = np.flatnonzero(belief.likely)  # a turn may be out of all company; what is less is not always segmented
     looping = _loop_candidates([shots[place] for place in returning.tolist()], lasting[returning])
     loops = in_loops(looping, rate_hz=rate_hz, rules=tier.rows)
+    known = [shot.evidence for shot in shots]
     why = [""] * len(shots)
     for refused, reason in (
         (returning[loops], _LOOP),
         (believed[steps], _STEP),
         (believed[machines], _MACHINE),
         (np.flatnonzero(belief.unlike), _UNLIKE),
-        (_on_the_beat(shots), _BEAT),
+        (np.flatnonzero([each is not None and each.on_beat for each in known]), _BEAT),
+        (np.flatnonzero([each is not None and each.goes_on for each in known]), _SCENE),
     ):
         for place in refused.tolist():
             why[place] = reason
     return why
-
-
-def _on_the_beat(shots: Sequence[Shot]) -> NDArray[np.intp]:
-    return np.flatnonzero([shot.evidence is not None and shot.evidence.on_beat for shot in shots])
 
 
 def _loop_candidates(shots: Sequence[Shot], by_itself: NDArray[np.bool_]) -> LoopCandidates:
@@ -172,9 +172,9 @@ def _onsets(shots: Sequence[Shot]) -> NDArray[np.intp]:
     return np.array([shot.onset for shot in shots], np.intp)
 
 
-def unlike_a_shot(onset: int, probability: float, *, goes_on: bool = False) -> Rejection:
-    """Return the rejection of what is hardly a shot, or `goes_on` as none does."""
-    return Rejection(onset, _SCENE if goes_on else "does not sound like a shot", {"probability": probability})
+def unlike_a_shot(onset: int, probability: float) -> Rejection:
+    """Return the rejection of what is hardly a shot."""
+    return Rejection(onset, "does not sound like a shot", {"probability": probability})
 
 
 def _refused(shot: Shot, why: str) -> Rejection:
@@ -186,8 +186,8 @@ def worth_segmenting(
 ) -> NDArray[np.bool_]:
     """Return which of n candidates of a chunk's core `in_company` could believe, shape (n,), given their rows.
 
-    The others need not be segmented: they are rounds of no burst. What a burst or a row beyond the core may reach is
-    worth it, a slow row of shots too, which the networks alone may believe.
+    The others need not be segmented: they are rounds of no burst, and no second of a double shot. What a burst or a row
+    beyond the core may reach is worth it, a slow row of shots too, which the networks alone may believe.
     """
     longest = samples_from_ms(tier.bursts.longest_gap_ms, rate_hz) + _ROUNDING
     fired = np.array([row == "fire" for row in rows], bool)

@@ -55,16 +55,24 @@ class ChunkResult:
 
 @dataclass(frozen=True)
 class _Told:
-    """What a whole film tells of all that was scored in a mix: the verdict of each one's row, and what keeps a beat."""
+    """What a whole film tells of all that was scored in a mix: its rows, what keeps a beat, what another round follows.
+
+    The last two are indices.
+    """
 
     scored: ScoredCandidates
     rows: list[EvenRow | None]
-    on_beat: set[int]  # indices
+    on_beat: set[int]
+    fires_on: set[int]
 
-    def of(self, onset: int, near: int) -> dict[str, object]:
-        """Return it of a shot that the mix has judged, which may begin up to `near` samples aside in it."""
-        place = _nearest(self.scored, onset, near)
-        return {"even_row": self.rows[place], "on_beat": place in self.on_beat}
+    def of(self, shot: Shot, near: int) -> Shot:
+        """Return a shot that the mix has judged, which may begin up to `near` samples aside in it, with all of that.
+
+        What a round follows goes on for a round.
+        """
+        place = _nearest(self.scored, shot.onset, near)
+        lasting = shot.evidence is not None and shot.evidence.goes_on and place not in self.fires_on
+        return _with_evidence(shot, even_row=self.rows[place], on_beat=place in self.on_beat, goes_on=lasting)
 
 
 def _nearest(scored: ScoredCandidates, onset: int, near: int) -> int:
@@ -98,9 +106,19 @@ def apply_row_verdicts(found: Sequence[ChunkResult], *, rate_hz: int, tier: Qual
             asked = np.array(sorted({_nearest(every, onset, near) for onset in shots}), np.intp)
             kept = on_the_beat(asked, every, rate_hz=rate_hz, rules=tier.beat, bursts=tier.bursts)
             rows = even_rows(every, rate_hz=rate_hz, tier=rules)
-            told[mix] = _Told(every, rows, set(asked[kept].tolist()))
+            fires_on = _fires_on(every, rows, rate_hz=rate_hz, tier=rules)
+            told[mix] = _Told(every, rows, set(asked[kept].tolist()), set(np.flatnonzero(fires_on).tolist()))
     for each in found:
-        yield [_with_evidence(shot, **told[shot.heard_in].of(shot.onset, near)) for shot in each.shots]
+        yield [told[shot.heard_in].of(shot, near) for shot in each.shots]
+
+
+def _fires_on(
+    scored: ScoredCandidates, rows: Sequence[EvenRow | None], *, rate_hz: int, tier: QualityRules
+) -> NDArray[np.bool_]:
+    """Return which of n candidates are rounds of even fire, or right before a likely round, shape (n,)."""
+    fire = np.array([row == "fire" for row in rows], bool)
+    rounds = fire | (scored.odds.by_all >= log_odds_of(tier.verify.burst_threshold))
+    return fire | before_a_round(scored.onsets, rounds, rate_hz=rate_hz, rules=tier.bursts)
 
 
 def select_shots(
@@ -173,29 +191,14 @@ def _search_chunk(
     scored = ScoredCandidates(found.onsets + chunk.start, peaks_dbfs, odds, sounds(shown))
     rows = even_rows(scored, rate_hz=grid.rate_hz, tier=tier)
     worth = worth_segmenting(scored, rows, rate_hz=grid.rate_hz, tier=tier, core=chunk.core)
-    fire = np.array([row == "fire" for row in rows], bool)
-    rounds = fire | (scored.odds.by_all >= log_odds_of(tier.verify.burst_threshold))
-    goes_off_again = fire | before_a_round(found.onsets, rounds, rate_hz=grid.rate_hz, rules=tier.bursts)
-    alone = worth & ~goes_off_again  # the next round goes on for a round
-    steady = _going_on(chunk, found.onsets, grid, alone, least_fall_db=tier.verify.least_fall_db)
-    worth &= ~steady
     chosen = np.flatnonzero(worth)
-    shots = _segmented(chunk, found, verdicts, shown, scored.sounds, chosen, rate_hz=grid.rate_hz, tier=tier)
+    shots = _segmented(chunk, found, verdicts, shown, scored.sounds, chosen, grid=grid, tier=tier)
     refused = [
-        unlike_a_shot(int(scored.onsets[index]), float(verdicts.probability[index]), goes_on=bool(steady[index]))
+        unlike_a_shot(int(scored.onsets[index]), float(verdicts.probability[index]))
         for index in np.flatnonzero(~worth & (verdicts.probability >= tier.verify.report_from))
     ]
     in_film_at = np.array([film_sample(sample, rate_hz) for sample in scored.onsets.tolist()], np.intp)
     return ChunkResult(*in_film(shots, refused, rate_hz), {"mains": replace(scored, onsets=in_film_at)})
-
-
-def _going_on(
-    chunk: Chunk, onsets: NDArray[np.intp], grid: Grid, asked: NDArray[np.bool_], *, least_fall_db: float
-) -> NDArray[np.bool_]:
-    """Return which of the candidates that are asked for go on as no shot does, shape (n,)."""
-    found = np.zeros(onsets.size, np.bool_)
-    found[asked] = goes_on(chunk.bands, onsets[asked], grid, least_fall_db)
-    return found
 
 
 def _segmented(
@@ -206,13 +209,14 @@ def _segmented(
     own: NDArray[np.int16],
     chosen: NDArray[np.intp],
     *,
-    rate_hz: int,
+    grid: Grid,
     tier: QualityRules,
 ) -> list[Shot]:
     """Return the candidates with these indices as shots: segmented, each with the evidence of its verdict."""
-    before = backdrops(shown)
+    before, rate_hz = backdrops(shown), grid.rate_hz
+    steady = goes_on(chunk.bands, found.onsets[chosen], grid, tier.verify.least_fall_db)
     shots = []
-    for index in chosen.tolist():
+    for index, lasting in zip(chosen.tolist(), steady.tolist(), strict=True):
         shot = segment(
             chunk.samples,
             int(found.onsets[index]),
@@ -228,6 +232,7 @@ def _segmented(
             "backdrop": before[index],
             "sound": tuple(own[index].tolist()),
             "attack": attack(chunk.samples, int(found.onsets[index]), rate_hz),
+            "goes_on": lasting,
         }
         shots.append(_with_evidence(shot, **evidence))
     return shots

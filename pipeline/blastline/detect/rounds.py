@@ -70,24 +70,23 @@ def with_rounds(
 
 def with_pairs(
     onsets: NDArray[np.intp],
-    believed: NDArray[np.bool_],
+    peaks_dbfs: NDArray[np.float64],
     sure: NDArray[np.bool_],
     perhaps: NDArray[np.bool_],
-    peaks_dbfs: NDArray[np.float64],
     *,
     longest_ms: float,
     rate_hz: int,
     rules: BurstRules,
 ) -> NDArray[np.bool_]:
-    """Return the believed with those of `perhaps` that come so soon before or after a sure one, about as loud.
+    """Return which of `perhaps` come so soon before or after a sure one, about as loud, shape (n,).
 
     What is softer is more likely an echo, or a hand at the gun.
     """
     shortest, longest = samples_from_ms(rules.shortest_gap_ms, rate_hz), samples_from_ms(longest_ms, rate_hz)
-    kept = believed.copy()
-    for place in np.flatnonzero(perhaps & ~believed).tolist():
+    found = np.zeros(onsets.size, np.bool_)
+    for place in np.flatnonzero(perhaps & ~sure).tolist():
         at = onsets[place]
         begin, end = np.searchsorted(onsets, (at - longest, at + longest + 1))
         partners = sure[begin:end] & (np.abs(onsets[begin:end] - at) >= shortest)
-        kept[place] = (partners & (peaks_dbfs[place] > peaks_dbfs[begin:end] - rules.echo_drop_db)).any()
-    return kept
+        found[place] = (partners & (peaks_dbfs[place] > peaks_dbfs[begin:end] - rules.echo_drop_db)).any()
+    return found

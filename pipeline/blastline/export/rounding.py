@@ -60,7 +60,7 @@ def _way(name: str, timeline: Timeline) -> tuple[str, Shift] | None:
             words += "; the film passes midnight, across which many programs do not read an EDL"
         onsets = (event.onset_sample for event in timeline.events)
         if any(marker_time(film, onset, scale) != frame_time(film, onset, scale) for onset in onsets):
-            words += "; what comes from the middle of the film's last frame on is on that"
+            words += "; but what comes from the middle of the film's last frame on is on that"
         return words, lambda sample: -marker_time(film, sample, scale).offset_s
     if name == "webvtt":
         return "times are whole milliseconds", lambda sample: _stepped(picture_time(source, sample), STEP_S)

@@ -42,7 +42,7 @@ class ShotEvidence(msgspec.Struct, frozen=True):
     is silence, or somebody else found the shot. `sound` are levels of the shot itself (`detect.backdrop`), `attack` is
     its beginning (`detect.copies`). `even_row` says of one of a row, as even as fire, that the row as a whole sounds
     like that, or, of a long one as fast as automatic fire, that it does not. `on_beat` says of what keeps the beat of
-    music around it.
+    music around it, `goes_on` of what goes on as loud as it begins, as after a cut to another scene.
     """
 
     screen: Ratio | None
@@ -54,6 +54,7 @@ class ShotEvidence(msgspec.Struct, frozen=True):
     attack: bytes = b""
     even_row: EvenRow | None = None
     on_beat: bool = False
+    goes_on: bool = False
     copies: Index = 0
     drowned_db: float = -math.inf
 

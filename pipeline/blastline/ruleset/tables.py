@@ -75,7 +75,8 @@ class VerifyRules(Table, frozen=True):
     takes along what lies within `pair_ms` of it and is that loud from `pair_threshold` (and `round_threshold`) on, as
     the other one of a double shot.
     From `report_from` on a candidate is at least listed among the rejections. What falls by less than `least_fall_db`
-    for a second is none, unless it is a round of even fire: it goes on, as after a cut to another scene.
+    for a second is none, unless it is a round of even fire or a likely round follows: it goes on, as after a cut to
+    another scene.
     """
 
     model: str

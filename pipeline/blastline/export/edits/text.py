@@ -69,8 +69,9 @@ def _refuse_cut_off(rows: list[Row], path: Path) -> None:
     Its last cell may be the first digits of a number.
     """
     header, last = rows[0], rows[-1]
-    if len(last.cells) < len(header.cells):
+    columns = max((place for place, cell in enumerate(header.cells, start=1) if cell.strip()), default=0)
+    if len(last.cells) < columns:
         raise TimelineError(
             f"{path}: line {last.line}: the file ends in it, after {last.cells[-1][:60]!r} in cell "
-            f"{len(last.cells)} of {len(header.cells)}: it was cut off; expected a whole row, or a line end behind it"
+            f"{len(last.cells)} of {columns}: it was cut off; expected a whole row, or a line end behind it"
         )
