@@ -16,14 +16,15 @@ import numpy as np
 
 from blastline.detect.bursts import drop_claimed_reflections, suppress_non_maxima, without_echoes
 from blastline.detect.copies import attack
-from blastline.model import Reflection, Shot, ShotEvidence, Span
+from blastline.model import HeardIn, Reflection, Shot, ShotEvidence, Span
 from blastline.render import plan_windows
 from blastline.ruleset import load_rules
 
 RATE_HZ, APART, TIMES = 48_000, 4_800, 4
 TIER = load_rules("standard").tier
+SURE: dict[HeardIn, float] = {"mains": TIER.verify.threshold, "sides": TIER.channels.sides_threshold}
 STAGES: dict[str, Callable[[Sequence[Shot], int], object]] = {
-    "suppress_non_maxima": lambda fire, _: suppress_non_maxima(fire, rate_hz=RATE_HZ, rules=TIER.bursts),
+    "suppress_non_maxima": lambda fire, _: suppress_non_maxima(fire, rate_hz=RATE_HZ, rules=TIER.bursts, sure=SURE),
     "without_echoes": lambda fire, _: without_echoes(fire, rate_hz=RATE_HZ, rules=TIER.bursts),
     "drop_claimed_reflections": lambda fire, _: drop_claimed_reflections(fire, rate_hz=RATE_HZ, rules=TIER.bursts),
     "plan_windows": lambda fire, frames: plan_windows(fire, frames=frames, rate_hz=RATE_HZ, rules=TIER.windows),

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from blastline import scene
 from blastline.detect import Verifier, find_shots, fire, verifier_of
+from blastline.detect.backdrop import LEVELS
 from blastline.detect.candidates import Passes, candidate_places, describe_candidates, let_all_pass
 from blastline.detect.chunks import chunks
 from blastline.detect.contrast import contrasts
@@ -121,7 +122,8 @@ def believed(film: SeenFilm, probability: NDArray[np.float64], rules: Rules) -> 
     odds = log_odds_in(
         Verdicts(probability[seen], _probability(film.screen[seen]), np.full(seen.size, len(film.networks)))
     )
-    rows = fire.even_rows(fire.ScoredCandidates(onsets, peaks_dbfs, odds), rate_hz=rate_hz, tier=tier)
+    unheard = np.zeros((seen.size, LEVELS), np.int16)  # rows do not ask what their sounds are like
+    rows = fire.even_rows(fire.ScoredCandidates(onsets, peaks_dbfs, odds, unheard), rate_hz=rate_hz, tier=tier)
     enough = [
         msgspec.structs.replace(
             film.shots[place],
