@@ -12,7 +12,7 @@ from blastline import run
 from blastline.detect import LATENCY_S, Detection, find_shots, verifier_of
 from blastline.detect.backdrop import LEVELS
 from blastline.detect.company import in_company
-from blastline.detect.find import ChunkResult, apply_row_verdicts
+from blastline.detect.find import ChunkResult, with_what_the_film_tells
 from blastline.detect.fire import ScoredCandidates
 from blastline.detect.sides import merge_mixes
 from blastline.detect.verify import LogOdds
@@ -329,7 +329,7 @@ def test_a_row_is_told_by_the_mix_that_judged_its_shots_wherever_they_begin_in_i
     shots, _ = merge_mixes((heard, []), (there, []), rate_hz=RATE_HZ, tier=RULES.tier)
     in_mains, in_sides = (_scored(onsets + late, odds) for late, odds in ((0, -1.0), (aside, 3.0)))
     chunk = ChunkResult([*shots, *heard], [], {"mains": in_mains, "sides": in_sides})
-    (told,) = apply_row_verdicts([chunk], rate_hz=RATE_HZ, tier=RULES.tier)
+    (told,) = with_what_the_film_tells([chunk], rate_hz=RATE_HZ, tier=RULES.tier)
     assert {each.heard_in for each in told[:6]} == {"sides"}
     assert [each.evidence and each.evidence.even_row for each in told] == 6 * ["fire"] + 6 * [None]
 

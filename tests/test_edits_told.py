@@ -117,7 +117,16 @@ def test_a_gain_comes_back_with_its_marker_without_the_original(
 
 
 @pytest.mark.parametrize(
-    "typed", ["gain -60dB", "gain -60 dB.", "Gain  -60 dB", "gain \u221260 dB", "quiet gain -60 DB"]
+    "typed",
+    [
+        "gain -60dB",
+        "gain -60 dB.",
+        "Gain  -60 dB",
+        "gain \u221260 dB",
+        "gain -\u00a060 dB",
+        "gain -60,0 dB",
+        "quiet gain -60 DB",
+    ],
 )
 def test_a_gain_may_be_typed_as_people_write_it(tmp_path: Path, film: Path, typed: str) -> None:
     (tmp_path / "labels.txt").write_text(f"1.0\t1.0\tshot-0001 0.99 -6.0 dBFS direct {typed}\n", encoding="utf-8")

@@ -30,7 +30,7 @@ from .backdrop import LEVELS
 from .fire import ScoredCandidates, in_sustained_fire
 from .loops import LoopCandidates, in_loops
 from .pace import rows_at, shot_by_shot
-from .rounds import in_a_run, with_pairs, with_rounds
+from .rounds import in_a_run, in_pairs, with_rounds
 from .rows import in_endless_fire, in_even_rows, runs_of
 from .verify import log_odds_of
 
@@ -122,7 +122,7 @@ def _belief(shots: Sequence[Shot], *, rate_hz: int, tier: QualityRules) -> _Beli
     believed |= fire
     believed = with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=bursts)
     perhaps = rounds & (probability >= rules.pair_threshold)
-    pairs = partial(with_pairs, onsets, peaks_dbfs, longest_ms=rules.pair_ms, rate_hz=rate_hz, rules=bursts)
+    pairs = partial(in_pairs, onsets, peaks_dbfs, longest_ms=rules.pair_ms, rate_hz=rate_hz, rules=bursts)
     believed = believed | pairs(by_itself & aside, perhaps & aside) | pairs(by_itself & ~aside, perhaps & ~aside)
     unlike = np.array([row == "no fire" for row in rows], bool) & ~by_itself
     sustained = in_sustained_fire(onsets, peaks_dbfs, fire, rate_hz=rate_hz, rules=bursts)

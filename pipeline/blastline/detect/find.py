@@ -89,11 +89,11 @@ def find_shots(
     given, tell from where the shots come.
     """
     found = list(search_chunks(blocks, rate_hz=rate_hz, tier=tier, verifier=verifier, channels=channels))
-    shots = chain.from_iterable(apply_row_verdicts(found, rate_hz=rate_hz, tier=tier))
+    shots = chain.from_iterable(with_what_the_film_tells(found, rate_hz=rate_hz, tier=tier))
     return select_shots(shots, chain.from_iterable(each.refused for each in found), rate_hz=rate_hz, tier=tier)
 
 
-def apply_row_verdicts(found: Sequence[ChunkResult], *, rate_hz: int, tier: QualityRules) -> Iterator[list[Shot]]:
+def with_what_the_film_tells(found: Sequence[ChunkResult], *, rate_hz: int, tier: QualityRules) -> Iterator[list[Shot]]:
     """Yield the shots of each chunk, with what the whole film tells of them: rows and the beat may cross chunks."""
     told: dict[HeardIn, _Told] = {}
     rules_of: dict[HeardIn, QualityRules] = {"mains": tier, "sides": side_rules(tier)}

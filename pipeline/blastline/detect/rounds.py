@@ -68,7 +68,7 @@ def with_rounds(
     return kept
 
 
-def with_pairs(
+def in_pairs(
     onsets: NDArray[np.intp],
     peaks_dbfs: NDArray[np.float64],
     sure: NDArray[np.bool_],

@@ -72,11 +72,12 @@ def match(edited: EditedFile, originals: Mapping[str, Event] | None, *, rate_hz:
     pairs = list(_paired(edited, known, rate_hz))
     if edited.shows_ends:
         pairs = without_ends_at_the_next(pairs, known.values(), rate_hz=rate_hz)
-    _refuse_repeats(edited.path, ((pair.edit.place, pair.id) for pair in pairs if pair.id is not None), "id")
+    ids = ((pair.edit.place, pair.id, f"id = {pair.id!r}") for pair in pairs if pair.id is not None)
+    _refuse_repeats(edited.path, ids)
     fresh = _free_ids({*known, *(pair.id for pair in pairs if pair.id is not None)})
     told = originals is not None or bool(known)
     wishes = [_wish(edited, pair, next(fresh) if pair.id is None else pair.id, rate_hz, known=told) for pair in pairs]
-    _refuse_repeated_onsets(edited.path, pairs, wishes)
+    _refuse_repeats(edited.path, map(_said_onset, pairs, wishes))
     _refuse_rounded_repeats(edited.path, pairs, wishes, rate_hz)
     taken = {wish.was.id for wish in wishes if wish.was is not None}
     deleted = tuple(event for event in known.values() if event.id not in taken)
@@ -125,24 +126,21 @@ def _free_ids(taken: Iterable[str]) -> Iterator[str]:
         yield f"shot-{number:04d}"
 
 
-def _refuse_repeats(path: Path, values: Iterable[tuple[str, object]], name: str) -> None:
+def _refuse_repeats(path: Path, values: Iterable[tuple[str, object, str]]) -> None:
+    """Raise TimelineError where two rows have one value; values come with their place, and how the row says them."""
     first: dict[object, str] = {}
-    for place, value in values:
+    for place, value, said in values:
         if value in first:
-            raise TimelineError(f"{path}: {place}: {name} = {value!r}: {first[value]} has it too; expected each once")
+            raise TimelineError(f"{path}: {place}: {said}: {first[value]} has it too; expected each once")
         first[value] = place
 
 
-def _refuse_repeated_onsets(path: Path, pairs: Iterable[Pair], wishes: Iterable[Wish]) -> None:
-    """Raise TimelineError where two rows are on one sample; the message has the time as the row has it."""
-    first: dict[int, str] = {}
-    for pair, wish in zip(pairs, wishes, strict=True):
-        if wish.onset in first:
-            onset, said = pair.edit.onset, f"onset_sample = {wish.onset}"
-            if onset.sample is None and onset.seconds is not None:
-                said = f"onset_s = {float(onset.seconds):.9g}, sample {wish.onset}"
-            raise TimelineError(f"{path}: {wish.place}: {said}: {first[wish.onset]} has it too; expected each once")
-        first[wish.onset] = wish.place
+def _said_onset(pair: Pair, wish: Wish) -> tuple[str, object, str]:
+    """Return where a row is, the sample that it is on, and its time as the row has it."""
+    onset, said = pair.edit.onset, f"onset_sample = {wish.onset}"
+    if onset.sample is None and onset.seconds is not None:
+        said = f"onset_s = {float(onset.seconds):.9g}, sample {wish.onset}"
+    return wish.place, wish.onset, said
 
 
 def _refuse_rounded_repeats(path: Path, pairs: Iterable[Pair], wishes: Iterable[Wish], rate_hz: int) -> None:

@@ -11,7 +11,7 @@ from .row import Edit, EditedFile, Point, nearest_sample
 WITH_CONFIDENCE = re.compile(r"(\S+) ([01]\.\d\d)")
 """A label as it is exported: an id and a confidence."""
 
-_WITH_GAIN = re.compile(r"dBFS\b.*\bgain\s*([+\-\u2212]?\s?\d+(?:[.,]\d+)?(?:e-\d+)?)\s*dB\b", re.IGNORECASE)
+_WITH_GAIN = re.compile(r"dBFS\b.*\bgain\s*([+\-\u2212]?\s?\d+(?:[.,]\d+)?(?:e-\d{1,3})?)\s*dB\b", re.IGNORECASE)
 """A label as it is exported of an event that was asked to be stronger or softer than usual, and as people type."""
 
 _COARSEST = Decimal("0.01")
@@ -83,7 +83,7 @@ def gain_db(edited: EditedFile, edit: Edit, was: Event | None) -> float:
     """Return the gain that the file has, in its column or in its label; without one, the original's or none."""
     said = edit.gain_db
     if said is None and (labelled := _WITH_GAIN.search(edit.text)):
-        said = Decimal(labelled[1].replace(",", ".").replace("\u2212", "-").replace(" ", ""))
+        said = Decimal("".join(labelled[1].split()).replace(",", ".").replace("\u2212", "-"))
     if said is None:
         return was.gain_db if was else 0.0
     if not FROM_GAIN_DB <= said <= TO_GAIN_DB:
