@@ -1,9 +1,10 @@
-"""Two corpora of the sounds of free games and music programs: `python benchmarks/game_sounds.py DIR -o CORPUS`.
+"""Corpora of the sounds of free games and music programs: `python benchmarks/game_sounds.py DIR -o CORPUS`.
 
 DIR holds packages of Debian 12, each unpacked into a folder of its name (`dpkg-deb -x NAME_*.deb DIR/NAME`); those
-that are not there are left out. CORPUS/first and CORPUS/second share no source, so that one can be asked about what
-has learnt from the other. `game_guns.csv` has the shots and where they begin: where a high-passed sound reaches a
-tenth of its peak, each burst looked at in a picture. Their copyright files have the licences; none of it is here.
+that are not there are left out. CORPUS/first, second and third share no source, so that one can be asked about what
+has learnt from the others; the shipped networks have heard the first and second. `game_guns.csv` has the shots and
+where they begin: where a high-passed sound reaches a tenth of its peak, each burst looked at in a picture. Those of
+the third were chosen by pictures alone. Their copyright files have the licences; none of it is here.
 """
 
 import csv
@@ -13,29 +14,32 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from zipfile import ZipFile
 
 import numpy as np
 import soundfile
 import soxr
+from game_archives import sounds_of
 from numpy.typing import NDArray
 
 Samples = NDArray[np.int16]
 
 RATE_HZ, LONGEST_S, PEAK, FAINTEST = 48_000, 20, 0.95, 1e-4
 COLUMNS = ("path", "source", "licence", "label", "sub_label", "duration_s", "onsets_s", "notes")
-SOUNDS, ARCHIVES = {".wav", ".ogg", ".flac"}, {".pk3"}
-HALVES = ("first", "second")
-FIRST = {
-    "ufoai-sound",
-    "hydrogen-drumkits",
-    "hydrogen-data",
-    "lincity-ng-data",
-    "minetest-data",
-    "supertux-data",
-    "torcs-data",
+PARTS = {
+    "first": "ufoai-sound hydrogen-drumkits hydrogen-data lincity-ng-data minetest-data supertux-data torcs-data",
+    "second": (
+        "cube2-data openarena-data barrage lmms-common megaglest-data searchandrescue-data widelands-data lugaru-data "
+        "csmash-data"
+    ),
+    "third": (
+        "0ad-data boswars-data csound-soundfont dopewars-data fluid-soundfont-gm nexuiz-data timgm6mb-soundfont "
+        "wordwarvi-sound bzflag-data extremetuxracer-data flightgear-data-base freedroidrpg-data freeorion-data "
+        "hedgewars-data redeclipse-data scorched3d-data starfighter-data supertuxkart-data warmux-data "
+        "warzone2100-data wesnoth-1.16-data"
+    ),
 }
-"""The packages of the first half."""
+"""Which packages each corpus has."""
+PART_OF = {package: part for part, packages in PARTS.items() for package in packages.split()}
 
 ARMED = re.compile("explo|tnt|cannon|gun|shot|blast|thunder|fire_|bomb|missile|rocket|/tech/", re.IGNORECASE)
 """What may be a gun, or an explosion, is no lesson in what is none."""
@@ -66,19 +70,28 @@ OTHERS = (
     Others("lugaru-data", r"\.(ogg|wav)$", kind="fight"),
     Others("torcs-data", r"\.wav$", kind="car"),
     Others("csmash-data", r"\.wav$", kind="ball"),
+    Others("0ad-data", r"audio/(actor|ambient|resource)/(?!human/death)", every=2),
+    Others("0ad-data", r"audio/attack/(weapon/(?!Musket)|impact/|fire/)", every=2, kind="fight"),
+    Others("nexuiz-data", r"sound/(ambient|misc|plats|desertfactory|weather)/", kind="game"),
+    Others("nexuiz-data", r"sound/weapons/(brass|casings|ric|tink|grenade_bounce|.*reload)", kind="handling"),
+    Others("nexuiz-data", r"sound/player/.*/player/", every=4, kind="voice"),
+    Others("warmux-data", r"default/misc/", kind="game"),
+    Others("warmux-data", r"weapons/(airh|anv|base|const|grap|gnu|grenade_b|load|m16_c|ric|slap)", kind="handling"),
+    Others("wesnoth-1.16-data", r"core/sounds/(?!lightning|dragonstick|cave-in)", every=2, kind="fight"),
+    Others("freedroidrpg-data", r"sound/effects/(?!bullets)", every=2, kind="game"),
+    Others("extremetuxracer-data", r"etr/sounds/", kind="game"),
+    Others("supertuxkart-data", r"/data/sfx/(?!shoot|bowling_shoot)", kind="car"),
+    Others("boswars-data", r"(select|select[a-z]+|action|completed)\.wav$", kind="game"),
+    Others("hedgewars-data", r"Data/Sounds/(?!mortar|mineimpact|airmine|firepunch)[^/]+$", kind="game"),
+    Others("redeclipse-data", r"sounds/(ambience|sfx|player)/", kind="game"),
+    Others("redeclipse-data", r"weapons/.*(reload|switch|tink|thud|whizz|ricochet|notify)\d?\.ogg$", kind="handling"),
+    Others("warzone2100-data", r"audio/sfx/(building|interfce|misc|vehicle)/|/weld|/build|/richet", kind="machine"),
+    Others("flightgear-data-base", r"/Sounds/(?!gatling|crash)[^/]*\.wav$", kind="aircraft"),
+    Others("scorched3d-data", r"wav/(misc|movement|shield)/", kind="game"),
+    Others("starfighter-data", r"/sound/", kind="game"),
+    Others("bzflag-data", r"/(?!fire|shock)[^/]*\.wav$", kind="game"),
+    Others("freeorion-data", r"/sound/[^/]*\.ogg$", kind="game"),
 )
-
-
-def sounds_of(folder: Path) -> Iterator[tuple[str, bytes]]:
-    """Yield the sounds of an unpacked package, those in its archives too: their paths and what the files hold."""
-    for path in sorted(each for each in folder.rglob("*") if each.is_file()):
-        if path.suffix.lower() in SOUNDS:
-            yield path.relative_to(folder).as_posix(), path.read_bytes()
-        elif path.suffix.lower() in ARCHIVES:
-            with ZipFile(path) as archive:
-                for name in sorted(archive.namelist()):
-                    if Path(name).suffix.lower() in SOUNDS:
-                        yield name, archive.read(name)
 
 
 def heard(data: bytes) -> Samples | None:
@@ -93,15 +106,10 @@ def heard(data: bytes) -> Samples | None:
     return np.asarray(np.round(first / np.abs(first).max() * PEAK * 32767.0), np.int16)
 
 
-def half_of(package: str) -> str:
-    """Return the folder of a package's sounds."""
-    return "first" if package in FIRST else "second"
-
-
 def written(corpus: Path, package: str, path: str, samples: Samples, onsets_s: str, kind: str, notes: str) -> list[str]:
-    """Write a sound into the half of its package and return its line of the table."""
-    name = f"audio/{package}_{re.sub('[^A-Za-z0-9]+', '_', path.rpartition('.')[0])[-80:]}.flac"
-    soundfile.write(corpus / half_of(package) / name, samples, RATE_HZ)
+    """Write a sound into the part of its package and return its line of the table."""
+    name = f"audio/{package}_{re.sub('[^A-Za-z0-9]+', '_', Path(path).with_suffix('').as_posix())[-80:]}.flac"
+    soundfile.write(corpus / PART_OF[package] / name, samples, RATE_HZ)
     label = "gunshot" if onsets_s else "negative"
     source = package if onsets_s else f"{package}, others"
     return [name, source, "see the package", label, kind, f"{samples.size / RATE_HZ:.4f}", onsets_s, notes]
@@ -130,7 +138,7 @@ def others(unpacked: Path, corpus: Path) -> Iterator[list[str]]:
 
 
 def tell(folder: Path, lines: Sequence[Sequence[str]]) -> None:
-    """Write the table of a half, and say what it holds."""
+    """Write the table of a part, and say what it holds."""
     with (folder / "annotations.csv").open("w", newline="") as file:
         table = csv.writer(file)
         table.writerow(COLUMNS)
@@ -145,11 +153,11 @@ def main() -> None:
     parser.add_argument("unpacked", type=Path, metavar="DIR", help="a folder with a folder for each unpacked package")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="CORPUS")
     options = parser.parse_args()
-    for half in HALVES:
-        (options.output / half / "audio").mkdir(parents=True, exist_ok=True)
+    for part in PARTS:
+        (options.output / part / "audio").mkdir(parents=True, exist_ok=True)
     lines = [*guns(options.unpacked, options.output), *others(options.unpacked, options.output)]
-    for half in HALVES:
-        tell(options.output / half, [line for line in lines if half_of(line[1].partition(",")[0]) == half])
+    for part in PARTS:
+        tell(options.output / part, [line for line in lines if PART_OF[line[1].partition(",")[0]] == part])
 
 
 if __name__ == "__main__":
