@@ -232,7 +232,7 @@ def test_a_window_without_its_fade_fails(background: Background, end: str) -> No
     drive[at : at + 60] = drive[onset : onset + 60]  # cut hard into something that moves
     broken = failed(checks_of(right.with_drive(drive), background=background))
     assert "fades" in broken
-    assert broken <= {"fades", "pre_echo"}
+    assert broken <= {"fades", "pre_echo", "drive_as_rendered"}
     assert figure(checks_of(right, background=background), "fades") == 0.0
 
 

@@ -11,7 +11,8 @@ import numpy as np
 from .. import dsp
 from .comparison import Comparison
 from .due import FAINT, STRETCH_MS, in_stretches, rms_of
-from .hearing import Felt, Heard
+from .feeling import Felt
+from .hearing import Heard
 
 
 def added_above_band(shared: Comparison, heard: Heard, felt: Felt) -> float | None:

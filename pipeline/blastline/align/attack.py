@@ -10,10 +10,14 @@ from ..model import Event
 from ..units import SILENCE_DB, db_from_gain
 from .comparison import Comparison, Samples
 from .due import ATTACK_MS, MISSING, DueDrive, due_before_next, due_before_window
-from .hearing import Felt, Heard, Part
+from .feeling import Felt
+from .hearing import Heard, Part
 
 _BEFORE_MS = 20.0
-"""Where a pre-echo is looked for; what precedes a shot by more is not heard or felt as part of it."""
+"""Where a pre-echo is looked for in a drive of unknown making, and before a shot that does not open its window.
+
+Up to there the drive belongs to the shot before; what opens a window has to be at rest from its opening on.
+"""
 
 _GRAIN_MS = 0.5
 """A drive crosses zero; over this long it is plain whether it moves."""
@@ -80,11 +84,12 @@ def pre_echo(
     onset, lead = heard.core.start, shared.samples(shared.lead_ms)
     peak = _peak(felt.vibration[heard.core])
     since = part.since - heard.span.start
-    first = max(0, onset - shared.samples(_BEFORE_MS), since)
+    first = since if part.opens else max(0, onset - shared.samples(_BEFORE_MS), since)
     before = slice(first, onset - max(lead, shared.samples(shared.rules.preecho_guard_ms)))
     if peak == 0.0 or before.stop <= first:
         return NO_PRE_ECHO
     if event.drive is None:
+        before = slice(max(first, onset - shared.samples(_BEFORE_MS)), before.stop)
         felt_db = db_from_gain(_peak(felt.vibration[before]) / peak)
         return PreEcho(felt_db, db_from_gain(_peak(heard.intended[before]) / peak))
     if part.opens:

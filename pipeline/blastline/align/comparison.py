@@ -33,6 +33,9 @@ _SET_AT_HZ, _COARSE_MS = 48_000, 0.25
 _ABOVE = 2.0
 """From so many times the corner of the band on, a drive does nothing for what is felt."""
 
+_FFT_GRAIN = 15 * 2**10
+"""Transforms come in few sizes, so that the band's response is computed a few times in a film."""
+
 _LOWEST_HZ = 1.0
 """Where the search for the greatest response begins."""
 
@@ -96,6 +99,15 @@ class Comparison:
         The gradient of 1/2 |H u - t|^2 is H'(H u - t).
         """
         return dsp.run_backwards(self.felt, samples)
+
+    def without_delay(self, samples: Samples) -> Samples:
+        """Return samples in the band of vibration, by the magnitude of its response alone, hence without delay."""
+        from scipy import fft
+
+        size = -(-len(samples) // _FFT_GRAIN) * _FFT_GRAIN
+        return np.asarray(
+            fft.irfft(fft.rfft(samples, size) * self.band_gains(size), size)[: len(samples)], dtype=np.float64
+        )
 
 
 def compare(

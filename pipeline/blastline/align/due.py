@@ -18,7 +18,8 @@ import numpy as np
 from .. import dsp
 from ..medians import weighted_median
 from .comparison import Comparison, Samples
-from .hearing import Felt, Heard
+from .feeling import Felt
+from .hearing import Heard
 
 ATTACK_MS = 12.0
 """The longest blast of the segmentation: the attack's peak lies within."""
@@ -96,10 +97,10 @@ def possible_drives(shared: Comparison, heard: Heard, felt: Felt, adjoints: Adjo
         return (unsolved_drive(shared, heard, felt),)
     rest = _rest(shared, heard)
     free = np.flatnonzero(felt.free[rest]) + rest.start
-    limit, found = shared.rules.peak, []
+    limit, whole, found = shared.rules.peak, _whole(shared, heard, felt), []
     for gain in (heard.gain, _gain(adjoints.intended[free], adjoints.felt[free])):
         descent = gain * adjoints.intended - adjoints.felt
-        found.append(DueDrive(gain, np.clip(felt.drive + _LONG * shared.step * descent, -limit, limit)))
+        found.append(DueDrive(gain, np.clip(whole + _LONG * shared.step * descent, -limit, limit)))
     return tuple(found)
 
 
@@ -145,11 +146,13 @@ def departure(shared: Comparison, heard: Heard, felt: Felt, dues: tuple[DueDrive
 def _departures(shared: Comparison, heard: Heard, felt: Felt, due: DueDrive) -> Samples:
     """Return by which share of it a drive is not what is due in each of a shot's stretches; shape (stretches,).
 
-    A solved drive is compared up to where H is asked for what the drive does not know or do.
+    The fade-out of its window is its own as well. A solved drive is compared up to where H is asked for what the drive
+    does not know or do.
     """
     length = shared.samples(STRETCH_MS)
-    where = slice(heard.core.start, max(heard.core.start, heard.core.stop - (shared.memory if heard.solved else 0)))
-    apart, asked = (rms_of(in_stretches(samples[where], length)) for samples in (felt.drive - due.drive, due.drive))
+    where = slice(heard.core.start, max(heard.core.start, heard.stop - (shared.memory if heard.solved else 0)))
+    faded = heard.fading * due.drive
+    apart, asked = (rms_of(in_stretches(each[where], length)) for each in (_own_drive(heard, felt) - faded, faded))
     return np.asarray(apart / (asked + FAINT), dtype=np.float64)
 
 
@@ -187,10 +190,20 @@ def _known(shared: Comparison, heard: Heard, felt: Felt, *, gain: float, since: 
     limit, early = shared.rules.peak, at < stop
     first_guess = np.where(early & (at >= since), gain * heard.wet, 0.0)
     rings = dsp.run_filter(shared.felt, np.clip(first_guess, -limit, limit))
-    whole = np.clip(felt.drive / np.maximum(heard.fading, _FADED), -limit, limit)
-    drive = np.where(early, np.where(heard.fading < 1.0, whole, felt.drive), 0.0)
+    drive = np.where(early, np.where(heard.fading < 1.0, _whole(shared, heard, felt), felt.drive), 0.0)
     vibration = felt.own - dsp.run_filter(shared.felt, felt.drive - drive)
     return _Known(drive, np.where(early, gain * heard.intended, rings), vibration)
+
+
+def _own_drive(heard: Heard, felt: Felt) -> Samples:
+    """Return the drive without the background that fades in over a window's end."""
+    return felt.drive - (1.0 - heard.fading) * heard.background
+
+
+def _whole(shared: Comparison, heard: Heard, felt: Felt) -> Samples:
+    """Return the drive as if its window's end did not fade it, within the limit."""
+    limit = shared.rules.peak
+    return np.clip(_own_drive(heard, felt) / np.maximum(heard.fading, _FADED), -limit, limit)
 
 
 def _unsolved(heard: Heard, gain: float) -> Samples:

@@ -8,7 +8,8 @@ from ..correlate import Match, lag_uncertainty, match_template, normalised_produ
 from ..model import Event, Span
 from .comparison import Comparison
 from .due import Adjoints, adjoints_of, departure, unsolved_drive
-from .hearing import Felt, Heard, Part, coarseness, feel, hear, is_direct
+from .feeling import Felt, feel
+from .hearing import Heard, Part, coarseness, hear, is_direct
 from .sounds import TimeMap
 
 _LEAST_MS = 5.0
@@ -65,7 +66,7 @@ def locate(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap, s
     """Return where the drive holds a shot, by likeness alone, within `search` samples of where `time_map` says."""
     start, longest = part.span.start, shared.samples(shared.rules.longest_ms)
     short = replace(part, span=Span(start, min(part.span.stop, start + longest)))
-    heard = hear(shared, event, short, margin=0)
+    heard = hear(shared, event, short, Span(start, short.span.stop))
     felt = feel(shared, event, Span(start - search, short.span.stop + search), time_map=time_map)
     return match_template(heard.expected, felt.following)
 

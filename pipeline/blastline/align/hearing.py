@@ -1,4 +1,4 @@
-"""A shot's sound in the band of vibration, and what is felt of the drive that belongs to it."""
+"""A shot's sound in the band of vibration, and what the drive that belongs to it is to do."""
 
 from dataclasses import dataclass
 
@@ -9,13 +9,7 @@ from .. import dsp
 from ..model import Event, Span
 from ..units import gain_from_db
 from .comparison import Comparison, Samples
-from .sounds import TimeMap, drive_at, read_padded
-
-_FFT_GRAIN = 15 * 2**10
-"""Transforms come in few sizes, so that the band's response is computed a few times in a film."""
-
-_AT_LIMIT = 0.995
-"""A drive sample of this share of the limit is taken as limited: interpolated and quantised ones miss it a little."""
+from .sounds import read_padded
 
 
 @dataclass(frozen=True)
@@ -39,6 +33,8 @@ class Part:
 class Heard:
     """The sound of a shot in the band of vibration, over `span`, of which `core` holds the shot itself.
 
+    Up to sample `stop` of the span the drive is the shot's own, where its window ends with it faded out.
+
     All arrays have the span's length. `undelayed` has no delay, `intended` the one that the drive is meant to have, and
     what a louder shot before leaves ringing where nothing solves against that; of a direct drive the limit is
     in `intended`, but not in `undelayed` of the shot itself; `expected` is what is felt where the
@@ -52,6 +48,7 @@ class Heard:
 
     span: Span
     core: slice
+    stop: int
     intended: Samples
     undelayed: Samples
     expected: Samples
@@ -62,23 +59,6 @@ class Heard:
     fading: Samples
     solved: bool
     gain: float
-
-
-@dataclass(frozen=True, eq=False)
-class Felt:
-    """The drive of a shot over a span, in arrays of its length: its vibration as felt, and what is to follow the sound.
-
-    The two are the same but for a `direct` drive, which does not compensate: there the drive itself is to follow, in
-    the band of vibration. `own` is what is felt of the shot's window alone, from rest: a seat that rings for long still
-    moves with what was before. `free` marks the samples at which the drive is not at the actuator's limit.
-    """
-
-    drive: Samples
-    vibration: Samples
-    own: Samples
-    following: Samples
-    free: NDArray[np.bool_]
-    peak: float
 
 
 def is_direct(event: Event) -> bool:
@@ -96,10 +76,9 @@ def coarseness(shared: Comparison, event: Event) -> float:
     return shared.coarseness if is_solved(event) else 1.0
 
 
-def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
-    """Return the sound of a shot over its part and `margin` samples on either side."""
+def hear(shared: Comparison, event: Event, part: Part, span: Span) -> Heard:
+    """Return the sound of a shot over a span that its part lies in."""
     settle = shared.settle
-    span = Span(part.span.start - margin, part.span.stop + margin)
     wide = Span(span.start - settle, span.stop + settle)
     audio = read_padded(shared.audio, wide, event.made_of)
     kept = slice(settle, settle + len(span))
@@ -111,11 +90,12 @@ def hear(shared: Comparison, event: Event, part: Part, *, margin: int) -> Heard:
     intended = dsp.run_filter(shared.felt, wet) if is_linear and part.before_db else delayed
     return Heard(
         span,
-        slice(margin, margin + len(part.span)),
+        slice(part.span.start - span.start, part.span.stop - span.start),
+        part.driven.stop - span.start,
         intended[kept],
         undelayed[kept],
         _expected(shared, event, wet, intended, background, wide)[kept],
-        direct=dsp.run_filter(shared.felt, _of_window(dry, event, wide.start)[: kept.stop])[kept],
+        direct=dsp.run_filter(shared.felt, of_window(dry, event, wide.start)[: kept.stop])[kept],
         background=background[kept],
         wet=wet[kept],
         weights=_risen(event, span),
@@ -145,9 +125,9 @@ def _wanted(
         drive = _as_driven(shared, event, wet, background, span)
         sound, own = drive.copy(), slice(part.span.start - span.start, part.span.stop - span.start)
         sound[own] = wet[own]
-        return wet, _without_delay(shared, sound), _without_delay(shared, drive)
+        return wet, shared.without_delay(sound), shared.without_delay(drive)
     centred = _centred(shared, event, audio, span)
-    wet, undelayed = relative * shared.compensated(centred), relative * _without_delay(shared, centred)
+    wet, undelayed = relative * shared.compensated(centred), relative * shared.without_delay(centred)
     return wet, undelayed, relative * dsp.run_filter(shared.band, centred) if shared.phase == "causal" else undelayed
 
 
@@ -220,35 +200,7 @@ def _faded_in(at: NDArray[np.int64], length: int) -> Samples:
     return np.asarray(fade[np.clip(at + 1, 0, len(fade) - 1)], dtype=np.float64)
 
 
-def feel(shared: Comparison, event: Event, span: Span, *, time_map: TimeMap) -> Felt:
-    """Return what is felt over a span of the film, with the drive read from where `time_map` says."""
-    settle = shared.settle
-    wide = Span(span.start - settle, span.stop + settle)
-    drive, written = drive_at(shared.drive, wide, rate_hz=shared.rate_hz, time_map=time_map)
-    kept = slice(settle, settle + len(span))
-    vibration = dsp.run_filter(shared.felt, drive[: kept.stop])[kept]
-    alone = _of_window(drive, event, wide.start)
-    own = dsp.run_filter(shared.felt, alone[: kept.stop])[kept] if alone is not drive else vibration
-    following = _without_delay(shared, drive)[kept] if is_direct(event) else vibration
-    free = np.abs(drive[kept]) < _AT_LIMIT * shared.rules.peak
-    return Felt(drive[kept], vibration, own, following, free, float(np.abs(written).max(initial=0.0)))
-
-
-def peak_in(shared: Comparison, span: Span, *, time_map: TimeMap) -> float:
-    """Return the largest magnitude of the drive's own samples over a span of the film."""
-    _, written = drive_at(shared.drive, span, rate_hz=shared.rate_hz, time_map=time_map)
-    return float(np.abs(written).max(initial=0.0))
-
-
-def _of_window(samples: Samples, event: Event, start: int) -> Samples:
+def of_window(samples: Samples, event: Event, start: int) -> Samples:
     """Return samples that begin at sample `start` of the film, at rest until the event's window opens."""
     before = event.window.start - start
     return np.concatenate([np.zeros(before), samples[before:]]) if before > 0 else samples
-
-
-def _without_delay(shared: Comparison, samples: Samples) -> Samples:
-    """Return samples in the band of vibration, by the magnitude of its response alone, hence without delay."""
-    from scipy import fft
-
-    size = -(-len(samples) // _FFT_GRAIN) * _FFT_GRAIN
-    return np.asarray(fft.irfft(fft.rfft(samples, size) * shared.band_gains(size), size)[: len(samples)], np.float64)

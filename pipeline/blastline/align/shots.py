@@ -14,8 +14,9 @@ from .above import added_above_band
 from .attack import PreEcho, late_start, pre_echo
 from .comparison import Comparison, Samples
 from .due import borne_out, departure, possible_drives
+from .feeling import peak_in
 from .found import find_shot, likeness_to_sound
-from .hearing import Part, hear, is_direct, peak_in
+from .hearing import Part, hear, is_direct
 from .sounds import TimeMap
 
 
@@ -72,7 +73,9 @@ def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap) 
     None where soundtrack or drive are silent.
     """
     search = shared.samples(shared.rules.search_ms)
-    heard = hear(shared, event, part, margin=max(search, shared.memory, shared.samples(shared.lead_ms)))
+    margin = max(search, shared.memory, shared.samples(shared.lead_ms))
+    around = Span(min(part.span.start, part.driven.start) - margin, max(part.span.stop, part.driven.stop) + margin)
+    heard = hear(shared, event, part, around)
     core = heard.core
     pattern = slice(core.start, min(core.stop, core.start + shared.samples(shared.rules.longest_ms)))
     found = find_shot(shared, event, part, heard, pattern=pattern, time_map=time_map)

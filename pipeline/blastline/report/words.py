@@ -34,7 +34,7 @@ CHECKS = {
     "level_as_rendered": "The level is the one that was rendered",
     "peak_as_rendered": "The peak is the one that was rendered",
     "gain_as_rendered": "The gain is the one that was rendered",
-    "drive_as_rendered": "The drive is the one that was rendered, to the shot's end",
+    "drive_as_rendered": "The drive is the one that was rendered, to the window's end",
     "drive_above_band": "The drive does nothing above the band that is not asked for",
     "pre_echo": "Nothing is felt before the bang",
     "peak": "The shot's drive keeps to the limit",
