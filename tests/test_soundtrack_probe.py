@@ -65,6 +65,29 @@ def test_a_late_picture_begins_with_its_first_packet(tmp_path: Path, extension: 
     assert (len(samples), onsets(samples[:, 0])) == (FRAMES, [SHOT])
 
 
+@pytest.mark.parametrize("extension", ["ts", "vob", "mpg"])
+@pytest.mark.parametrize("delay_s", [2, 12])
+def test_a_late_picture_of_a_transport_or_program_stream_begins_with_its_first_packet(
+    tmp_path: Path, extension: str, delay_s: int
+) -> None:
+    """By its first packet, which the probe, of 5 MB or 5 s, does not see in the second case; nor does it see a rate."""
+    rate_hz, late = 48_000, SHOT + 14 * 48_000
+    path = write_media(
+        tmp_path / f"film.{extension}",
+        [impulses(20 * rate_hz, [late], channels=2)],
+        codec="ac3",
+        rate_hz=rate_hz,
+        picture_rate=Fraction(25),
+        picture_codec="mpeg2video",
+        picture_delay_s=delay_s,
+    )
+    with open_soundtrack(path) as track:
+        assert sum(len(clip.span) for clip in track.blocks()) > 0
+        source = track.source()
+    assert source.start_offset_s == pytest.approx(-delay_s, abs=0.1)
+    assert source.frame_rate == (None if delay_s == 12 else "25")
+
+
 def test_a_film_that_does_not_say_its_length_says_as_much_of_its_picture(tmp_path: Path) -> None:
     sound = impulses(FRAMES, [SHOT], channels=8)
     options: dict[str, Any] = {"codec": "pcm_f64le", "rate_hz": RATE_HZ, "picture_rate": PICTURE_RATE}

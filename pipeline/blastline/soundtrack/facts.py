@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from av.video.stream import VideoStream
 
 _TIME_STAMP = re.compile(r"\d{1,20}", re.ASCII)  # no more digits than a number of 64 bits
+_FASTEST_PICTURES = 1000  # a second
 _AVERAGE_OFF = Fraction(1, 200)  # so much less than the rate the average of a fragmented film may be
 UNSTAMPED = frozenset({"aac", "ac3", "dts", "dtshd", "eac3", "loas", "mlp", "truehd"})
 """Formats without time stamps: FFmpeg counts what it finds."""
@@ -134,7 +135,7 @@ def _time_reference(container: "InputContainer") -> int | None:
 def _frame_rate(picture: "VideoStream") -> str | None:
     """Return the rate as a fraction; measured rates are a little off and are taken for the one they are meant to be."""
     measured = picture.average_rate or picture.guessed_rate
-    if not measured:
+    if not measured or measured > _FASTEST_PICTURES:  # the clock of a picture of which the probe saw nothing
         return None
     rate, guessed = Fraction(measured), Fraction(picture.guessed_rate or measured)
     meant = guessed if abs(guessed - rate) < _AVERAGE_OFF * rate else rate

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 _UNTOLD = frozenset({"matroska,webm", "nut"})
 """Formats that say neither start nor length of a stream: one that has a length has it from the file, or by a guess."""
 
+_SIZED = frozenset({"mpegts", "mpeg"})
+"""Formats in which pictures tell their size themselves: one without has not been seen, and its start is the file's."""
+
 _SOUGHT_S = 600
 """So much of a film is read for its picture's first packet, 1/12 of two hours, where there is none for so long.
 
@@ -68,6 +71,10 @@ def picture_warnings(facts: TrackFacts) -> list[str]:
 
 def is_unseen(stream: "Stream") -> bool:
     """Return whether the probe may have met no packet of a stream, so that its start, if it has one, is the file's."""
+    from av.video.stream import VideoStream
+
+    if stream.container.format.name in _SIZED:
+        return isinstance(stream, VideoStream) and not stream.width
     return stream.container.format.name in _UNTOLD and (stream.start_time is None or bool(stream.duration))
 
 
