@@ -43,18 +43,18 @@ def test_silence_in_place_of_a_fade_out_fails(index: int, model: DriveModel | No
     assert failed(checks_of(right.with_drive(drive))) == {"drive_as_rendered"}
 
 
-def opened_early(right: Film, index: int, background: Background) -> tuple[Film, Event]:
+def opened_early(right: Film, index: int, background: Background, *, earlier: int = EARLIER) -> tuple[Film, Event]:
     """Return the film with a window that opens 0.3 s earlier, and its event; a solved drive rests until its lead."""
     events = list(right.timeline.events)
     event = events[index]
     old = event.window
-    window = Window(old.start - EARLIER, old.stop, old.fade_in_samples, old.fade_out_samples)
+    window = Window(old.start - earlier, old.stop, old.fade_in_samples, old.fade_out_samples)
     events[index] = msgspec.structs.replace(event, window=window)
     inside, audio = slice(window.start, window.stop), right.audio.samples
     dry = audio[inside] if background == "direct" else np.zeros(len(window.span))
     wet = right.drive.samples[inside].copy()
     is_direct = event.drive is not None and event.drive.model == "direct"
-    wet[: EARLIER + old.fade_in_samples] = audio[inside][: EARLIER + old.fade_in_samples] if is_direct else 0.0
+    wet[: earlier + old.fade_in_samples] = audio[inside][: earlier + old.fade_in_samples] if is_direct else 0.0
     weights = weights_of(window)
     weights[-old.fade_out_samples :] = 1.0  # faded already
     drive = right.drive.samples.copy()
@@ -74,6 +74,14 @@ def test_nothing_but_what_is_due_moves_in_a_window_that_opens_early(
     at = event.onset_sample - round(before_ms * RATE_HZ / 1000)
     drive[at : at + RATE_HZ // 100] += thump(RATE_HZ // 100, 0.3)
     assert "pre_echo" in failed(checks_of(right.with_drive(drive), background=background))
+
+
+@pytest.mark.parametrize("background", ["mute", "direct"])
+def test_a_window_may_open_long_before_its_shot(background: Background) -> None:
+    """Ten seconds of it are looked at."""
+    film = make_film(onsets_s=(12.9,), peaks=(0.5,), seconds=14.0, background=background, model="direct")
+    right, _ = opened_early(film, 0, background, earlier=12 * RATE_HZ)
+    assert failed(checks_of(right, background=background)) == set()
 
 
 @pytest.mark.parametrize("raised_db", [1.0, 2.0])

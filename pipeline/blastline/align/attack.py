@@ -84,7 +84,7 @@ def pre_echo(
     onset, lead = heard.core.start, shared.samples(shared.lead_ms)
     peak = _peak(felt.vibration[heard.core])
     since = part.since - heard.span.start
-    first = since if part.opens else max(0, onset - shared.samples(_BEFORE_MS), since)
+    first = max(0, since if part.opens else max(onset - shared.samples(_BEFORE_MS), since))
     before = slice(first, onset - max(lead, shared.samples(shared.rules.preecho_guard_ms)))
     if peak == 0.0 or before.stop <= first:
         return NO_PRE_ECHO

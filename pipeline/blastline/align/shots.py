@@ -19,6 +19,9 @@ from .found import find_shot, likeness_to_sound
 from .hearing import Part, hear, is_direct
 from .sounds import TimeMap
 
+_EARLIEST_MS = 10_000.0
+"""So long before its onset a window is looked at that opens earlier, which takes memory."""
+
 
 @dataclass(frozen=True)
 class ShotFigures:
@@ -74,7 +77,8 @@ def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap) 
     """
     search = shared.samples(shared.rules.search_ms)
     margin = max(search, shared.memory, shared.samples(shared.lead_ms))
-    around = Span(min(part.span.start, part.driven.start) - margin, max(part.span.stop, part.driven.stop) + margin)
+    opened = max(min(part.span.start, part.driven.start), part.span.start - shared.samples(_EARLIEST_MS))
+    around = Span(opened - margin, max(part.span.stop, part.driven.stop) + margin)
     heard = hear(shared, event, part, around)
     core = heard.core
     pattern = slice(core.start, min(core.stop, core.start + shared.samples(shared.rules.longest_ms)))
