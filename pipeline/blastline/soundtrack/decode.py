@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import SoundtrackError
-from .placement import Gap
+from .placement import Gap, Overlap
 from .reach import Reach
 from .track import PIECE, Samples
 
@@ -146,8 +146,8 @@ def _frames(packet: "Packet[AudioStream]", tally: Tally, time_s: Fraction | None
     return sound
 
 
-def packed(placed: Iterable["AudioFrame | Gap"], *, rate_hz: int, channels: int) -> Iterator[Samples]:
-    """Yield the placed frames as float32, shape (frames, channels), and silence for the gaps.
+def packed(placed: Iterable["AudioFrame | Gap | Overlap"], *, rate_hz: int, channels: int) -> Iterator[Samples]:
+    """Yield the placed frames as float32, shape (frames, channels), silence for the gaps, and no overlaps.
 
     Raises SoundtrackError where the sound changes its sample rate or its number of channels on the way.
     """
@@ -155,8 +155,12 @@ def packed(placed: Iterable["AudioFrame | Gap"], *, rate_hz: int, channels: int)
 
     packer: AudioResampler | None = None
     kind: tuple[str, str, int] | None = None
-    position = 0
+    position = cut = 0
     for frame in placed:
+        if isinstance(frame, Overlap):
+            yield from _emptied(packer, channels)
+            packer, cut = None, frame.samples
+            continue
         if isinstance(frame, Gap):
             yield from _emptied(packer, channels)
             packer = None
@@ -168,9 +172,14 @@ def packed(placed: Iterable["AudioFrame | Gap"], *, rate_hz: int, channels: int)
             _require_same(frame, rate_hz=rate_hz, channels=channels, position=position)
             yield from _emptied(packer, channels)
             packer, kind = AudioResampler(format="flt", frame_size=PIECE), found
-        position += frame.samples
+        position += frame.samples - cut
         frame.pts = None
-        yield from (_samples(piece, channels) for piece in packer.resample(frame))
+        pieces = [_samples(piece, channels) for piece in packer.resample(frame)]
+        if cut:
+            yield np.concatenate([*pieces, *_emptied(packer, channels)])[cut:]
+            packer, cut = None, 0
+            continue
+        yield from pieces
     yield from _emptied(packer, channels)
 
 

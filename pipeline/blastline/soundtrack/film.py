@@ -13,7 +13,8 @@ from .chunks import ChunkTable, overflow_warning
 from .decode import Tally, check_sums, decoded, packed
 from .ending import stops_early
 from .facts import UNSTAMPED, film_facts, header_frames, origin_of, sound_streams
-from .placement import Placement, origin_by_others
+from .first_stamp import origin_by_others
+from .placement import Placement
 from .probe import opened, picture_warnings, told_start
 from .singles import joining_hint
 from .track import Samples, TrackFacts, stamp_warnings
@@ -121,6 +122,13 @@ class FilmTrack:
             lines.append(f"{count} filled with silence, {total_s:.3f} s in all, first at {first_s:.3f} s")
             if self._container.format.name in UNSTAMPED:
                 lines[-1] += "; the file has no time stamps: if more is missing there, what follows plays early"
+        if overlaps := self._placement.overlaps:
+            total_s, first_s = sum(overlap for _, overlap in overlaps) / rate_hz, overlaps[0][0] / rate_hz
+            count = "1 overlap was" if len(overlaps) == 1 else f"{len(overlaps)} overlaps were"
+            lines.append(
+                f"{count} dropped, {total_s:.3f} s in all, first at {first_s:.3f} s: by its time stamps, that sound "
+                "had been played already"
+            )
         if self._first_stamp_off_s:
             lines.append(
                 f"the first time stamp is {self._first_stamp_off_s:+.3f} s off those that follow; these were believed"
