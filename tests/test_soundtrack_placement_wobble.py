@@ -275,3 +275,24 @@ def test_a_gap_keeps_its_samples_whatever_follows() -> None:
     placement: Placement[Frame] = Placement(RATE_HZ, 10**9)
     items = list(placement.place(frames_of(step(0.1, 5), seconds=10)))
     assert [item.samples for item in items if isinstance(item, Gap)] == [4800]
+
+
+def test_silence_is_as_long_as_the_least_late_stamp_asks_for_and_overlaps_as_the_least_early_one() -> None:
+    """So that a wobble on top of what is missing, or there twice, costs nothing."""
+    late = placed(frames_of(lambda time_s: 0.0 if time_s < 5 else 0.03 if time_s < 6 else 0.005, seconds=20))
+    assert [gap for _, gap in late.placement.gaps] == [240]
+    assert not late.placement.overlaps
+    early = placed(frames_of(lambda time_s: 0.0 if time_s < 5 else -0.1 if time_s < 6 else -0.06, seconds=20))
+    assert [overlap for _, overlap in early.placement.overlaps] == [2880]
+    assert not early.placement.gaps
+
+
+@pytest.mark.parametrize("late", [312, -3_000, 40_000])
+def test_the_last_stamp_before_a_joined_file_moves_nothing_alone(late: int) -> None:
+    """The last page of an Ogg file tells where the film ends, which may be within its last frame."""
+    frames = frames_of(lambda _: 0.0, seconds=20)
+    last = Frame(frames[-1].start, 1024, (frames[-1].pts or 0) + late)
+    done = placed([*frames[:-1], last, *frames])
+    assert not done.placement.gaps
+    assert not done.placement.overlaps
+    assert done.placement.jumps == [(len(frames) * 1024, -len(frames) * 1024)]

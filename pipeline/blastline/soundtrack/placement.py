@@ -115,11 +115,11 @@ class Placement(Generic[FrameT]):
             self._held_samples += frame.samples
             if late is not None and self._refutes(late):
                 yield from self._refuted(len(self._held) - 1)
-            elif self._held_samples > MAX_HELD_S * self.rate_hz:
+            elif not self._ended():
                 yield from self._resolve()
         while self._held:
-            ended = self._held_samples <= MAX_HELD_S * self.rate_hz
-            yield from self._release(len(self._held)) if ended and self._says_little() else self._resolve()
+            idle = self._ended() and self._says_little()
+            yield from self._release(len(self._held)) if idle else self._resolve()
 
     def _late(self, frame: FrameT) -> int | None:
         """Return how much later the frame's stamp is than its place by counting."""
@@ -196,27 +196,36 @@ class Placement(Generic[FrameT]):
                 yield from self._refuted(k)
                 return
         stamps = [late for _, late in self._held if late is not None]
-        gap = self._whole_frames(min(late for late in stamps if late >= -far)) if stamps[0] > 0 else 0
-        early = 0 if gap else -max(late for late in stamps if late <= far)
+        first = stamps[0]
+        near = [late for late in stamps if (late >= -far or first < -far) and (late <= far or first > 0)]
+        gap, early = (self._whole_frames(min(near)), 0) if first > 0 else (0, -max(near))
+        if len(near) == 1 < len(stamps):  # nothing confirms it
+            yield from self._release(1)
+            return
         if 0 < gap <= self.max_frames - self._position:
             self.gaps.append((self._position, gap))
             self._count_from(gap)
             self._position += gap
             yield Gap(gap)
-        elif gap or early > far or self._starts_over(stamps[0]):
+        elif gap or early > far or self._starts_over(first):
             self.jumps.append((self._position, stamps[-1]))
             self._count_from(stamps[-1])
             self._zero += stamps[-1]
-        elif len(stamps) > 1 and -early - stamps[-1] <= max(self._slack(), _MAX_SLOWNESS * self._held_samples):
+        elif len(near) > 1 and -early - stamps[-1] <= max(self._slack(), _MAX_SLOWNESS * self._held_samples):
             overlap = min(self._whole_frames(early), self._held_samples)
             self.overlaps.append((self._position, overlap))
             self._count_from(-overlap)
             self._position -= overlap
             yield from self._drop(overlap)
-        else:  # stamps that do not run on: what comes may tell
-            yield from self._release(-(-len(self._held) // 4))
+        else:  # stamps that do not run on: what comes may tell, if anything does
+            share = 1 if self._ended() else 100
+            yield from self._release(-(-len(self._held) // share))
             return
         yield from self._release(0)
+
+    def _ended(self) -> bool:
+        """Return whether so little is held that, where it is judged, nothing follows."""
+        return self._held_samples <= MAX_HELD_S * self.rate_hz
 
     def _starts_over(self, late: int) -> bool:
         """Return whether a stamp is that of the beginning of the track, and not within the first half second."""
