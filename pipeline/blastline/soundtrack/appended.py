@@ -27,6 +27,8 @@ _TAG_BYTES = 1 << 16
 
 _ID3_HEAD_BYTES = 10
 
+_SCANNED_BYTES = 1 << 20
+
 
 @dataclass(frozen=True)
 class Appended:
@@ -63,6 +65,15 @@ def find_begun(file: BinaryIO, places: Iterable[int], file_bytes: int) -> Append
             if begins_file(file.read(BEGINNING_BYTES)):
                 return Appended(place, file_bytes)
     return None
+
+
+def behind_zeros(file: BinaryIO, place: int) -> int:
+    """Return where in a file the first byte from a place on is that is not 0; its end where all are."""
+    file.seek(place)
+    while block := file.read(_SCANNED_BYTES):
+        if rest := block.lstrip(b"\0"):
+            return file.tell() - len(rest)
+    return file.tell()
 
 
 def find_appended(path: Path, container_format: str) -> Appended | None:

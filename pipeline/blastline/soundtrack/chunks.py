@@ -8,14 +8,15 @@ feeds.
 
 import os
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import BinaryIO
 
 from ..errors import SoundtrackError
-from .appended import Appended, find_begun
+from .appended import Appended, behind_zeros, find_begun
 from .core_audio import named_channels
-from .forms import FORMS, Form
+from .forms import FORMS, Form, is_name
+from .lacking import lacking_bytes
 from .overflow import more_follows
 
 _UNKNOWN_SIZE = 0xFFFFFFFF
@@ -59,7 +60,7 @@ class ChunkTable:
     no chunk, so that it can only be more of it; `is_wave` that the file is a WAV, which decoders can read beyond it.
     `frame_bytes` is the size of a frame, None where the header does not say it or contradicts itself. `implied_rate_hz`
     is the sample rate by the bytes of a second, None where these are no number of whole frames. `appended` is another
-    file behind all chunks of this one.
+    file behind all chunks of this one. `lacking_bytes` is how many bytes were lost, in the sound or at its end.
     """
 
     data_bytes: int | None
@@ -71,6 +72,7 @@ class ChunkTable:
     frame_bytes: int | None = None
     implied_rate_hz: int | None = None
     appended: Appended | None = None
+    lacking_bytes: int = 0
 
 
 def overflow_warning(table: ChunkTable, *, is_read: bool = True) -> str:
@@ -94,11 +96,14 @@ def chunk_table(path: Path) -> ChunkTable | None:
 def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | None:
     kept: dict[bytes, bytes] = {}
     data: tuple[int | None, int] | None = None
-    goes_on, appended = False, None
+    goes_on, appended, sound_end = False, None, None
     place = data_place = form.first
     while (chunk := form.chunk_at(file, place, file_bytes)) is not None:
         name, body, declared = chunk
         size: int | None = declared
+        if data is not None and not is_name(name):  # zeros, or crumbs: to take them for chunks would cost minutes
+            appended = find_begun(file, [behind_zeros(file, place)], file_bytes)
+            break
         if name == form.data_name:
             if data is not None:  # decoders take the last one, or none at all
                 where = f"a second {name.decode()} chunk at byte {place}"
@@ -110,6 +115,7 @@ def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | Non
             # of a WAV of size 0 the decoder of films reads what there is
             may_go_on = size is not None and not (size == 0 and form.is_wave)
             goes_on = may_go_on and more_follows(file, body + (size or 0), file_bytes, form)
+            sound_end = body + size if size and not goes_on else None
         elif name in (b"ds64", b"fmt ", b"bext", b"COMM", form.layout_name):
             kept[name] = file.read(max(0, min(declared, _MAX_KEPT)))
         if size is None or size < 0 or goes_on or (data is not None and data[0] == 0):
@@ -117,7 +123,11 @@ def _read_table(file: BinaryIO, form: Form, file_bytes: int) -> ChunkTable | Non
         place = form.after(body, size)
         if data is not None and (appended := find_begun(file, form.places_after(body + size), file_bytes)) is not None:
             break
-    return None if data is None else _table(file, form, kept, data, goes_on=goes_on, appended=appended)
+    if data is None:
+        return None
+    lacking = 0 if sound_end is None else lacking_bytes(file, form, sound_end, place, kept.get(b"ds64"))
+    table = _table(file, form, kept, data, goes_on=goes_on, appended=appended)
+    return replace(table, lacking_bytes=lacking)
 
 
 def _table(

@@ -10,12 +10,9 @@ from ..streams import streams_text
 from .cancelling import Cancelling
 from .coded import first_burst
 from .dropouts import Dropouts
+from .lengths import length_warnings
 from .repair import LOUD, Mended, loud_warning, mended, repair_warning, require_usable
 from .track import Samples, TrackFacts
-
-_MIN_MISSING_S, _MIN_MISSING_COUNTED_S = 0.1, 0.005
-"""What a lossy codec may round its length by, and more: less than this is not called missing. Nothing is rounded where
-samples are counted."""
 
 _SILENT = 10.0**-4.5
 """What strays no further from its first sample, -90 dBFS, is silent: decoders of AC-3 fill silence with noise."""
@@ -100,7 +97,7 @@ class Condition:
                 "play against each other there is not heard; --mix with the numbers of some channels hears those alone"
             )
         yield from self._dropouts.warnings()
-        yield from self._missing()
+        yield from length_warnings(self._facts, self._frames)
 
     def _measure(self, found: Mended) -> None:
         """Note how large the samples that follow are, and where the first of those is that are too large for a mix."""
@@ -122,24 +119,6 @@ class Condition:
         """Return what could be heard in the place of this stream, to be added to a line."""
         beside = "; ".join(self._facts.beside)
         return f"; --stream chooses another: {beside}" if beside else ""
-
-    def _missing(self) -> Iterator[str]:
-        """Yield a line where the track is shorter than declared."""
-        declared, rate_hz = self._facts.declared_frames or 0, self._facts.rate_hz
-        tolerated = _MIN_MISSING_COUNTED_S * rate_hz
-        if self._facts.length == "packets":
-            tolerated = _MIN_MISSING_S * rate_hz
-        elif self._facts.length in ("rounded", "shared"):
-            tolerated = min(max(0.01 * declared, _MIN_MISSING_S * rate_hz), 0.5 * rate_hz)
-        if declared - self._frames <= tolerated:
-            return
-        lasts, found = declared / rate_hz, self._frames / rate_hz
-        if self._facts.length == "shared":
-            yield f"the file lasts for {lasts:.3f} s but its sound for {found:.3f} s: some of it may be missing"
-            return
-        before = "" if self._facts.length == "stored" else ", or a part before it, and what follows plays early"
-        declares = f"the file declares {lasts:.3f} s of sound but only {found:.3f} s could be read"
-        yield f"{declares}: the end is missing{before}"
 
 
 def _strays(samples: NDArray[np.floating], still: NDArray[np.floating] | np.floating) -> bool:

@@ -14,6 +14,7 @@ from .decode import Tally, check_sums, decoded, packed
 from .ending import stops_early
 from .facts import UNSTAMPED, film_facts, header_frames, origin_of, sound_streams
 from .first_stamp import origin_by_others
+from .lengths import lacking_warning
 from .placement import Placement
 from .probe import opened, picture_warnings, told_start
 from .singles import joining_hint
@@ -143,9 +144,8 @@ class FilmTrack:
             )
         if self._table is not None and (self._table.goes_on or self._table.data_bytes == 0):
             lines.append(overflow_warning(self._table, is_read=self._table.is_wave))
-        elif self._table is not None and (self._table.data_bytes or 0) > self._table.present_bytes:
-            declared, present = self._table.data_bytes, self._table.present_bytes
-            lines.append(f"the header declares {declared} bytes of sound but {present} follow: the end is missing")
+        elif self._table is not None and self._table.lacking_bytes:
+            lines.append(lacking_warning(self._table.lacking_bytes))
         if self._appended is not None:
             lines.append(appended_warning(self._appended))
         if self.facts.declared_frames is None:

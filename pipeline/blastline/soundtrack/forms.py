@@ -9,7 +9,8 @@ from typing import BinaryIO
 class Form:
     """A family of files: `first` is where its chunks begin, `data_preamble` how much stands before the samples.
 
-    `layout_name` is the chunk with a layout of Core Audio; a WAV says so in its format chunk.
+    `layout_name` is the chunk with a layout of Core Audio; a WAV says so in its format chunk. `whole` is where the size
+    of the whole file stands, how it is written, and from which byte on it counts; None where there is none.
     """
 
     first: int
@@ -20,6 +21,7 @@ class Form:
     data_preamble: int = 0
     layout_name: bytes = b""
     is_wave: bool = False
+    whole: tuple[int, str, int] | None = None
 
     @property
     def byte_order(self) -> str:
@@ -49,11 +51,24 @@ class Form:
 
 
 FORMS = {
-    b"RIFF": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True),
-    b"RF64": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True),
-    b"BW64": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True),
-    b"RIFX": Form(12, struct.Struct(">4sI"), alignment=2, is_wave=True),
-    b"FORM": Form(12, struct.Struct(">4sI"), alignment=2, data_name=b"SSND", data_preamble=8, layout_name=b"CHAN"),
-    b"riff": Form(40, struct.Struct("<4s12xq"), alignment=8, size_includes_head=True),
+    b"RIFF": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True, whole=(4, "<I", 8)),
+    b"RF64": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True, whole=(4, "<I", 8)),
+    b"BW64": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True, whole=(4, "<I", 8)),
+    b"RIFX": Form(12, struct.Struct(">4sI"), alignment=2, is_wave=True, whole=(4, ">I", 8)),
+    b"FORM": Form(
+        12,
+        struct.Struct(">4sI"),
+        alignment=2,
+        data_name=b"SSND",
+        data_preamble=8,
+        layout_name=b"CHAN",
+        whole=(4, ">I", 8),
+    ),
+    b"riff": Form(40, struct.Struct("<4s12xq"), alignment=8, size_includes_head=True, whole=(16, "<q", 0)),
     b"caff": Form(8, struct.Struct(">4sq"), data_preamble=4, layout_name=b"chan"),
 }
+
+
+def is_name(name: bytes) -> bool:
+    """Return whether these bytes can be the name of a chunk, which is text."""
+    return all(0x20 <= letter < 0x7F for letter in name)

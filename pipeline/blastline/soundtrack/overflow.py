@@ -8,8 +8,8 @@ from io import RawIOBase
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
-from .appended import BEGINNING_BYTES, begins_file, find_begun
-from .forms import Form
+from .appended import BEGINNING_BYTES, begins_file, behind_zeros, find_begun
+from .forms import Form, is_name
 
 if TYPE_CHECKING:
     from _typeshed import WriteableBuffer
@@ -26,20 +26,15 @@ _KNOWN = frozenset(
 _TAGS = (b"ID3", b"TAG", b"APETAGEX", b"LYRICSBEGIN", b"RIFF", b"RF64", b"BW64", b"caff")
 """What programs put behind a file that is no chunk: tags of music players, another file."""
 
-_SCANNED_BYTES = 1 << 20
-
 
 def more_follows(file: BinaryIO, end: int, file_bytes: int, form: Form) -> bool:
-    """Return whether what follows the declared end of the sound is no chunk, no tag and no padding."""
+    """Return whether what follows the declared end of the sound is no chunk, no tag, no padding and no other file."""
     if file_bytes - end < _LEAST_BYTES:
         return False
     if any(_is_proper(file, place, file_bytes, form) for place in form.places_after(end)):
         return False
-    file.seek(end)
-    while block := file.read(_SCANNED_BYTES):
-        if block.strip(b"\0"):
-            return True
-    return False
+    behind = behind_zeros(file, end)
+    return behind < file_bytes and find_begun(file, [behind], file_bytes) is None
 
 
 def _is_proper(file: BinaryIO, place: int, file_bytes: int, form: Form) -> bool:
@@ -50,7 +45,7 @@ def _is_proper(file: BinaryIO, place: int, file_bytes: int, form: Form) -> bool:
         return True
     while (chunk := form.chunk_at(file, place, file_bytes)) is not None:
         name, body, size = chunk
-        if size < 0 or not all(0x20 <= letter < 0x7F for letter in name):
+        if size < 0 or not is_name(name):
             return False
         place = form.after(body, size)
         if find_begun(file, form.places_after(body + size), file_bytes) is not None:

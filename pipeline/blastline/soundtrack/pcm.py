@@ -54,6 +54,7 @@ class PcmTrack:
             is_integer=file.subtype.startswith("PCM_"),
             is_pcm=True,
             stored=Stored(start, frame_bytes),
+            lacking_bytes=table.lacking_bytes,
             start_timecode=None if stamp.believed is None else clock(stamp.believed, file.samplerate, decimals=6),
             ignored_reference=stamp.ignored,
         )

@@ -42,7 +42,8 @@ class TrackFacts:
     `layout` is None where the file does not name its channels; `declared_frames` is None where it does not say how
     long the track is, and then `guessed_s` is what its size suggests, if anything; `length` tells how it says so.
     `is_integer` tells that no sample can be NaN, `is_pcm` that samples are stored as they are; `stored` is where, None
-    where that is not known. `beside` names the file's other sound streams.
+    where that is not known, and `lacking_bytes` how many of their bytes were lost by what the header says. `beside`
+    names the file's other sound streams.
     `ignored_reference` is a time stamp that can be none; `is_picture_missing` tells that a track of pictures
     is empty, or begins later than any was sought. The rest is as in `model.Source`.
     """
@@ -56,6 +57,7 @@ class TrackFacts:
     is_integer: bool = False
     is_pcm: bool = False
     stored: Stored | None = None
+    lacking_bytes: int = 0
     start_timecode: str | None = None
     has_picture: bool = False
     frame_rate: str | None = None
