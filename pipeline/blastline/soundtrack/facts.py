@@ -10,6 +10,7 @@ from .decode import Tally
 from .matroska import stores_duration
 from .probe import is_unseen, start_of, told_duration, told_start
 from .track import Length, TrackFacts, time_stamp
+from .xing import counts_its_frames
 
 if TYPE_CHECKING:
     from av import AudioFrame
@@ -61,6 +62,8 @@ def film_facts(
         container, stream, first.sample_rate, origin or Fraction(0), is_cut=is_cut, has_picture=picture is not None
     )
     picture_start = None if picture is None else start_of(picture)
+    offset_s = _offset(picture_start, origin)
+    unsure_s = abs(offset_s) if length == "shared" else _unsure_s(container, origin)
     stamp = time_stamp(_time_reference(container), first.sample_rate)
     timecode = _start_timecode(container)
     if timecode is None and stamp.believed is not None:
@@ -72,12 +75,13 @@ def film_facts(
         layout=names if len(set(names)) == len(names) and "NONE" not in names else None,
         declared_frames=declared,
         length=length,
+        unsure_frames=int(unsure_s * first.sample_rate),
         stream=index,
         is_pcm=_is_pcm(stream),
         start_timecode=timecode,
         has_picture=picture is not None,
         frame_rate=None if picture is None else _frame_rate(picture),
-        start_offset_s=float(_offset(picture_start, origin)),
+        start_offset_s=float(offset_s),
         is_picture_missing=picture is not None and is_unseen(picture) and picture_start is None,
         ignored_reference=stamp.ignored,
         guessed_s=container.duration / 1_000_000 if container.duration else None,
@@ -98,6 +102,17 @@ def header_frames(container: "InputContainer", stream: "AudioStream", rate_hz: i
 def _offset(picture_start: Fraction | None, origin: Fraction | None) -> Fraction:
     """Return how much later than the picture sample 0 plays, in seconds; 0 where either does not say."""
     return Fraction(0) if picture_start is None or origin is None else origin - picture_start
+
+
+def _unsure_s(container: "InputContainer", origin: Fraction | None) -> Fraction:
+    """Return how much of a stream's length may be time before its sound: FFmpeg counts an edit of an MP4 that is empty,
+    unless the whole track is played behind it.
+    """
+    return max(origin or Fraction(0), Fraction(0)) if _is_mp4(container) else Fraction(0)
+
+
+def _is_mp4(container: "InputContainer") -> bool:
+    return "mp4" in container.format.name.split(",")
 
 
 def _description(stream: "AudioStream") -> str:
@@ -155,21 +170,28 @@ def _declared(
     counted = header_frames(container, stream, rate_hz)
     if counted is not None and (is_cut or _is_pcm(stream)):
         return counted, "counted" if _is_pcm(stream) else "packets"
-    if container.format.name in _ESTIMATED:
+    if container.format.name in _ESTIMATED or _is_guessed(container):
         return None, "rounded"
     own: Length = "rounded" if counted is None else "packets"
+    if _is_pcm(stream) and (container.format.name == "mxf" or _is_mp4(container)):
+        own = "counted"
     of_all: Length = "shared" if has_picture else own
     duration = told_duration(stream)
     if duration is not None:
         return int(duration * rate_hz), of_all if container.format.name in _OF_ALL else own
     end = _tagged(stream)
     length = own if end is not None else of_all
-    if end is None and container.duration and not _is_guessed(container):
+    if end is None and container.duration and not _is_guessed_whole(container):
         end = Fraction(container.duration, 1_000_000)
     return None if end is None else max(0, int((end - max(origin, Fraction(0))) * rate_hz)), length
 
 
 def _is_guessed(container: "InputContainer") -> bool:
+    """Return whether the length of a stream is FFmpeg's guess, from the size of the file."""
+    return container.format.name == "mp3" and not counts_its_frames(Path(container.name))
+
+
+def _is_guessed_whole(container: "InputContainer") -> bool:
     """Return whether the length of a file is FFmpeg's guess, from its size."""
     return container.format.name == "matroska,webm" and not stores_duration(Path(container.name))
 

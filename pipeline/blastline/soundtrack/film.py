@@ -1,6 +1,7 @@
 """Films and compressed sound through PyAV: which stream, when it starts, and its samples in one sequential pass."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from itertools import chain, islice
 from pathlib import Path
@@ -65,6 +66,8 @@ class FilmTrack:
         self._first_stamp_off_s = 0.0
         self.facts = film_facts(container, stream, first, self._origin, is_cut=is_cut)
         self._overrule_first_stamp(is_cut=is_cut)
+        if _is_open(table):  # what it declares is wrong, and is told to be
+            self.facts = replace(self.facts, declared_frames=None)
         self._placement: Placement[AudioFrame] = Placement(self.facts.rate_hz, _longest(self.facts), self._origin)
         self._table = table
         self._played = 0
@@ -191,6 +194,11 @@ def _longest(facts: TrackFacts) -> int:
     return facts.declared_frames + _SLACK_S * facts.rate_hz
 
 
+def _is_open(table: ChunkTable | None) -> bool:
+    """Return whether the sound of a WAV goes on beyond what its header declares."""
+    return table is not None and table.is_wave and (table.goes_on or table.data_bytes == 0)
+
+
 def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None) -> FilmTrack:
     """Open one sound stream, the default or first one where `stream` is None; `table` is what a WAV header declares.
 
@@ -199,8 +207,7 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None
     from av.error import FFmpegError
 
     try:
-        is_open = table is not None and table.is_wave and (table.goes_on or table.data_bytes == 0)
-        container = opened(path, {"ignore_length": "1"} if is_open else {})
+        container = opened(path, {"ignore_length": "1"} if _is_open(table) else {})
     except FFmpegError as error:
         if ends_before_its_index(path):
             raise SoundtrackError("breaks off before its index (moov), without which it cannot be read") from error

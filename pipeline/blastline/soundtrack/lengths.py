@@ -10,14 +10,28 @@ samples are counted."""
 
 _MAX_ROUNDED_S = 0.5
 
+_MAX_MORE_S, _MAX_MORE_COUNTED_S, _MAX_MORE_SHARED_S = 0.1, 0.05, 1.0
+"""So much more than declared a lossy codec may have, to fill its last frame and to begin with; one that counts, where
+an MXF rounds to whole pictures; and a film that gives the time of all its streams, which some write in whole seconds.
+"""
+
+_MOST_FILLING_FRAMES = 4_096
+"""Two frames of the codecs with the longest: at low rates more than the time above."""
+
 
 def length_warnings(facts: TrackFacts, frames: int) -> Iterator[str]:
-    """Yield a line where a track of so many frames is shorter than declared."""
+    """Yield a line where a track of so many frames is shorter or longer than declared."""
     declared = facts.declared_frames or 0
-    if declared - frames > _tolerated(facts, declared):
+    if declared - facts.unsure_frames - frames > _tolerated(facts, declared):
         yield _missing(facts, declared, frames)
     elif facts.lacking_bytes:
         yield lacking_warning(facts.lacking_bytes)
+    elif declared and frames - declared > _tolerated_more(facts):
+        lasts, found = declared / facts.rate_hz, frames / facts.rate_hz
+        yield (
+            f"the file declares {lasts:.3f} s of sound but {found:.3f} s were read: some may be there twice or be no "
+            "sound at all, and what follows plays late"
+        )
 
 
 def lacking_warning(lacking_bytes: int) -> str:
@@ -36,6 +50,15 @@ def _tolerated(facts: TrackFacts, declared: int) -> float:
     if facts.length in ("rounded", "shared"):
         return min(max(0.01 * declared, _MIN_OFF_S * facts.rate_hz), _MAX_ROUNDED_S * facts.rate_hz)
     return _MIN_OFF_COUNTED_S * facts.rate_hz
+
+
+def _tolerated_more(facts: TrackFacts) -> float:
+    """Return how many frames may be read beyond what is declared."""
+    if facts.length == "shared":
+        return _MAX_MORE_SHARED_S * facts.rate_hz
+    if facts.length in ("stored", "counted"):
+        return _MAX_MORE_COUNTED_S * facts.rate_hz
+    return max(_MAX_MORE_S * facts.rate_hz, _MOST_FILLING_FRAMES)
 
 
 def _missing(facts: TrackFacts, declared: int, frames: int) -> str:
