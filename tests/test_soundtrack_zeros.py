@@ -36,7 +36,7 @@ FILES = [
 
 
 def loud(channels: int, frames: int = SECONDS * RATE_HZ) -> NDArray[np.float64]:
-    """Return noise that is never soft, so that every cut is abrupt."""
+    """Return noise that is never soft, so that every cut is abrupt, unless it is scaled."""
     rng = np.random.default_rng(11)
     samples = rng.uniform(0.1, 0.5, (frames, channels))
     samples[rng.random((frames, channels)) < 0.5] *= -1.0
@@ -46,9 +46,9 @@ def loud(channels: int, frames: int = SECONDS * RATE_HZ) -> NDArray[np.float64]:
 class Film:
     """A file of loud sound, of which some bytes are lost."""
 
-    def __init__(self, path: Path, container: str, subtype: str, channels: int) -> None:
+    def __init__(self, path: Path, container: str, subtype: str, channels: int, *, gain_db: float = 0.0) -> None:
         self.path, self.frame_bytes = path, WIDTHS[subtype] * channels
-        samples = loud(channels)
+        samples = loud(channels) * 10.0 ** (gain_db / 20.0)
         soundfile.write(path, samples, RATE_HZ, format=container, subtype=subtype)
         self.whole = path.read_bytes()
         self.first_byte = len(self.whole) - len(samples) * self.frame_bytes  # nothing follows the sound
@@ -81,6 +81,49 @@ def test_zeros_to_the_end_from_where_a_block_begins_are_told(
         assert one.startswith(
             f"the sound breaks off into zeros at {begins_s:.3f} s, which last to the end, for {lasts_s:.3f} s: "
         )
+
+
+@pytest.mark.parametrize(("container", "subtype", "channels"), FILES)
+@pytest.mark.parametrize("gain_db", [-20.0, -40.0, -54.0])
+def test_copies_that_were_never_finished_are_told_however_soft_the_film_is(
+    tmp_path: Path, container: str, subtype: str, channels: int, gain_db: float
+) -> None:
+    if gain_db < -20.0 and subtype == "PCM_S8":
+        pytest.skip("softer than its last bit")
+    film = Film(tmp_path / "film.sound", container, subtype, channels, gain_db=gain_db)
+    for share in (0.1, 0.33, 0.6, 0.95):
+        (one,) = film.losing(film.block_at(share * SECONDS))
+        assert ", which last to the end, for " in one
+
+
+@pytest.mark.parametrize("fade_s", [0.005, 0.05, 1.0])
+@pytest.mark.parametrize("shape", ["linear", "cosine", "60 dB"])
+def test_no_fade_into_digital_silence_is_told_wherever_it_ends(fade_s: float, shape: str) -> None:
+    """Though one of these blocks begins just there: as if storage had lost what follows."""
+    rate_hz, end = 48_000, 60_000
+    falling = np.linspace(1.0, 0.0, round(fade_s * rate_hz), endpoint=False)
+    fades = {"linear": falling, "cosine": 0.5 - 0.5 * np.cos(np.pi * falling), "60 dB": 10.0 ** (3.0 * (falling - 1.0))}
+    samples = 0.2 * loud(2, rate_hz * 2)
+    samples[end - len(falling) : end] *= fades[shape][:, None]
+    samples[end:] = 0.0
+    whole = (np.rint(samples * 32_768) / 32_768).astype(np.float32)
+    ends = int(np.flatnonzero(whole.any(axis=1))[-1]) + 1
+    seen = Dropouts(rate_hz, Stored(-4 * ends % BLOCK, 4))
+    seen.hear(whole)
+    assert list(seen.warnings()) == []
+
+
+@pytest.mark.parametrize("silent", [[0], [0, 1], [5], [0, 5]])
+def test_channels_that_are_silent_hide_no_unfinished_copy(tmp_path: Path, silent: list[int]) -> None:
+    """A block that begins amid a frame leaves nothing of it where just the channels before are silent."""
+    path, samples = tmp_path / "film.wav", loud(6)
+    samples[:, silent] = 0.0
+    soundfile.write(path, samples, RATE_HZ, format="WAV", subtype="PCM_16")
+    whole = path.read_bytes()
+    for block in range(20, 32):
+        path.write_bytes(whole[: block * BLOCK] + bytes(len(whole) - block * BLOCK))
+        (one,) = read(path)[1].warnings
+        assert ", which last to the end, for " in one
 
 
 @pytest.mark.parametrize(("container", "subtype", "channels"), FILES)

@@ -2,7 +2,8 @@
 
 Short stretches are told where the sound comes back as abruptly. Longer ones, and those that last to the end, are usual
 after a hard cut: they are told only where, in the file, they lie as storage does. By chance one in a thousand does, of
-frames as long as 32 bytes up to one in 128. What begins on a whole second is a cut: samples that begin on a block, as
+frames as long as 32 bytes up to one in 128. How loud the sound before them is matters as little as it can: it is not
+faded, nor so soft as the last bits of a fade. What begins on a whole second is a cut: samples that begin on a block, as
 some programs have them, may have a block on every second.
 
 bytes of the file   ...sound sound|0 0 0 0 ... 0 0|sound sound...
@@ -26,8 +27,11 @@ _ABRUPT = 10.0**-2.0
 _BLOCK_BYTES = 4_096
 """File systems and copiers write, and leave out, multiples of this."""
 
-_HELD = 2
-"""A sample that the end of a block divides has lost some of its bytes: the frame before tells how loud it was."""
+_SOFTEST = 2.0**-13
+"""A fade ends in the last bits: what is softer than four steps of 16 bits may be the end of one."""
+
+_NEAR_S, _BEFORE_S, _FADED = 0.0005, 0.02, 0.125
+"""What is softer by 18 dB just before the zeros than it was a little earlier has been faded, as soft cuts are too."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,7 @@ class Dropouts:
         # frames that far apart are looked at first: a lost block silences so many in a row, soft sound hardly ever does
         self._every = max(1, self._shortest // 4)
         self._in_a_row = max(1, self._shortest // self._every)
+        self._near, self._holds = max(1, round(_NEAR_S * rate_hz)), 2 + round(_BEFORE_S * rate_hz)
         self._frames = 0
         self._held: Samples | None = None  # the last frames of what was seen
         self._stretch: _Stretch | None = None  # the zeros that go on at the end of what was seen
@@ -58,11 +63,11 @@ class Dropouts:
         """Note the next frames, all channels of them, shape (frames, channels)."""
         if not len(samples):
             return
-        held = np.zeros((_HELD, samples.shape[1]), samples.dtype) if self._held is None else self._held
+        held = np.zeros((self._holds, samples.shape[1]), samples.dtype) if self._held is None else self._held
         if self._stretch is not None or not samples[-1].any() or self._may_hold_one(samples):
             self._look(np.concatenate([held, samples]))
         self._frames += len(samples)
-        self._held = np.concatenate([held, samples[-_HELD:]])[-_HELD:]
+        self._held = np.concatenate([held, samples[-self._holds :]])[-self._holds :]
 
     def warnings(self) -> Iterator[str]:
         """Yield what a user has to know, a line each, once all samples have been seen."""
@@ -89,10 +94,11 @@ class Dropouts:
 
     def _look(self, samples: Samples) -> None:
         """Find the stretches of zeros behind the frames that are held; one at the end may go on in the next frames."""
-        still = np.asarray(~samples[_HELD:].any(axis=1), np.bool_)
-        edges = np.flatnonzero(np.diff(np.concatenate([[not samples[_HELD - 1].any()], still])))
+        holds = self._holds
+        still = np.asarray(~samples[holds:].any(axis=1), np.bool_)
+        edges = np.flatnonzero(np.diff(np.concatenate([[not samples[holds - 1].any()], still])))
         for edge in edges.tolist():
-            frame, before, after = self._frames + edge, samples[edge : edge + _HELD], samples[edge + _HELD]
+            frame, before, after = self._frames + edge, samples[edge : edge + holds], samples[edge + holds]
             if still[edge]:
                 self._stretch = self._begun(frame, before)
             elif self._stretch is not None:
@@ -101,13 +107,22 @@ class Dropouts:
 
     def _begun(self, frame: int, before: Samples) -> _Stretch | None:
         """Return the stretch of zeros that begins at a frame; None where the sound before it is not abrupt."""
-        is_abrupt, is_by_block = bool(np.abs(before[-1]).max() >= _ABRUPT), False
-        if self._stored is not None and frame % self._rate_hz:
-            behind = self._stored.place(frame) % _BLOCK_BYTES  # so many bytes of zeros lie between the block and here
-            width = self._stored.frame_bytes // before.shape[1]
-            if behind < self._stored.frame_bytes and not before[-1, before.shape[1] - behind // width :].any():
-                is_by_block = is_abrupt or (behind > 0 and bool(np.abs(before).max() >= _ABRUPT))
+        is_abrupt, is_by_block = bool(np.abs(before[-1]).max() >= _ABRUPT), self._breaks_off_with_block(frame, before)
         return _Stretch(frame, is_abrupt, is_by_block) if is_abrupt or is_by_block else None
+
+    def _breaks_off_with_block(self, frame: int, before: Samples) -> bool:
+        """Return whether zeros begin with a block of the file, to the byte, and what is before them was not faded."""
+        if self._stored is None or not frame % self._rate_hz:
+            return False
+        channels, width = before.shape[1], self._stored.frame_bytes // before.shape[1]
+        behind = self._stored.place(frame) % _BLOCK_BYTES  # so many bytes of zeros lie between the block and here
+        ahead = _BLOCK_BYTES - behind  # or so many between here and the block, where channels that are silent have them
+        is_there = behind < self._stored.frame_bytes and not before[-1, channels - behind // width :].any()
+        if not is_there and (ahead >= self._stored.frame_bytes or before[-1, : -(-ahead // width)].any()):
+            return False
+        # of a frame that a block divides, what is left may be soft: those before it tell how loud it was
+        levels = np.abs(before[:-1] if behind and is_there else before).max(axis=1)
+        return bool(levels[-self._near :].max() >= max(_SOFTEST, _FADED * levels.max()))
 
     def _end(self, stretch: _Stretch, frame: int, after: Samples) -> None:
         """Count a stretch of zeros that ends before a frame, if it may be a loss."""
