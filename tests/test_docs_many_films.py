@@ -61,6 +61,21 @@ def test_what_was_rendered_among_the_films_is_no_film_however_the_folders_are_na
         assert [*tmp_path.rglob("timeline.json")] == [tmp_path / "results" / "a" / "x.wav" / "timeline.json"]
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="links there need other rights")
+def test_a_film_that_is_a_link_is_done_or_told(tmp_path: Path) -> None:
+    films, results = tmp_path / "films", tmp_path / "results"
+    films.mkdir()
+    write_film(tmp_path / "elsewhere.wav", length_s=2.5, shots_s=(1.0,))
+    (films / "linked.wav").symlink_to(tmp_path / "elsewhere.wav")
+    assert ran(MANY, films, results, cwd=tmp_path) == ""
+    (films / "offline.mkv").symlink_to(tmp_path / "unmounted" / "offline.mkv")
+    (films / "offline.txt").symlink_to(tmp_path / "unmounted" / "offline.txt")
+    told = ran(MANY, films, results, cwd=tmp_path, code=1)
+    assert told.startswith(f"{films / 'offline.mkv'}: exit code 2\nblastline: ")
+    assert told.count("\n") == 2
+    assert [file.parent for file in results.rglob("timeline.json")] == [results / "linked.wav"]
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="folders there have other rights")
 def test_a_folder_that_cannot_be_read_is_told(tmp_path: Path) -> None:
     films, locked = tmp_path / "films", tmp_path / "films" / "locked"
