@@ -11,6 +11,7 @@ from ..errors import SoundtrackError
 from .appended import Appended, appended_warning, find_appended
 from .boxes import ends_before_its_index
 from .chunks import ChunkTable, overflow_warning
+from .corrections import correction_warnings
 from .decode import Tally, check_sums, decoded, packed
 from .ending import stops_early
 from .facts import UNSTAMPED, film_facts, header_frames, origin_of, sound_streams
@@ -113,38 +114,15 @@ class FilmTrack:
 
     def warnings(self) -> list[str]:
         """Return what was damaged, filled or overruled, one line each."""
-        tally, rate_hz = self._tally, self.facts.rate_hz
+        tally, played_s = self._tally, self._played / self.facts.rate_hz
         lines = []
         if len(self._singles) > 1:
             lines.append(joining_hint(self.number, self._singles))
         if tally.failed:
             packets = f"{tally.failed} of {tally.packets} packets of sound"
             lines.append(f"{packets} could not be decoded ({tally.last_error}){self._place(tally.first_failed_time)}")
-        if gaps := self._placement.gaps:
-            total_s, first_s = sum(gap for _, gap in gaps) / rate_hz, gaps[0][0] / rate_hz
-            count = "1 gap was" if len(gaps) == 1 else f"{len(gaps)} gaps were"
-            lines.append(f"{count} filled with silence, {total_s:.3f} s in all, first at {first_s:.3f} s")
-            if self._container.format.name in UNSTAMPED:
-                lines[-1] += "; the file has no time stamps: if more is missing there, what follows plays early"
-        if overlaps := self._placement.overlaps:
-            total_s, first_s = sum(overlap for _, overlap in overlaps) / rate_hz, overlaps[0][0] / rate_hz
-            count = "1 overlap was" if len(overlaps) == 1 else f"{len(overlaps)} overlaps were"
-            lines.append(
-                f"{count} dropped, {total_s:.3f} s in all, first at {first_s:.3f} s: by its time stamps, that sound "
-                "had been played already"
-            )
-        if self._first_stamp_off_s:
-            lines.append(
-                f"the first time stamp is {self._first_stamp_off_s:+.3f} s off those that follow; these were believed"
-            )
-        if jumps := self._placement.jumps:
-            (position, jump), rest = jumps[0], jumps[1:]
-            total = sum(jump for _, jump in jumps)
-            more = f", and {len(rest)} times more, by {total / rate_hz:+.3f} s in all" if rest else ""
-            lines.append(
-                f"the time stamps jump by {jump / rate_hz:+.3f} s at {position / rate_hz:.3f} s{more}; "
-                "the sound was kept in one piece, so what follows may play beside its picture"
-            )
+        is_stamped = self._container.format.name not in UNSTAMPED
+        lines += correction_warnings(self._placement, self._first_stamp_off_s, is_stamped=is_stamped)
         if self._table is not None and (self._table.goes_on or self._table.data_bytes == 0):
             lines.append(overflow_warning(self._table, is_read=self._table.is_wave))
         elif self._table is not None and self._table.lacking_bytes:
@@ -152,11 +130,11 @@ class FilmTrack:
         if self._appended is not None:
             lines.append(appended_warning(self._appended))
         if self.facts.declared_frames is None:
-            lines += tally.reach.warnings(Path(self._container.name), self._played / rate_hz)
+            lines += tally.reach.warnings(Path(self._container.name), played_s)
         if self._end_is_missing:
             lines.append(
                 "the file stops or breaks before its own end: the end of the sound is missing, from "
-                f"{self._played / rate_hz:.3f} s on"
+                f"{played_s:.3f} s on"
             )
         if tally.resumed:
             times = "once" if tally.resumed == 1 else f"{tally.resumed} times"
