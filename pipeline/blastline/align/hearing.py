@@ -183,7 +183,7 @@ def _gain(shared: Comparison, event: Event) -> float:
 
 
 def _risen(event: Event, span: Span) -> Samples:
-    """Return the weight of the window's drive over a span, up to the fade-out, which no check compares."""
+    """Return the weight of the window's drive over a span, up to the fade-out."""
     window = event.window
     return _faded_in(np.arange(span.start, span.stop) - window.start, window.fade_in_samples)
 
