@@ -156,7 +156,8 @@ def test_an_mp4_whose_sound_begins_late_and_is_trimmed_lacks_no_end(tmp_path: Pa
     data = bytearray(path.read_bytes())
     place = data.index(b"elst") + 8
     assert struct.unpack_from(">IIi", data, place)[::2] == (2, -1)  # two edits, of which the first is empty
-    struct.pack_into(">I", data, place + 16, round(plays_s * 1_000))
+    (units_a_second,) = struct.unpack_from(">I", data, data.index(b"mvhd") + 16)
+    struct.pack_into(">I", data, place + 16, round(plays_s * units_a_second))
     path.write_bytes(data)
     samples, source = read(path)
     assert len(samples) == pytest.approx(plays_s * RATE_HZ, abs=2_048)
