@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from .boxes import appended_film_at
+from .id3 import ID3_HEAD_BYTES, ID3_NAME, id3_bytes
 from .reach import percent
 
 BEGINNING_BYTES = 28
@@ -24,8 +25,6 @@ _TTA = struct.Struct("<4sHHHII4x")
 _TTA_FRAME_S = (256, 245)
 _TAG_BYTES = 1 << 16
 """Tags of music players may stand between two files."""
-
-_ID3_HEAD_BYTES = 10
 
 _SCANNED_BYTES = 1 << 20
 
@@ -107,11 +106,7 @@ def _tta_from(file: BinaryIO, place: int) -> int | None:
     while True:
         file.seek(place)
         start = file.read(_TAG_BYTES)
-        found, id3 = start.find(b"TTA1"), start.find(b"ID3")
-        if id3 < 0 or 0 <= found < id3 or len(start) < id3 + _ID3_HEAD_BYTES:
+        found, id3 = start.find(b"TTA1"), start.find(ID3_NAME)
+        if id3 < 0 or 0 <= found < id3 or len(start) < id3 + ID3_HEAD_BYTES:
             return None if found < 0 else place + found
-        # a tag with pictures may be larger; of the four bytes of its size each counts seven bits
-        size = 0
-        for byte in start[id3 + 6 : id3 + _ID3_HEAD_BYTES]:
-            size = size << 7 | byte & 0x7F
-        place += id3 + _ID3_HEAD_BYTES + size
+        place += id3 + id3_bytes(start[id3:])  # a tag with pictures may be larger
