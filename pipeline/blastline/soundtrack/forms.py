@@ -6,11 +6,20 @@ from typing import BinaryIO
 
 
 @dataclass(frozen=True)
+class WholeSize:
+    """Where a file says how long all of it is: at which byte, as what number, and from which byte on that counts."""
+
+    place: int
+    number: struct.Struct
+    counted_from: int
+
+
+@dataclass(frozen=True)
 class Form:
     """A family of files: `first` is where its chunks begin, `data_preamble` how much stands before the samples.
 
-    `layout_name` is the chunk with a layout of Core Audio; a WAV says so in its format chunk. `whole` is where the size
-    of the whole file stands, how it is written, and from which byte on it counts; None where there is none.
+    `layout_name` is the chunk with a layout of Core Audio; a WAV says so in its format chunk. `whole_size` is None
+    where no size of the whole file is told.
     """
 
     first: int
@@ -21,7 +30,7 @@ class Form:
     data_preamble: int = 0
     layout_name: bytes = b""
     is_wave: bool = False
-    whole: tuple[int, str, int] | None = None
+    whole_size: WholeSize | None = None
 
     @property
     def byte_order(self) -> str:
@@ -50,11 +59,13 @@ class Form:
         return sorted({end, end + end % 2, self.after(0, end)})
 
 
+_LITTLE, _BIG = (WholeSize(4, struct.Struct(number), counted_from=8) for number in ("<I", ">I"))
+
 FORMS = {
-    b"RIFF": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True, whole=(4, "<I", 8)),
-    b"RF64": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True, whole=(4, "<I", 8)),
-    b"BW64": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True, whole=(4, "<I", 8)),
-    b"RIFX": Form(12, struct.Struct(">4sI"), alignment=2, is_wave=True, whole=(4, ">I", 8)),
+    b"RIFF": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True, whole_size=_LITTLE),
+    b"RF64": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True, whole_size=_LITTLE),
+    b"BW64": Form(12, struct.Struct("<4sI"), alignment=2, is_wave=True, whole_size=_LITTLE),
+    b"RIFX": Form(12, struct.Struct(">4sI"), alignment=2, is_wave=True, whole_size=_BIG),
     b"FORM": Form(
         12,
         struct.Struct(">4sI"),
@@ -62,9 +73,15 @@ FORMS = {
         data_name=b"SSND",
         data_preamble=8,
         layout_name=b"CHAN",
-        whole=(4, ">I", 8),
+        whole_size=_BIG,
     ),
-    b"riff": Form(40, struct.Struct("<4s12xq"), alignment=8, size_includes_head=True, whole=(16, "<q", 0)),
+    b"riff": Form(
+        40,
+        struct.Struct("<4s12xq"),
+        alignment=8,
+        size_includes_head=True,
+        whole_size=WholeSize(16, struct.Struct("<q"), counted_from=0),
+    ),
     b"caff": Form(8, struct.Struct(">4sq"), data_preamble=4, layout_name=b"chan"),
 }
 

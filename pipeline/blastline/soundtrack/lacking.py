@@ -36,11 +36,11 @@ def lacking_bytes(file: BinaryIO, form: Form, sound_end: int, walked: int, ds64:
 
 def _declared_end(file: BinaryIO, form: Form, ds64: bytes | None) -> int | None:
     """Return where the file ends by the size of the whole, None where that was never written or the form has none."""
-    if form.whole is None:
+    whole = form.whole_size
+    if whole is None:
         return None
-    place, number, counted_from = form.whole
-    file.seek(place)
-    (size,) = struct.unpack(number, file.read(struct.calcsize(number)))
+    file.seek(whole.place)
+    (size,) = whole.number.unpack(file.read(whole.number.size))
     if size == 0xFFFFFFFF and ds64 is not None and len(ds64) >= 8:
         (size,) = struct.unpack_from("<Q", ds64)
-    return None if size in _UNKNOWN else int(size) + counted_from
+    return None if size in _UNKNOWN else int(size) + whole.counted_from
