@@ -248,8 +248,8 @@ def test_of_a_row_that_is_no_fire_only_what_is_sure_by_itself_is_left() -> None:
     }
 
 
-@pytest.mark.parametrize("row", [None, "fire"])
-def test_an_even_run_beyond_a_magazine_is_a_machine_unless_half_of_it_is_sure_or_it_is_fire_as_a_whole(
+@pytest.mark.parametrize("row", [None, "fire", "sustained fire"])
+def test_an_even_run_beyond_a_magazine_is_a_machine_unless_half_of_it_is_sure_or_sustained_fire(
     row: EvenRow | None,
 ) -> None:
     likely, sure = VERIFY.burst_threshold, VERIFY.threshold
@@ -261,7 +261,7 @@ def test_an_even_run_beyond_a_magazine_is_a_machine_unless_half_of_it_is_sure_or
     assert len(believed_ms(*run(*[likely] * most))) == most
     kept, refused = in_company(run(*[likely] * most, sure), rate_hz=RATE_HZ, tier=TIER)
     why = {each.reason for each in refused}
-    if row is None:
+    if row != "sustained fire":
         assert (kept, why) == ((), {"one of a row that goes on as no gun does, as of a machine"})
     else:
         assert (len(kept), why) == (most + 1, set())
@@ -276,16 +276,16 @@ def test_rows_that_are_fire_each_do_not_make_sustained_fire() -> None:
     assert believed_ms(*[in_row(shot(at_ms, VERIFY.burst_threshold), "fire") for at_ms in places]) == []
 
 
-def test_long_fire_is_no_loop() -> None:
+@pytest.mark.parametrize(("row", "is_kept"), [("fire", False), ("sustained fire", True)])
+def test_sustained_fire_is_no_loop(row: EvenRow, is_kept: bool) -> None:
     """A designer copies one sample: it comes again after the same time, each time after the same."""
 
     def known(at_ms: float) -> Shot:
-        evidence = ShotEvidence(0.5, 2, None, "background", backdrop=5, sound=(20,) * LEVELS, even_row="fire")
+        evidence = ShotEvidence(0.5, 2, None, "background", backdrop=5, sound=(20,) * LEVELS, even_row=row)
         return msgspec.structs.replace(shot(at_ms, VERIFY.burst_threshold), evidence=evidence)
 
-    for count in (BURSTS.most_unsure + 20, BURSTS.most_unsure):
-        rounds = [known(20_000 + n * 100.0) for n in range(count)]
-        assert (len(believed_ms(*rounds)) == count) == (count > BURSTS.most_unsure)
+    count = BURSTS.most_unsure
+    assert (len(believed_ms(*[known(20_000 + n * 100.0) for n in range(count)])) == count) == is_kept
 
 
 def test_several_guns_may_fire_for_long() -> None:

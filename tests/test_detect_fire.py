@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy.special import expit, logit
 
 from blastline.detect.backdrop import LEVELS
@@ -21,13 +22,17 @@ FAST_MS = (BURSTS.shortest_gap_ms + BURSTS.longest_gap_ms) / 2
 
 
 def told(
-    probability: Sequence[float], screened: Sequence[float] | None = None, gap_ms: float = FAST_MS
+    probability: Sequence[float],
+    screened: Sequence[float] | None = None,
+    gap_ms: float = FAST_MS,
+    peaks_dbfs: NDArray[np.float64] | None = None,
 ) -> list[EvenRow | None]:
     """Return what is told of each sound of a row."""
     onsets = np.array([samples_from_ms(n * gap_ms, RATE_HZ) for n in range(len(probability))], np.intp)
     by_screen = np.array(probability if screened is None else screened)
     odds = log_odds_in(Verdicts(np.array(probability), by_screen, np.full(onsets.size, 2)))
-    scored = ScoredCandidates(onsets, np.zeros(onsets.size), odds, np.zeros((onsets.size, LEVELS), np.int16))
+    peaks_dbfs = np.zeros(onsets.size) if peaks_dbfs is None else peaks_dbfs
+    scored = ScoredCandidates(onsets, peaks_dbfs, odds, np.zeros((onsets.size, LEVELS), np.int16))
     return even_rows(scored, rate_hz=RATE_HZ, tier=TIER)
 
 
@@ -207,33 +212,54 @@ def test_what_the_screen_doubts_is_looked_at_where_it_makes_a_row_with_what_it_d
     assert looked_at(VERIFY.look_from, *[doubted] * (count - 2), 0.9 * least) == [True] + [False] * (count - 1)
 
 
-def long_told(count: int, by_networks: float, as_burst: float) -> set[EvenRow | None]:
+def long_told(
+    count: int, by_networks: float, as_burst: float, peaks_dbfs: NDArray[np.float64] | None = None
+) -> set[EvenRow | None]:
     """Return what is told of the sounds of a row, by their probabilities as they are and as if in a burst."""
     onsets = samples_from_ms(FAST_MS, RATE_HZ) * np.arange(count)
     usual, alike = (np.full(count, float(logit(p))) for p in (by_networks, as_burst))
-    candidates = ScoredCandidates(
-        onsets, np.zeros(count), LogOdds(usual, usual, alike), np.zeros((count, LEVELS), np.int16)
-    )
+    peaks_dbfs = np.zeros(count) if peaks_dbfs is None else peaks_dbfs
+    candidates = ScoredCandidates(onsets, peaks_dbfs, LogOdds(usual, usual, alike), np.zeros((count, LEVELS), np.int16))
     return set(even_rows(candidates, rate_hz=RATE_HZ, tier=TIER))
 
 
-def test_a_row_longer_than_a_magazine_is_judged_by_its_sounds_as_if_each_were_in_a_burst() -> None:
+def test_a_row_longer_than_a_burst_is_judged_by_its_sounds_as_if_each_were_in_one_as_well() -> None:
     """And as it is, it need not be likely but no machine either."""
-    most, sure, least = BURSTS.most_unsure, VERIFY.sustained_threshold + 1e-3, VERIFY.report_from + 1e-3
-    assert long_told(most + 1, least, sure) == {"fire"}
-    assert long_told(most + 1, least, sure - 2e-3) == {"no fire"}
-    assert long_told(most + 1, least - 2e-3, sure) == {"no fire"}
-    assert long_told(most, least, sure) == {"no fire"}
-    assert long_told(most, VERIFY.even_networks_threshold + 1e-3, least) == {"fire"}
+    fewest, sure, least = BURSTS.fewest_sustained, VERIFY.sustained_threshold + 1e-3, VERIFY.report_from + 1e-3
+    assert long_told(fewest, least, sure) == {"sustained fire"}
+    assert long_told(fewest, least, sure - 2e-3) == {"no fire"}
+    assert long_told(fewest, least - 2e-3, sure) == {"no fire"}
+    assert long_told(fewest - 1, least, sure) == {"no fire"}
 
 
-@pytest.mark.parametrize("count", [0, 5, BURSTS.most_unsure, BURSTS.most_unsure + 1, 100])
-def test_long_rows_are_those_of_more_sounds_than_a_magazine_holds(count: int) -> None:
+def test_a_row_longer_than_a_magazine_is_judged_so_alone() -> None:
+    most, likely, least = BURSTS.most_unsure, VERIFY.even_networks_threshold + 1e-3, VERIFY.report_from
+    assert long_told(most, likely, least) == {"fire"}
+    assert long_told(most + 1, likely, least) == {"no fire"}
+    assert long_told(most + 1, likely, VERIFY.sustained_threshold + 1e-3) == {"sustained fire"}
+
+
+def test_the_level_of_sustained_fire_may_vary_by_more_than_that_of_a_burst() -> None:
+    least, sure, count = VERIFY.report_from + 1e-3, VERIFY.sustained_threshold + 1e-3, BURSTS.fewest_sustained
+    loud, soft = 0.0, 0.1 - BURSTS.sustained_within_db
+    assert long_told(count, least, sure, peaks_dbfs=np.resize((loud, soft), count)) == {"sustained fire"}
+    assert long_told(count, least, sure, peaks_dbfs=np.resize((loud, soft - 0.2), count)) == {None}
+
+
+def test_a_burst_stays_fire_where_something_like_a_machine_goes_on_at_its_pace() -> None:
+    rounds, others = BURSTS.fewest_as_one, BURSTS.fewest_sustained
+    by_networks = np.repeat((VERIFY.threshold, 1e-3), (rounds, others))
+    peaks_dbfs = np.repeat((0.0, -BURSTS.echo_drop_db - 1.0), (rounds, others))
+    assert told(by_networks.tolist(), peaks_dbfs=peaks_dbfs) == ["fire"] * rounds + ["no fire"] * others
+
+
+@pytest.mark.parametrize("count", [0, 5, BURSTS.fewest_sustained - 1, BURSTS.fewest_sustained, 100])
+def test_long_rows_are_those_of_more_sounds_than_a_learnt_burst_has(count: int) -> None:
     row = 480_000 + samples_from_ms(FAST_MS, RATE_HZ) * np.arange(count)
     others = np.random.default_rng(count).integers(0, 400_000, 50)
     onsets = np.unique(np.concatenate([others, row]))
     found = in_long_rows(onsets, np.zeros(onsets.size), rate_hz=RATE_HZ, rules=BURSTS)
-    assert [onsets[each].tolist() for each in found] == ([row.tolist()] if count > BURSTS.most_unsure else [])
+    assert [onsets[each].tolist() for each in found] == ([row.tolist()] if count >= BURSTS.fewest_sustained else [])
 
 
 def test_of_two_sounds_where_a_round_is_due_the_nearer_is_the_round() -> None:

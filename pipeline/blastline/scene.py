@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 import msgspec
 
-from .model import DecayEnd, Decision, DriveChoice, DriveModel, Reflection, SceneEvidence, Shot, ShotEvidence
+from .model import FIRE, DecayEnd, Decision, DriveChoice, DriveModel, Reflection, SceneEvidence, Shot, ShotEvidence
 from .ruleset import QualityRules, SceneRules
 from .units import ms_from_samples, share_text
 
@@ -65,7 +65,7 @@ def _verifier(measured: ShotEvidence, confidence: float, tier: QualityRules) -> 
         return
     evidence = {"screen": measured.screen, "confidence": confidence}
     said = f"the screen gives it {measured.screen:.4g}"
-    if measured.even_row == "fire":
+    if measured.even_row in FIRE:
         said += ", and all of its even row together sound like gunfire"
     if measured.networks == 1:
         left = "one network is all that this quality asks" if tier.verify.networks == 1 else "a network left no doubt"

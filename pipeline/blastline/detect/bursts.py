@@ -8,7 +8,7 @@ from statistics import median
 import msgspec
 import numpy as np
 
-from ..model import HeardIn, Reflection, Rejection, Shot, Span
+from ..model import FIRE, HeardIn, Reflection, Rejection, Shot, Span
 from ..ruleset import BurstRules
 from ..units import ms_from_samples, samples_from_ms
 from .copies import likeness
@@ -118,7 +118,7 @@ def _is_next_round(
         [each for each in later if abs(each.peak_dbfs - like.peak_dbfs) <= rules.echo_drop_db]
         for like in (shot, before[0])
     )
-    is_fire = any(each.evidence and each.evidence.even_row == "fire" for each in (shot, *before))
+    is_fire = any(each.evidence and each.evidence.even_row in FIRE for each in (shot, *before))
     bursts = [before, as_loud] + ([[shot, *as_soft]] if is_fire else [])
     gap = shot.onset - before[0].onset
     paces = [_pace([each.onset for each in burst], rate_hz=rate_hz, rules=rules) for burst in bursts]

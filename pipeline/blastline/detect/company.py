@@ -23,11 +23,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import EvenRow, Rejection, Shot, Span
+from ..model import FIRE, EvenRow, Rejection, Shot, Span
 from ..ruleset import QualityRules, VerifyRules
 from ..units import samples_from_ms, samples_from_s
 from .backdrop import LEVELS
-from .fire import ScoredCandidates, in_sustained_fire
+from .fire import ScoredCandidates
 from .loops import LoopCandidates, in_loops
 from .pace import rows_at, shot_by_shot
 from .rounds import in_a_run, in_pairs, with_rounds
@@ -49,8 +49,8 @@ class _Belief:
     """What is thought of n candidates, shape (n,) each.
 
     `believed` are shots, unless their row is refused. `by_itself` would be believed alone, `likely` in company. `fire`
-    are rounds of a row of even fire, `sustained` those of one that is longer than a magazine lasts; `unlike` belong to
-    a row at that pace that does not sound like a gun.
+    are rounds of a row of even fire, `sustained` those of one that lasts longer than a burst; `unlike` belong to a row
+    at that pace that does not sound like a gun.
     """
 
     believed: NDArray[np.bool_]
@@ -80,9 +80,9 @@ def in_company(
 
     - of a long row of even fire that does not sound like that, all that are not sure by themselves;
     - a run at a gun's pace of more than `most_unsure`, of which fewer than half are sure by themselves or in a row of
-      even fire as long as that;
+      sustained fire;
     - a slower even row (`RowRules`) of which fewer than half are sure by themselves or rounds of even fire;
-    - what turns with a loop of ambience, unless it is in such a long row of fire;
+    - what turns with a loop of ambience, unless it is in a row of sustained fire;
     - what keeps the beat of music (`beat.py`);
     - what goes on as loud as it begins (`steady.py`), unless it is a round of even fire or a likely round follows it.
     """
@@ -118,14 +118,13 @@ def _belief(shots: Sequence[Shot], *, rate_hz: int, tier: QualityRules) -> _Beli
     believed = sure | (likely & _near(onsets, onsets[sure], samples_from_s(rules.company_s, rate_hz)))
     peaks_dbfs = np.array([shot.peak_dbfs for shot in shots])
     rows = [shot.evidence.even_row if shot.evidence else None for shot in shots]
-    fire = np.array([row == "fire" for row in rows], bool)
+    fire, sustained = (np.array([row in kind for row in rows], bool) for kind in (FIRE, ("sustained fire",)))
     believed |= fire
     believed = with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=bursts)
     perhaps = rounds & (probability >= rules.pair_threshold)
     pairs = partial(in_pairs, onsets, peaks_dbfs, longest_ms=rules.pair_ms, rate_hz=rate_hz, rules=bursts)
     believed = believed | pairs(by_itself & aside, perhaps & aside) | pairs(by_itself & ~aside, perhaps & ~aside)
     unlike = np.array([row == "no fire" for row in rows], bool) & ~by_itself
-    sustained = in_sustained_fire(onsets, peaks_dbfs, fire, rate_hz=rate_hz, rules=bursts)
     return _Belief(believed, by_itself, likely, fire, sustained, unlike)
 
 
@@ -190,7 +189,7 @@ def worth_segmenting(
     beyond the core may reach is worth it, a slow row of shots too, which the networks alone may believe.
     """
     longest = samples_from_ms(tier.bursts.longest_gap_ms, rate_hz) + _ROUNDING
-    fired = np.array([row == "fire" for row in rows], bool)
+    fired = np.array([row in FIRE for row in rows], bool)
     worth: NDArray[np.bool_] = (scored.odds.by_all >= log_odds_of(tier.verify.company_threshold)) | fired
     worth |= _perhaps_of_a_pair(scored, rate_hz=rate_hz, rules=tier.verify, core=core)
     likeliest = np.maximum(scored.odds.by_all, scored.odds.by_networks)

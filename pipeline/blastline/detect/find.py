@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Channels, Clip, EvenRow, HeardIn, Rejection, Shot
+from ..model import FIRE, Channels, Clip, EvenRow, HeardIn, Rejection, Shot
 from ..ruleset import QualityRules
 from ..units import samples_from_ms
 from .backdrop import backdrops, sounds
@@ -116,7 +116,7 @@ def _fires_on(
     scored: ScoredCandidates, rows: Sequence[EvenRow | None], *, rate_hz: int, tier: QualityRules
 ) -> NDArray[np.bool_]:
     """Return which of n candidates are rounds of even fire, or right before a likely round, shape (n,)."""
-    fire = np.array([row == "fire" for row in rows], bool)
+    fire = np.array([row in FIRE for row in rows], bool)
     rounds = fire | (scored.odds.by_all >= log_odds_of(tier.verify.burst_threshold))
     return fire | before_a_round(scored.onsets, rounds, rate_hz=rate_hz, rules=tier.bursts)
 

@@ -10,7 +10,7 @@ screen, which hears what is around, takes any such row for a machine.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,8 +52,14 @@ class ScoredCandidates:
 def even_rows(scored: ScoredCandidates, *, rate_hz: int, tier: QualityRules) -> list[EvenRow | None]:
     """Return of each candidate, ascending, whether it is a round of even fire or one of a long row that is none."""
     told: list[EvenRow | None] = [None] * scored.onsets.size
-    for row in rows_at(scored.onsets, scored.peaks_dbfs, automatic(tier.bursts), rate_hz=rate_hz):
-        fire = _sounds_like_fire(scored.odds, row, tier)
+    for row in in_long_rows(scored.onsets, scored.peaks_dbfs, rate_hz=rate_hz, rules=tier.bursts):
+        if _sounds_like_sustained_fire(scored.odds, row, tier):
+            for place in row.tolist():
+                told[place] = "sustained fire"
+    left = np.flatnonzero([each is None for each in told])
+    for some in rows_at(scored.onsets[left], scored.peaks_dbfs[left], automatic(tier.bursts), rate_hz=rate_hz):
+        row = left[some]
+        fire = row.size <= tier.bursts.most_unsure and _sounds_like_fire(scored.odds, row, tier)
         if fire or row.size >= tier.bursts.fewest_as_one:
             for place in row.tolist():
                 told[place] = "fire" if fire else "no fire"
@@ -66,52 +72,43 @@ def even_rows(scored: ScoredCandidates, *, rate_hz: int, tier: QualityRules) -> 
     return told
 
 
-def in_sustained_fire(
-    onsets: NDArray[np.intp],
-    peaks_dbfs: NDArray[np.float64],
-    fire: NDArray[np.bool_],
-    *,
-    rate_hz: int,
-    rules: BurstRules,
-) -> NDArray[np.bool_]:
-    """Return which of n shots, ascending, are in a row of even fire longer than a magazine lasts, shape (n,)."""
-    found = np.zeros(onsets.size, np.bool_)
-    rounds = np.flatnonzero(fire)
-    for row in in_long_rows(onsets[rounds], peaks_dbfs[rounds], rate_hz=rate_hz, rules=rules):
-        found[rounds[row]] = True
-    return found
-
-
 def in_long_rows(
     onsets: NDArray[np.intp], peaks_dbfs: NDArray[np.float64], *, rate_hz: int, rules: BurstRules
 ) -> list[NDArray[np.intp]]:
-    """Return the rows as fast and even as automatic fire that are longer than a magazine lasts, as indices."""
-    pace, most = automatic(rules), rules.most_unsure
-    longest = most * samples_from_ms(rules.longest_gap_ms, rate_hz)
-    if onsets.size <= most or (onsets[most:] - onsets[:-most]).min() > longest:
+    """Return the rows as fast and even as automatic fire that last longer than the learnt bursts, as indices.
+
+    What keeps its pace for so long is one gun or one machine, though its level may vary by more than that of a burst.
+    """
+    pace, fewest = replace(automatic(rules), within_db=rules.sustained_within_db), rules.fewest_sustained
+    longest = (fewest - 1) * samples_from_ms(rules.longest_gap_ms, rate_hz)
+    if onsets.size < fewest or (onsets[fewest - 1 :] - onsets[: onsets.size - fewest + 1]).min() > longest:
         return []  # nowhere are there so many in so short a time
-    if not evenly_placed(onsets, peaks_dbfs, pace, rate_hz=rate_hz, count=most + 1).any():
+    if not evenly_placed(onsets, peaks_dbfs, pace, rate_hz=rate_hz, count=fewest).any():
         return []
     paced = np.flatnonzero(evenly_placed(onsets, peaks_dbfs, pace, rate_hz=rate_hz))
     rows = rows_at(onsets[paced], peaks_dbfs[paced], pace, rate_hz=rate_hz)
-    return [paced[row] for row in rows if row.size > most]
+    return [paced[row] for row in rows if row.size >= fewest]
 
 
 def _sounds_like_fire(odds: LogOdds, row: NDArray[np.intp], tier: QualityRules) -> bool:
-    """Return whether a row at the pace of automatic fire is likely enough in the mean, or so by the networks alone.
-
-    One that is longer than a magazine lasts gets less for going on, as machines do: as if each of its sounds were in a
-    burst it has to be surer than a single shot, and as it is no less likely than what is reported.
-    """
+    """Return whether a row at the pace of automatic fire is likely enough in the mean, or so by the networks alone."""
     rules = tier.verify
-    if row.size > tier.bursts.most_unsure:
-        return bool(
-            odds.as_burst[row].mean() >= log_odds_of(rules.sustained_threshold)
-            and odds.by_networks[row].mean() >= log_odds_of(rules.report_from)
-        )
     return bool(
         odds.by_all[row].mean() >= log_odds_of(rules.even_threshold)
         or odds.by_networks[row].mean() >= log_odds_of(rules.even_networks_threshold)
+    )
+
+
+def _sounds_like_sustained_fire(odds: LogOdds, row: NDArray[np.intp], tier: QualityRules) -> bool:
+    """Return whether a row that lasts longer than the bursts that the networks have learnt from is fire.
+
+    It gets less for going on, as machines do: as if each of its sounds were in a burst it has to be surer than a single
+    shot, and as it is no less likely than what is reported.
+    """
+    rules = tier.verify
+    return bool(
+        odds.as_burst[row].mean() >= log_odds_of(rules.sustained_threshold)
+        and odds.by_networks[row].mean() >= log_odds_of(rules.report_from)
     )
 
 

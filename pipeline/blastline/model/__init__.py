@@ -7,7 +7,7 @@ Conventions
 """
 
 from .scene import SceneEvidence
-from .shot import DecayEnd, EvenRow, Index, Ratio, Reflection, Shot, ShotEvidence
+from .shot import FIRE, DecayEnd, EvenRow, Index, Ratio, Reflection, Shot, ShotEvidence
 from .sound import Channels, Clip, HeardIn, MadeOf, RandomAccessSound, SoundFile, Span
 from .timeline import (
     SCHEMA,
@@ -33,6 +33,7 @@ from .timeline import (
 )
 
 __all__ = [
+    "FIRE",
     "SCHEMA",
     "ActuatorRef",
     "Background",

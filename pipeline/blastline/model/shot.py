@@ -9,7 +9,8 @@ from msgspec import Meta
 from .sound import SPAN_KEYS, HeardIn, Span
 
 DecayEnd = Literal["fallen", "background", "next sound", "longest", "last reflection"]
-EvenRow = Literal["fire", "no fire"]
+EvenRow = Literal["fire", "sustained fire", "no fire"]
+FIRE: tuple[EvenRow, ...] = ("fire", "sustained fire")
 
 Index = Annotated[int, Meta(ge=0)]
 Ratio = Annotated[float, Meta(ge=0.0, le=1.0)]
@@ -41,8 +42,9 @@ class ShotEvidence(msgspec.Struct, frozen=True):
     `decay_end` says what ended the decay. `backdrop` is what is heard just before (`detect.backdrop`); None where that
     is silence, or somebody else found the shot. `sound` are levels of the shot itself (`detect.backdrop`), `attack` is
     its beginning (`detect.copies`). `even_row` says of one of a row, as even as fire, that the row as a whole sounds
-    like that, or, of a long one as fast as automatic fire, that it does not. `on_beat` says of what keeps the beat of
-    music around it, `goes_on` of what goes on as loud as it begins, as after a cut to another scene.
+    like that, perhaps for longer than a burst, or, of a long one as fast as automatic fire, that it does not. `on_beat`
+    says of what keeps the beat of music around it, `goes_on` of what goes on as loud as it begins, as after a cut to
+    another scene.
     """
 
     screen: Ratio | None

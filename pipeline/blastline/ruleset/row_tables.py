@@ -15,8 +15,9 @@ class BurstRules(Table, frozen=True):
     shot's echo: what lies where one of its reflections was found and has a waveform that is `echo_likeness` like its
     own, or comes up to `latest_copy_ms` after it and is `copy_likeness` like it. A row of even fire has `fewest_even`
     sounds or more, each gap within `unevenness` of the one before, peaks within `echo_drop_db` of the first; from
-    `fewest_as_one` on it is believed as a whole or not at all. Of an even run of more than `most_unsure`, half have to
-    be sure by themselves, or in a row as long as that which is fire by `sustained_threshold`.
+    `fewest_as_one` on it is believed as a whole or not at all. From `fewest_sustained` on, a row may be sustained fire
+    (`sustained_threshold`), and then peaks lie within `sustained_within_db` of the first. Of an even run of more than
+    `most_unsure`, half have to be sure by themselves or sustained fire.
     """
 
     shortest_gap_ms: Annotated[float, Meta(ge=2.0, le=1000.0)]
@@ -30,6 +31,8 @@ class BurstRules(Table, frozen=True):
     fewest_as_one: Annotated[int, Meta(ge=3, le=10_000)]
     unevenness: Ratio
     most_unsure: Annotated[Count, Meta(le=100_000)]
+    fewest_sustained: Annotated[int, Meta(ge=3, le=10_000)]
+    sustained_within_db: Difference
 
     def __post_init__(self) -> None:
         """Refuse gaps between shots that no burst can have."""

@@ -69,11 +69,11 @@ class VerifyRules(Table, frozen=True):
     `company_s`: films fire in scenes. [bursts] says how fast a gun fires: a run that fast, each of its shots reaching
     `burst_threshold`, is sure as a whole. A row of even fire is judged as one, by its odds in the mean: believed where
     they reach `even_threshold`, or those by the networks alone `even_networks_threshold`; a slower one where the
-    latter reach `threshold`, from the pace of steps on, or what lies between. A fast row of more than `most_unsure` is
-    fire where they reach `report_from`, and `sustained_threshold` if each is taken for one of a burst. Two shots that
-    fast take along their burst's other rounds, if about as loud, from `round_threshold` on; one that is sure by itself
-    takes along what lies within `pair_ms` of it and is that loud from `pair_threshold` (and `round_threshold`) on, as
-    the other one of a double shot.
+    latter reach `threshold`, from the pace of steps on, or what lies between. A fast row of `fewest_sustained` or more
+    is fire, too, where they reach `report_from`, and `sustained_threshold` if each is taken for one of a burst; one of
+    more than `most_unsure` only so. Two shots that fast take along their burst's other rounds, if about as loud, from
+    `round_threshold` on; one that is sure by itself takes along what lies within `pair_ms` of it and is that loud from
+    `pair_threshold` (and `round_threshold`) on, as the other one of a double shot.
     From `report_from` on a candidate is at least listed among the rejections. What falls by less than `least_fall_db`
     for a second is none, unless it is a round of even fire or a likely round follows: it goes on, as after a cut to
     another scene.
