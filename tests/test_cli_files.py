@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 import signal
+import subprocess
 import sys
 from functools import partial
 from pathlib import Path
@@ -17,7 +18,7 @@ import soundfile
 from blastline.export import read_timeline
 from blastline.report import CHECKS
 from blastline.run import rendering
-from commands import BELIEVE, RATE_HZ, blastline, blastline_alone, interrupted, write_film
+from commands import BELIEVE, COMMAND, RATE_HZ, blastline, blastline_alone, interrupted, write_film
 from media import write_media
 from moments import moments
 
@@ -353,6 +354,24 @@ def test_a_full_disk_is_told_by_detect_and_synth_with_the_name_that_was_asked_fo
     assert found.complaint == f"{out / 'f.json'}: cannot write: File too large"
     assert made.complaint.startswith(f"{out / 'demo.wav'}: cannot write the sound: ")
     assert not out.exists()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX limits")
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_timeline_that_standard_output_takes_in_part_is_told(tmp_path: Path, film: Path, unbuffered: str) -> None:
+    whole = blastline("detect", film, "-q").out
+    most_bytes = len(whole) // 2
+    with (tmp_path / "timeline.json").open("wb") as file:
+        ended = subprocess.run(
+            [*COMMAND, "detect", film, "-q"],
+            stdout=file,
+            stderr=subprocess.PIPE,
+            check=False,
+            text=True,
+            env=os.environ | {"PYTHONUNBUFFERED": unbuffered},
+            preexec_fn=partial(small_files_only, most_bytes),
+        )
+    assert (ended.returncode, ended.stderr) == (2, "blastline: input or output: File too large\n")
 
 
 @pytest.mark.parametrize("lead_ms", [3.0, 8.0])

@@ -68,6 +68,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Without `arguments` it is that of the process, which ends then.
     """
     let_signals_interrupt()
+    _make_output_whole()
     _spell_out_what_has_no_letter()
     try:
         words = (sys.argv[1:] if arguments is None else arguments) or ["--help"]
@@ -105,6 +106,18 @@ def _say(message: str, code: int) -> int:
     with suppress(OSError):  # where nobody can be told, the exit code still tells
         typer.echo("blastline: " + " ".join(message.splitlines()), err=True)
     return code
+
+
+def _make_output_whole() -> None:
+    """Let standard output write all of what it is given, or fail: without a buffer (`python -u`) it may write a part.
+
+    A full disk takes what it has room for.
+    """
+    raw = getattr(sys.stdout, "buffer", None)
+    if isinstance(sys.stdout, io.TextIOWrapper) and isinstance(raw, io.RawIOBase):
+        encoding, errors = sys.stdout.encoding, sys.stdout.errors
+        sys.stdout.detach()
+        sys.stdout = io.TextIOWrapper(io.BufferedWriter(raw), encoding=encoding, errors=errors, line_buffering=True)
 
 
 def _spell_out_what_has_no_letter() -> None:
