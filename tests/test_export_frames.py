@@ -17,9 +17,9 @@ import pytest
 
 from blastline.errors import RuleError
 from blastline.export import export_timeline, require_frame_rate, require_late_enough
-from blastline.export.frames import FRAME_FORMATS, frame_markers
+from blastline.export.frames import FRAME_FORMATS
 from blastline.export.rounding import rounding
-from blastline.model import Timeline, Window
+from blastline.model import Timeline
 from blastline.timebase import parse_timebase, retimed
 from blastline.timecode import frames_per_day
 from films import COUNTINGS, HOSTILE, ONSETS, Counting, film
@@ -106,16 +106,6 @@ def test_events_on_one_frame_share_a_marker_that_names_them_all(tmp_path: Path) 
     assert [line.count("shot-") for line in lines] == [3, 1]
 
 
-def test_a_shot_in_the_last_half_frame_is_within_the_film_and_lasts_a_frame() -> None:
-    timeline = film(COUNTINGS[1], onsets=[47_000, 47_001])  # 24 frames of 2000 samples
-    events = [msgspec.structs.replace(each, window=Window(46_900, 47_100, 0, 0)) for each in timeline.events]
-    source = msgspec.structs.replace(timeline.source, frames=47_100)
-    timeline = msgspec.structs.replace(timeline, source=source, events=tuple(events))
-    found = frame_markers(timeline, format_name="otio")
-    assert [(marker.frame - found.start, marker.frames) for marker in found.markers] == [(23, 1), (23, 1)]
-    assert found.stop == found.start + 24
-
-
 @pytest.mark.parametrize("counting", [COUNTINGS[1], COUNTINGS[3], COUNTINGS[4]], ids=lambda each: each.rate)
 @pytest.mark.parametrize("more", [-2, -1, 0, 1, 100_000])
 def test_a_film_that_timecode_cannot_tell_the_days_of_is_refused_or_told(
@@ -148,34 +138,6 @@ def test_a_film_that_timecode_cannot_tell_the_days_of_is_refused_or_told(
     assert_each_event_is_there(markers, timeline, counting)
 
 
-@pytest.mark.parametrize("name", sorted(FRAME_FORMATS))
-@pytest.mark.parametrize("has_picture", [False, True])
-@pytest.mark.parametrize("frames", [48_000, 48_100, 48_999, 49_001, 49_900, 700, 1])
-def test_no_marker_makes_a_film_longer(tmp_path: Path, name: str, has_picture: bool, frames: int) -> None:
-    """A program that relinks a clip of more frames than its film has refuses it, or shows black."""
-    onsets = sorted({frames // 2, max(0, frames - 900), frames - 1})
-    timeline = film(COUNTINGS[1], onsets=onsets, has_picture=has_picture)  # 24 frames of 2000 samples
-    events = [
-        msgspec.structs.replace(each, window=Window(0, frames, 0, 0), onset_s=each.onset_sample / 48_000)
-        for each in timeline.events
-    ]
-    source = msgspec.structs.replace(timeline.source, frames=frames)
-    timeline = msgspec.structs.replace(timeline, source=source, events=tuple(events))
-    found = frame_markers(timeline, format_name=name)
-    assert found.stop - found.start == max(1, math.floor(Fraction(frames, 2000) + Fraction(1, 2)))
-    for marker in found.markers:
-        assert found.start <= marker.frame < marker.frame + marker.frames <= found.stop
-        exact_s = Fraction(marker.event.onset_sample, 48_000)
-        assert (marker.frame - found.start) / Fraction(24) + marker.offset_s == exact_s, "it says where the bang is"
-        within = Fraction(1, 2) if marker.frame < found.stop - 1 else Fraction(3, 2)
-        assert abs(marker.offset_s) * 24 <= within
-    [line] = rounding(timeline, [name])
-    farthest_ms = max((-1000 * marker.offset_s for marker in found.markers), key=abs)
-    assert line.endswith(f"by {float(farthest_ms):+z.3f} ms")
-    late = any(marker.offset_s >= Fraction(1, 48) for marker in found.markers)
-    assert ("from the middle of the film's last frame on" in line) == late
-
-
 @every_counting
 def test_avid(tmp_path: Path, counting: Counting) -> None:
     timeline = film(counting)
@@ -195,6 +157,7 @@ def test_cmx3600(tmp_path: Path, counting: Counting) -> None:
     text = file.read_text("utf-8")
     [event] = pycmx.parse_cmx3600(io.StringIO(text)).events
     [edit] = event.edits
+    assert (edit.channels.video, edit.channels.audio) == (True, False)
     assert (edit.source, edit.clip_name, edit.record_in) == ("FILM", "film.mkv", counting.start)
     assert (edit.source_in, edit.source_out) == (edit.record_in, edit.record_out)
     length_s = frames_of(edit.record_out, counting) / counting.fraction
@@ -539,3 +502,5 @@ def test_sound_alone_has_no_picture_track(tmp_path: Path, name: str) -> None:
     assert track.kind == "Audio"
     assert len(track[0].markers) == len(ONSETS)
     assert "hasVideo" not in written(timeline, tmp_path, "fcpxml").read_text("utf-8")
+    [event] = pycmx.parse_cmx3600(io.StringIO(written(timeline, tmp_path, "cmx3600").read_text("utf-8"))).events
+    assert [(edit.channels.video, edit.channels.audio) for edit in event.edits] == [(False, True)]
