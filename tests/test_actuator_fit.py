@@ -290,6 +290,19 @@ def test_an_accelerometers_response_is_fitted_by_roots_that_a_profile_may_hold(r
     )
 
 
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_the_high_pass_of_a_profile_is_of_the_order_in_which_the_response_falls(order: int) -> None:
+    """A steeper one would lose what is felt at the low end, a flatter one would boom."""
+    corner = 2.0 * math.pi * 100.0
+
+    def level(frequencies_hz: np.ndarray) -> np.ndarray:
+        s = 2j * math.pi * frequencies_hz
+        return np.asarray(20.0 * np.log10(np.abs((s / (s + corner)) ** order / (1.0 + s / (10.0 * corner)) ** 2)))
+
+    profile = fitted_profile(fit_of(measured_as(level)), name="seat", source="a test", origin="a test", rules=RULES)
+    assert profile.highpass.order == order
+
+
 def test_what_has_nothing_in_common_is_refused() -> None:
     far = measured_as(lambda f: np.zeros_like(f), np.geomspace(100.0, 2000.0, 30))
     with pytest.raises(

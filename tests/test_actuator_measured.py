@@ -22,6 +22,11 @@ def table(tmp_path: Path, text: str) -> Path:
     return path
 
 
+def rows(low_hz: float, high_hz: float) -> str:
+    """Return nine rows of 0 dB from one frequency to another."""
+    return "".join(f"{frequency_hz},0\n" for frequency_hz in np.linspace(low_hz, high_hz, 9).tolist())
+
+
 @pytest.mark.parametrize("averages", [4, 10, 40])
 def test_coherence_of_pure_chance_is_unbiased_to_nothing(averages: int) -> None:
     """Two noises that have nothing in common: |sum x y*|^2 over sum |x|^2 sum |y|^2 is 1 / averages in the mean."""
@@ -66,6 +71,10 @@ def test_levels_alone_are_enough_and_spreadsheets_may_have_written_them(tmp_path
     np.testing.assert_allclose(measured.gain_db, -np.arange(10.0), atol=1e-12)
 
 
+def test_an_octave_is_enough(tmp_path: Path) -> None:
+    assert read_measured(table(tmp_path, HEAD + rows(100.0, 200.0))).band_hz == (100.0, 200.0)
+
+
 @pytest.mark.parametrize(
     ("text", "complaint"),
     [
@@ -83,10 +92,8 @@ def test_levels_alone_are_enough_and_spreadsheets_may_have_written_them(tmp_path
         (HEAD + "10,1;5\n" + GOOD, "line 2: gain_db = '1;5': expected a finite number"),
         (HEAD + "10\n" + GOOD, "line 2: 1 cells; expected 2, as the first line names"),
         (HEAD + "10,401\n" + GOOD, "gain_db = 401 at 10 Hz: expected -400 to 400"),
-        (
-            HEAD + "".join(f"{100 + n},0\n" for n in range(9)),
-            "frequency_hz runs from 100 to 108 Hz; expected",
-        ),
+        (HEAD + rows(100.0, 108.0), "frequency_hz runs from 100 to 108 Hz; expected"),
+        (HEAD + rows(100.0, 199.9), "frequency_hz runs from 100 to 199.9 Hz; expected at least an octave"),
         (
             "frequency_hz,gain_db,gain_db\n20,1,2\n",
             "the first line names a column twice: frequency_hz,",
