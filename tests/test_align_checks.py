@@ -274,8 +274,9 @@ def test_vibration_before_the_bang_fails() -> None:
     assert ("pre_echo", event.id) in {(check.name, check.event) for check in broken}
 
 
-def test_a_silent_drive_fails_by_name() -> None:
-    right = film()
+@pytest.mark.parametrize("onsets_s", [(0.5,), (0.5, 1.3), (0.7, 1.6, 2.9, 4.1, 5.0)])
+def test_a_silent_drive_fails_by_name(onsets_s: tuple[float, ...]) -> None:
+    right = make_film(onsets_s=onsets_s, peaks=(0.3,) * len(onsets_s))
     checks = checks_of(right.with_drive(np.zeros(right.drive.frames)))
     assert {"drive_shift", "felt_lag", "felt_correlation"} <= failed(checks)
     assert all(check.measured is None for check in checks if check.name in ("drive_shift", "felt_lag"))
