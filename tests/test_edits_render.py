@@ -233,3 +233,15 @@ def test_a_rejection_that_is_added_back_is_no_rejection_any_more(tmp_path: Path,
     assert [(e.id, e.onset_sample, e.confidence) for e in regained.events if e.onset_s == 2.501] == [
         ("shot-0005", 120_048, 1.0)
     ]
+
+
+@pytest.mark.parametrize("added_s", [0.4, 3.2, 5.5])
+def test_a_rejection_stays_whatever_is_added_before_or_behind_it(
+    tmp_path: Path, film: Path, result: Path, added_s: float
+) -> None:
+    after = rendered(film, edited(result, tmp_path, lambda rows: rows.pop(1)))[1]
+    assert [(each.at_sample, each.reason) for each in after.rejections] == [(120_000, "deleted by hand")]
+    again = edited(tmp_path / "out", tmp_path, lambda rows: rows.append({"onset_s": str(added_s)}))
+    ended, later, _ = rendered(film, again)
+    assert "3 kept, 1 added" in ended.err
+    assert later.rejections == after.rejections
