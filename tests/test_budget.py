@@ -1,6 +1,7 @@
 """Choosing the quality by a budget: laws of the choice and of the prediction, and a budget that makes no sense."""
 
 import gc
+import itertools
 import tracemalloc
 from pathlib import Path
 from typing import Any, get_args
@@ -15,6 +16,7 @@ from hypothesis import strategies as st
 from blastline.errors import RuleError
 from blastline.model import Quality, Timeline
 from blastline.run import gauge as gauges
+from blastline.run import sampling
 from blastline.run.budget import BEST_FIRST, RESERVE, Allowance, allowance, choose_quality, chosen, pick
 from blastline.run.checking import checked
 from blastline.run.costs import FilmCost
@@ -148,6 +150,21 @@ def test_of_a_window_with_many_shots_a_few_are_rendered(tmp_path: Path, monkeypa
     assert max(seen) < 2 * gauges.FEW_SHOTS
     assert cost.shots_per_s * gauge.film_s == pytest.approx(100.0)
     assert cost.per_shot == pytest.approx(1.0)
+
+
+def test_the_cost_does_not_depend_on_what_the_process_has_used_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = write_film(tmp_path / "film.wav", length_s=8.0, shots_s=(3.0,))
+    costs = []
+    for used_s in (0.0, 4096.0):
+        clock = itertools.count(used_s)  # goes on by a second whenever it is read
+        for module in (gauges, sampling):
+            monkeypatch.setattr(module, "process_time", lambda clock=clock: float(next(clock)))
+        with gauges.open_gauge(path, RenderOptions(report=False), drives=False) as gauge:
+            costs.append(gauge.cost("draft"))
+    assert costs[0] == costs[1]
+    assert costs[0].per_second > 0.0
 
 
 def test_pictures_are_timed_without_looking_through_what_was_there_before(
