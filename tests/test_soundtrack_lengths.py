@@ -141,12 +141,12 @@ def test_an_mp3_of_varying_rate_lacks_no_end(tmp_path: Path, *, counted: bool) -
             frame.sample_rate, frame.pts = RATE_HZ, start
             container.mux(stream.encode(frame))
         container.mux(stream.encode(None))
-    with open_soundtrack(path) as track:
-        assert (track.expected_frames == LONG) == counted
-    assert read(path)[1].warnings == ()
     tag = b"ID3\3\0\0\0\0\x4e\x10" + bytes(10_000)  # as players write it before a file
-    path.write_bytes(tag + path.read_bytes())
-    assert read(path)[1].warnings == ()
+    for whole in (path.read_bytes(), tag + path.read_bytes()):
+        path.write_bytes(whole)
+        with open_soundtrack(path) as track:
+            assert (track.expected_frames == LONG) == counted
+        assert read(path)[1].warnings == ()
 
 
 @pytest.mark.parametrize("plays_s", [5.0, 9.5, 10.0])

@@ -9,6 +9,7 @@ import soundfile
 
 from blastline.errors import SoundtrackError
 from blastline.soundtrack import open_soundtrack
+from blastline.soundtrack.ending import stops_early
 from coded_films import FILM_RATE, FRAMES, LONG, LONG_SHOTS, SHOTS, is_broken_off, read
 from media import RATE_HZ, impulses, onsets, write_media
 
@@ -35,12 +36,14 @@ def test_a_missing_end_of_an_avi_is_noticed(tmp_path: Path, codec: str, picture_
     path = tmp_path / "film.avi"
     write_media(path, [impulses(LONG, LONG_SHOTS, channels=2)], codec=codec, picture_rate=picture_rate)
     data = path.read_bytes()
-    assert read(path)[1].warnings == ()
-    path.write_bytes(data + bytes(5_000))
-    assert read(path)[1].warnings == ()
+    for whole in (data, data + bytes(5_000)):
+        path.write_bytes(whole)
+        assert read(path)[1].warnings == ()
+        assert not stops_early(path, "avi")
     path.write_bytes(data[: data.rindex(b"idx1")])  # only the index is missing
     assert read(path)[1].warnings == ()
     path.write_bytes(data[: len(data) * 6 // 10])
+    assert stops_early(path, "avi")
     warning = read(path)[1].warnings[-1]
     assert warning.startswith("the file declares 10.0")
     assert "the end is missing" in warning

@@ -214,6 +214,17 @@ def test_a_block_that_is_there_again_is_dropped(
     assert not done.placement.jumps
 
 
+@pytest.mark.parametrize("samples", [512, 1024])
+@pytest.mark.parametrize("again_s", [0.1, 0.3, 0.45])
+def test_a_block_that_a_film_begins_with_twice_is_dropped(samples: int, again_s: float) -> None:
+    """So early it is no file that another was joined to."""
+    frames = frames_of(lambda _: 0.0, seconds=10, samples=samples)
+    done = placed([*frames[: int(again_s * RATE_HZ / samples)], *frames])
+    assert [start for _, start, _ in done.pieces] == [frame.start for frame in frames]
+    assert done.worst_s() == 0
+    assert not done.placement.jumps
+
+
 @pytest.mark.parametrize("off", [2000, 4567, 20_001])
 def test_an_overlap_is_dropped_to_the_sample(off: int) -> None:
     frames = frames_of(lambda _: 0.0, seconds=5)

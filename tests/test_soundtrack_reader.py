@@ -11,6 +11,7 @@ from blastline.model import Clip, Span
 from blastline.soundtrack import Cue, open_soundtrack, write_drive
 from blastline.soundtrack.cancelling import Cancelling
 from blastline.soundtrack.recent import Recent
+from blastline.soundtrack.track import in_blocks
 from blastline.timecode import clock, timecode_at
 from sound_files import FORMATS, FRAMES, RATE_HZ, noise, read, wav
 
@@ -49,6 +50,16 @@ def test_the_size_of_the_blocks_changes_no_bit(tmp_path: Path, subtype: str, mix
         assert sum(len(block.span) for block in track.blocks()) == source.frames == FRAMES
         for span in (Span(0, FRAMES), Span(5, 6), Span(65_530, 65_540), Span(FRAMES, FRAMES)):
             np.testing.assert_array_equal(track.read(span).samples, whole[span.start : span.stop])
+
+
+@pytest.mark.parametrize("frames", [1, 4, 7, 100])
+@pytest.mark.parametrize("sizes", [[], [3], [4], [1, 1, 1, 1, 1], [10, 3, 9], [0, 5, 0, 3], [7, 7], [6, 1, 6, 1]])
+def test_blocks_hold_all_samples_once_and_all_but_the_last_are_whole(frames: int, sizes: list[int]) -> None:
+    whole = np.arange(sum(sizes), dtype=np.float32)[:, None]
+    blocks = list(in_blocks(np.split(whole, np.cumsum(sizes)), frames))
+    assert all(len(block) == frames for block in blocks[:-1])
+    assert all(0 < len(block) <= frames for block in blocks[-1:])
+    np.testing.assert_array_equal(np.concatenate([whole[:0], *blocks]), whole)
 
 
 def test_mono_is_stereo_with_equal_channels(tmp_path: Path) -> None:
