@@ -11,11 +11,14 @@ import soundfile
 from numpy.typing import NDArray
 
 from blastline import run
-from blastline.errors import TimelineError
+from blastline.errors import RuleError, TimelineError
 from blastline.model import SceneEvidence, Timeline
+from blastline.progress import no_progress
 from blastline.ruleset import load_rules
+from blastline.ruleset.tables import LARGEST_LEVEL_DB
 from blastline.run import listening
 from blastline.run.driving import open_drive
+from blastline.run.options import set_up
 from blastline.scene import choose
 from blastline.synth import Scene, render_scene, synthesise
 
@@ -284,3 +287,10 @@ def test_a_rate_that_leaves_out_what_shots_are_told_by_is_warned_of(
     soundfile.write(tmp_path / "film.wav", noise, rate_hz, subtype="PCM_16")
     warnings = run.detect(tmp_path / "film.wav").source.warnings
     assert ["fewer shots are found" in each for each in warnings] == [True] * doubted
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_largest_level_is_taken_and_a_larger_one_is_refused(sign: float) -> None:
+    set_up(run.RenderOptions(level_db=sign * LARGEST_LEVEL_DB), no_progress)
+    with pytest.raises(RuleError, match="expected -40 to 40"):
+        set_up(run.RenderOptions(level_db=sign * (LARGEST_LEVEL_DB + 0.1)), no_progress)
