@@ -218,6 +218,18 @@ def test_what_lies_anywhere_over_music_is_on_the_beat_by_chance_alone(period_s: 
     assert np.mean(refused) < 2.0 * 0.008 / period_s
 
 
+@pytest.mark.parametrize("period_s", [0.2201, 0.241, 0.2562, 0.2583])
+def test_a_shot_halfway_between_two_drums_is_beside_their_grid_whichever_drum_a_window_begins_with(
+    period_s: float,
+) -> None:
+    """A grid of half the period holds all of them as well, and of that the drums may be on every odd place."""
+    place = round(36.0 / period_s)
+    for seed in range(5):
+        drums = rhythm(period_s, seed=seed, length_s=72.0)
+        shot = samples(0.4321 + period_s * np.array([place + 0.5]))
+        assert kept(shot, np.sort(np.append(samples(drums), shot))) == [False]
+
+
 def played_by_hand(period_s: float, seed: int) -> tuple[Onsets, NDArray[np.intp]]:
     """Return drums of two kinds that a person plays, most of them more than 4 ms off, and which of them each is."""
     rng = np.random.default_rng(seed)

@@ -268,6 +268,14 @@ def test_an_even_run_beyond_a_magazine_is_a_machine_unless_half_of_it_is_sure_or
     assert len(believed_ms(*run(*[likely, sure] * half))) == 2 * half
 
 
+@pytest.mark.parametrize("every", [3, 5, 9])
+def test_a_machine_that_pauses_now_and_then_is_a_machine(every: int) -> None:
+    """Its usual gap is that of most, and not their mean, which none of them is near."""
+    gaps_ms = np.where(np.arange(2 * BURSTS.most_unsure) % every, FAST_MS / 2, 0.95 * BURSTS.longest_gap_ms)
+    places_ms = 20_000 + np.cumsum(gaps_ms)
+    assert believed_ms(*[shot(at_ms, VERIFY.burst_threshold) for at_ms in places_ms.tolist()]) == []
+
+
 def test_rows_that_are_fire_each_do_not_make_sustained_fire() -> None:
     """Two of them with a gap between that is no multiple of the pace: a machine that stumbles."""
     half = BURSTS.most_unsure // 2 + 2

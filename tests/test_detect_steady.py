@@ -156,6 +156,19 @@ def test_where_nothing_rises_nothing_goes_on() -> None:
     assert not is_steady(np.zeros(3 * RATE_HZ))
 
 
+@pytest.mark.parametrize("rising", [1, 4, 12])
+@pytest.mark.parametrize("beside", [0, 4, 40])
+@pytest.mark.parametrize(("falls_by_db", "steady"), [(LEAST_DB - 1.0, True), (LEAST_DB + 1.0, False)])
+def test_bands_in_which_nothing_rises_have_no_say(rising: int, beside: int, falls_by_db: float, steady: bool) -> None:
+    """A tone rises by 30 dB beside a louder bed that stays as it is, and falls somewhat in half a second."""
+    hops = 3 * RATE_HZ // GRID.hop
+    since_s = (np.arange(hops) * GRID.hop - ONSET) / RATE_HZ
+    level_db = np.full((hops, rising + beside), -20.0)
+    level_db[:, :rising] = np.select([since_s < 0.0, since_s < 0.5], [-60.0, -30.0], -30.0 - falls_by_db)[:, None]
+    bands = (10.0 ** (level_db / 10.0)).astype(np.float32)
+    assert goes_on(bands, np.array([ONSET], np.intp), GRID, LEAST_DB).tolist() == [steady]
+
+
 def test_scenes_that_begin_with_loud_rain_shake_no_seat_and_the_shots_in_them_do() -> None:
     film = np.concatenate([cut(20.0, seed=seed) for seed in range(4)])
     at = 2 * 3 * RATE_HZ + 2 * RATE_HZ  # a second after the third cut
