@@ -237,6 +237,26 @@ def test_of_two_claims_to_one_place_the_shorter_and_the_one_out_of_order_give_wa
     assert yielded([ordered[0], stray, ordered[1]], ()) == [Yielded(1, 22.0, 29.0)]
 
 
+def moved(by_s: float, start_s: float, stop_s: float) -> Course:
+    """Return a scene that comes so much later."""
+    return Course(MatchedSegment(Line(1.0, by_s, start_s, stop_s), start_s, stop_s, 0.95), 1.0, 0.0, 9)
+
+
+def test_a_removed_shot_does_not_take_the_like_sound_of_the_scene_that_follows_the_cut() -> None:
+    """Nobody asks for that sound, and it is accounted for: it is of the scene that is there."""
+    old = murmur(60.0, seed=81)
+    old[20 * RATE_HZ : 30 * RATE_HZ] *= 0.02
+    put(old, bang(seed=82), 20.2)
+    old[30 * RATE_HZ : round(30.6 * RATE_HZ)] = seconds(old, 20.0, 20.6)
+    new = np.concatenate([seconds(old, 0.0, 20.0), seconds(old, 30.0, 60.0)])
+    scenes = [moved(0.0, 0.0, 20.0), moved(-10.0, 30.0, 60.0)]
+    [lost] = place([20.2], scenes, heard(old), heard(new), load_conform())
+    assert isinstance(lost, Lost)
+    [found] = place([30.2], scenes, heard(old), heard(new), load_conform())
+    assert isinstance(found, Placed)
+    assert found.new_s == pytest.approx(20.2, abs=1e-4)
+
+
 def test_what_two_segments_share_of_the_new_film_counts_once() -> None:
     early = MatchedSegment(Line(1.0, 10.0, 0.0, 20.0), 0.0, 20.0, 0.9)  # from 10 to 30
     long = MatchedSegment(Line(1.0, -12.5, 22.0, 47.0), 22.0, 47.5, 0.8)  # from 9.5 to 35

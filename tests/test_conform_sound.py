@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from blastline.conform.fingerprint import FRAME_HZ, Fingerprint, fingerprint
+from blastline.conform.fingerprint import FRAME_HZ, Fingerprint, fingerprint, summed_around
 from blastline.conform.search import Haystack
 from blastline.conform.waveform import WORK_HZ, look, piece
 from conform_films import RATE_HZ, InMemory, film, heard, murmur, seconds
@@ -43,6 +43,14 @@ def test_a_delay_delays_the_fingerprint() -> None:
 
 def test_silence_has_an_empty_fingerprint() -> None:
     assert not printed(np.zeros(RATE_HZ)).frames.any()
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 7, 8, 50])
+@pytest.mark.parametrize("count", [1, 2, 5, 31])
+def test_sums_around_are_sums_of_what_is_there(size: int, count: int) -> None:
+    values, half = np.random.default_rng(count).normal(size=count), size // 2
+    expected = [values[max(0, at - half) : at + half + 1].sum() for at in range(count)]
+    np.testing.assert_allclose(summed_around(values, size), expected, rtol=0.0, atol=1e-12)
 
 
 def test_a_piece_is_the_same_however_much_is_cut_out_around_it() -> None:

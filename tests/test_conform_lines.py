@@ -1,0 +1,62 @@
+"""How the line of a scene is found: by segments long and short, and by anchors of which enough have to agree."""
+
+import numpy as np
+import pytest
+
+from blastline.conform import Placed, find_courses, place
+from blastline.conform.courses import Anchored, through_anchors
+from blastline.conform.fingerprint import FRAME_HZ
+from blastline.conform.lines import Line, find_lines
+from blastline.conform.segments import MatchedSegment
+from blastline.ruleset import load_conform
+from conform_films import RATE_HZ, film, heard, murmur, seconds
+
+ANCHORS_S = [1.0 + 2.0 * n for n in range(20)]
+
+
+def agreeing(count: int, *, scale: float, pitch_scale: float) -> Anchored | None:
+    """Return the course through twenty anchors of which so many are in the new film, spread over all of it."""
+    old, new = murmur(40.0, seed=91), murmur(40.0 * scale, seed=92)
+    for time_s in ANCHORS_S[:: len(ANCHORS_S) // count][:count]:
+        there = round((scale * time_s - 0.9) * RATE_HZ)
+        new[there : there + round(1.8 * RATE_HZ)] = seconds(old, time_s - 0.9, time_s + 0.9)
+    segment = MatchedSegment(Line(scale, 0.004, 0.0, 40.0), 0.0, 40.0, 0.6)
+    return through_anchors(segment, ANCHORS_S, heard(old), heard(new), pitch_scale=pitch_scale)
+
+
+@pytest.mark.parametrize("alike", [3, 7, 9])
+def test_a_quarter_of_the_anchors_tells_where_a_scene_is_that_was_dubbed_anew_for_the_most_part(alike: int) -> None:
+    """So many on one line to the sample are no chance."""
+    found = agreeing(alike, scale=1.0, pitch_scale=1.0)
+    assert (found is not None) == (alike >= 5)
+    if found is not None:
+        line = found.course.segment.line
+        assert [line.at(time_s) for time_s in (0.0, 20.0, 40.0)] == pytest.approx([0.0, 20.0, 40.0], abs=1e-4)
+        assert line.scale == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("alike", [7, 9, 20])
+def test_with_kept_pitch_half_of_the_anchors_have_to_agree(alike: int) -> None:
+    """A few are within 30 ms of any line by chance."""
+    assert (agreeing(alike, scale=0.96, pitch_scale=1.0) is not None) == (alike >= 10)
+
+
+@pytest.mark.parametrize("length_s", [8.0, 11.0, 14.0])
+def test_a_short_film_that_was_not_changed_is_on_one_line_at_its_own_speed(length_s: float) -> None:
+    """It is much alike at the speeds next to that as well."""
+    same = heard(film(length_s, (2.0, 5.0), seed=93)).fingerprint
+    [line] = find_lines(same, same)
+    assert line.scale == 1.0
+    assert line.offset_s == pytest.approx(0.0, abs=1.0 / FRAME_HZ)
+
+
+def test_short_scenes_in_another_order_keep_their_shots_beside_a_long_one_that_stayed() -> None:
+    """Each is too short for a long segment, and the long ones that are found elsewhere say nothing of it."""
+    onsets_s, order = (5.0, 15.0, 32.0, 38.0, 44.0, 50.0, 56.0), (3, 1, 4, 0, 2)
+    old = film(60.0, onsets_s, seed=95)
+    scenes = [seconds(old, onset_s - 1.8, onset_s + 1.8) for onset_s in onsets_s[2:]]
+    new = np.concatenate([seconds(old, 0.0, 20.0), *(scenes[number] for number in order)])
+    one, other = heard(old), heard(new)
+    found = place(onsets_s, find_courses(one, other), one, other, load_conform())
+    expected_s = [5.0, 15.0, *(20.0 + 3.6 * order.index(number) + 1.8 for number in range(5))]
+    assert [each.new_s if isinstance(each, Placed) else None for each in found] == pytest.approx(expected_s, abs=1e-4)
