@@ -108,6 +108,18 @@ def test_shots_come_from_where_the_new_film_plays_them(old: Path, tmp_path: Path
         assert now.azimuth_deg == (None if was.azimuth_deg is None else -was.azimuth_deg)
 
 
+def test_a_voice_that_begins_with_a_shot_in_the_sides_of_the_new_film_does_not_pull_it_to_the_middle(
+    old: Path, scene: Samples, tmp_path: Path
+) -> None:
+    was = events_of(old / "out")[0]
+    before = slice(was.onset_sample - RATE_HZ, was.onset_sample)
+    centre = voice(scene)
+    centre[before] *= 0.2
+    now = conformed(old, write(tmp_path / "film.wav", left=0.3 * scene, centre=centre), tmp_path / "new")[0]
+    assert (now.id, now.heard_in) == (was.id, "sides")
+    assert now.azimuth_deg == pytest.approx(-30.0, abs=5.0)
+
+
 def test_where_channels_cannot_be_read_again_the_old_ones_tell_if_they_are_laid_out_alike(
     old: Path, tmp_path: Path
 ) -> None:
