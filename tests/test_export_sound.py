@@ -323,7 +323,7 @@ def test_rounding_is_told_apart_where_the_clip_begins_beside_the_films_start() -
     assert in_time.startswith("resolve: ")
     assert in_time.endswith("by -19.000 ms")
     assert in_clip.startswith("otio, fcp7, fcpxml: ")
-    assert in_clip.endswith("by +0.000 ms")
+    assert in_clip.endswith("; no event moves")
 
 
 @pytest.mark.parametrize(
@@ -335,10 +335,20 @@ def test_a_rate_that_final_cut_does_not_have_is_told(rate: str, has: bool) -> No
     assert [line.partition(":")[0] for line in doubtful] == ([] if has else ["fcpxml"])
 
 
-@pytest.mark.parametrize(("start", "passes"), [("23:59:59:12", True), ("23:59:50:00", False), ("00:00:00:00", False)])
-def test_an_edl_of_a_film_that_passes_midnight_is_told(start: str, passes: bool) -> None:
+@pytest.mark.parametrize(
+    ("start", "begins_s", "passes"),
+    [
+        ("23:59:59:12", 0.0, True),
+        ("23:59:50:00", 0.0, False),
+        ("00:00:00:00", 0.0, False),
+        ("00:00:00:00", -0.5, True),  # the first shot comes before the first picture
+        ("00:00:00:00", 0.5, False),
+    ],
+)
+def test_an_edl_of_a_film_that_passes_midnight_is_told(start: str, begins_s: float, passes: bool) -> None:
     timeline = film(Counting("24", start), onsets=[0, 48_000])
-    timeline = msgspec.structs.replace(timeline, source=msgspec.structs.replace(timeline.source, frames=96_000))
+    source = msgspec.structs.replace(timeline.source, frames=96_000, start_offset_s=begins_s)
+    timeline = msgspec.structs.replace(timeline, source=source)
     told = rounding(timeline, ["resolve", "cmx3600", "otio", "avid"])
     doubtful = [line for line in told if "passes midnight" in line]
     assert [line.partition(":")[0] for line in doubtful] == (["resolve, cmx3600"] if passes else [])

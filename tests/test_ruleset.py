@@ -236,12 +236,22 @@ def test_a_folder_without_any_rule_file_is_named(tmp_path: Path, name: str | Non
             read()
 
 
-def test_a_file_that_nothing_reads_is_named(tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["Scenes.toml", "quality/standart.toml"])
+def test_a_file_that_nothing_reads_is_named_by_whoever_is_given_the_folder(tmp_path: Path, name: str) -> None:
     written(tmp_path, "align.toml", "correlation = 0.8\n")
-    written(tmp_path, "quality/best.toml", "")
+    written(tmp_path, name, "")
+    complaint = rf"{re.escape(str(tmp_path / name))}: not a rule file that blastline reads; expected .*standard\.toml"
+    for read in (lambda: load_rules("standard", tmp_path), lambda: [*check_rules(tmp_path)]):
+        with pytest.raises(RuleError, match=complaint):
+            read()
+
+
+def test_a_file_in_a_folder_that_nothing_reads_is_named_by_the_check(tmp_path: Path) -> None:
+    written(tmp_path, "align.toml", "correlation = 0.8\n")
+    written(tmp_path, "qualities/standard.toml", "")
     checked = check_rules(tmp_path)
     assert next(checked) == "align.toml"
-    with pytest.raises(RuleError, match=r"best\.toml: not a rule file that blastline reads; expected .*standard\.toml"):
+    with pytest.raises(RuleError, match=r"qualities/standard\.toml: not a rule file that blastline reads; expected "):
         next(checked)
 
 

@@ -23,7 +23,7 @@ _FCP7_MOST_FRAMES = 60
 _LEAD_IN_S = 1
 """What begins less before 00:00:00:00 may be a codec's lead-in: only a shot in it is refused."""
 
-_BEGINS_THERE = "this format begins there: give a later --start-timecode, or leave it out"
+_BEGINS_THERE = "this format begins there: choose others, or give a later --start-timecode"
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,9 @@ def _line(timeline: Timeline, names: Iterable[str], way: str, shift: Shift) -> s
     if not shifts:
         return f"{', '.join(names)}: {way}; there are no events"
     largest, event = max(shifts, key=lambda each: abs(each[0]))
-    return f"{', '.join(names)}: {way}; {one_line(event)} moves farthest, by {float(1000 * largest):+z.3f} ms"
+    farthest = f"{float(1000 * largest):+z.3f}"
+    moved = "no event moves" if float(farthest) == 0.0 else f"{one_line(event)} moves farthest, by {farthest} ms"
+    return f"{', '.join(names)}: {way}; {moved}"
 
 
 def _way(name: str, timeline: Timeline) -> tuple[str, Shift] | None:
@@ -56,7 +58,7 @@ def _way(name: str, timeline: Timeline) -> tuple[str, Shift] | None:
             words += "; Final Cut Pro may not open the file: it has no projects of that rate"
         if name not in CLIP_FORMATS and days(source, scale) > 1:
             words += "; the film is longer than the 24 hours of timecode: one timecode may stand for two moments"
-        elif name in _EDLS and _passes_midnight(source, scale):
+        elif name in _EDLS and _passes_midnight(timeline, scale):
             words += "; the film passes midnight, across which many programs do not read an EDL"
         onsets = (event.onset_sample for event in timeline.events)
         if any(marker_time(film, onset, scale) != frame_time(film, onset, scale) for onset in onsets):
@@ -73,11 +75,12 @@ def _way(name: str, timeline: Timeline) -> tuple[str, Shift] | None:
     return None
 
 
-def _passes_midnight(source: Source, scale: FrameScale) -> bool:
-    """Return whether timecode starts again at 00:00:00:00 within the film."""
+def _passes_midnight(timeline: Timeline, scale: FrameScale) -> bool:
+    """Return whether timecode starts again at 00:00:00:00 within the film, or between it and a shot before it."""
     day = frames_per_day(scale.nominal, drop_frame=scale.drop_frame)
-    last = frame_time(source, source.frames - 1, scale).frame
-    return last // day != scale.first_frame // day
+    samples = [timeline.source.frames - 1, *(event.onset_sample for event in timeline.events)]
+    frames = [scale.first_frame, *(frame_time(timeline.source, sample, scale).frame for sample in samples)]
+    return len({frame // day for frame in frames}) > 1
 
 
 def _stepped(time_s: Fraction, step_s: Fraction) -> Fraction:

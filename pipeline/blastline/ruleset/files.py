@@ -21,7 +21,7 @@ from ..misfits import misfit
 from ..model import Quality
 from .aligning import AlignRules
 from .conforming import ConformRules
-from .folder import RULE_FILES, require_folder
+from .folder import RULE_FILES, not_a_rule_file, require_folder
 from .haptics import HapticRules
 from .measuring import MeasuringRules, PerceptionCurve
 from .profiles import ActuatorProfile, check_stable
@@ -144,10 +144,7 @@ def check_rules(overlay: Path) -> Iterator[str]:
         elif relative.startswith("quality/") and relative in RULE_FILES:
             merged(relative, QualityRules, overlay)
         elif relative not in RULE_FILES:
-            raise RuleError(
-                f"{file}: not a rule file that blastline reads; "
-                f"expected actuators/*.toml, perception/*.toml or one of: {', '.join(sorted(RULE_FILES))}"
-            )
+            raise not_a_rule_file(file)
         yield relative
 
 

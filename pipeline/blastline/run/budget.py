@@ -118,6 +118,8 @@ def choose_quality(
         if picked is None:
             measured_s = spent_s()
             needed = allowed.in_words(RESERVE * predicted["draft"], gauge.film_s)
+            if len(predicted) < len(BEST_FIRST):
+                needed += ", and what measuring the other qualities takes,"
             raise RuleError(
                 f"{allowed.asked}: allows {said(allowed_s)} of CPU for the {_length(gauge.film_s)} of {film}, but "
                 f"draft, the fastest quality, takes about {said(predicted['draft'])}, of which measuring this was "
