@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable
 from fractions import Fraction
 
-from ..model import Source, Timeline
+from ..model import Timeline
 from ..timebase import rate_text
 from ..timecode import FrameScale, frame_scale, frame_time, frames_per_day, picture_time
 from ..units import nearest
