@@ -32,7 +32,7 @@ def first_result(folder: Path, film: Path) -> Path:
     (folder / "first.csv").write_text(f"onset_sample\n{rows}")
     ended = blastline("render", film, "-o", out, "--timeline", folder / "first.csv", "--no-report")
     assert ended.code == 0, ended
-    assert blastline("export", out / "timeline.json", "--format", "audacity", "-o", out).code == 0
+    assert blastline("export", out / "timeline.json", "--format", "audacity,reaper", "-o", out).code == 0
     return out
 
 

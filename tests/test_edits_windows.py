@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -155,7 +156,7 @@ def test_the_end_of_a_label_is_the_end_of_its_window(tmp_path: Path, film: Path,
         (2, "stop", 4.105, "the end that was set of shot-0003: the shared window ends with a later shot"),
     ],
 )
-def test_an_end_inside_a_window_that_is_shared_is_told_and_changes_nothing(
+def test_an_end_amid_the_other_shots_of_a_window_is_told_and_changes_nothing(
     tmp_path: Path, film: Path, result: Path, shot: int, end: str, at_s: float, told: str
 ) -> None:
     def edit(rows: list[Row]) -> None:
@@ -166,6 +167,68 @@ def test_an_end_inside_a_window_that_is_shared_is_told_and_changes_nothing(
     assert f"note: not used: {told}\n" in ended.err
     assert "edits: edited.csv: 4 kept\n" in ended.err
     assert {event.window for event in after.events[2:]} == {before["shot-0003"].window}
+
+
+def _in_table(result: Path, end_s: str) -> str:
+    lines = (result / "timeline.csv").read_text().splitlines(keepends=True)
+    names, cells = lines[0].rstrip().split(","), lines[3].rstrip().split(",")
+    cells[names.index("window_stop_s")], cells[names.index("window_stop_sample")] = end_s, ""
+    return "".join([*lines[:3], f"{','.join(cells)}\n", *lines[4:]])
+
+
+def _in_labels(result: Path, end_s: str) -> str:
+    lines = (result / "timeline.audacity.txt").read_text().splitlines(keepends=True)
+    start, _, text = lines[2].split("\t")
+    return "".join([*lines[:2], f"{start}\t{end_s}\t{text}", *lines[3:]])
+
+
+def _in_regions(result: Path, end_s: str) -> str:
+    lines = (result / "timeline.reaper.csv").read_text().splitlines(keepends=True)
+    kind, name, start, *_ = lines[3].split(",")
+    return "".join([*lines[:3], f"{kind},{name},{start},0:00:0{end_s},\n", *lines[4:]])
+
+
+def _in_document(result: Path, end_s: str) -> str:
+    plain = json.loads((result / "timeline.json").read_text())
+    plain["events"][2]["window"]["stop_sample"] = round(float(end_s) * RATE_HZ)
+    return json.dumps(plain)
+
+
+@pytest.mark.parametrize("with_original", [True, False])
+@pytest.mark.parametrize(
+    ("edit", "name"),
+    [(_in_table, "x.csv"), (_in_labels, "x.txt"), (_in_regions, "x.csv"), (_in_document, "x.json")],
+)
+def test_an_end_before_a_bursts_next_shot_is_a_rest_in_every_format(
+    tmp_path: Path, film: Path, result: Path, edit: Callable[[Path, str], str], name: str, *, with_original: bool
+) -> None:
+    """At the end that was set the drive is over until the next shot fades in; one behind that is told and not used."""
+    whole = by_id(read_timeline(result / "timeline.json"))["shot-0003"].window
+    original = ("--original", result) if with_original else ()
+    file = tmp_path / name
+    file.write_text(edit(result, "4.050"))
+    ended, after, drive = rendered(film, file, *original)
+    assert "not used" not in ended.err
+    first, second = (by_id(after)[f"shot-000{number}"].window for number in (3, 4))
+    assert (first.start, first.stop) == (whole.start, round(4.05 * RATE_HZ))
+    assert (second.start, second.stop) == (196_800 - GUARD - FADE_IN, whole.stop)
+    assert not np.any(drive[first.stop : second.start])
+    file.write_text(edit(result, "4.105"))
+    ended, after, _ = rendered(film, file, *original)
+    assert "not used: the end that was set of shot-0003: the shared window ends with a later shot\n" in ended.err
+    assert {(event.window.start, event.window.stop) for event in after.events[2:]} == {(whole.start, whole.stop)}
+
+
+@pytest.mark.parametrize(("shot", "end", "at_s"), [(3, "stop", 4.2), (2, "start", 3.9), (2, "start", 3.998)])
+def test_an_outer_end_of_a_shared_window_needs_no_original(
+    tmp_path: Path, film: Path, result: Path, shot: int, end: str, at_s: float
+) -> None:
+    plain = json.loads((result / "timeline.json").read_text())
+    plain["events"][shot]["window"][f"{end}_sample"] = round(at_s * RATE_HZ)
+    (tmp_path / "alone.json").write_text(json.dumps(plain))
+    ended, after, _ = rendered(film, tmp_path / "alone.json")
+    assert "not used" not in ended.err
+    assert [getattr(event.window, end) for event in after.events[2:]] == [round(at_s * RATE_HZ)] * 2
 
 
 def test_ends_of_a_window_of_ones_own_are_used_and_nothing_is_told(tmp_path: Path, film: Path, result: Path) -> None:

@@ -16,6 +16,7 @@ from ...model import Event, Origin, Window
 from .meaning import WITH_CONFIDENCE, confidence, ends, gain_db, settled
 from .nexts import without_ends_at_the_next
 from .row import EditedFile, Pair
+from .shared import with_shared_windows
 
 _OWN_ID = re.compile(r"shot-\d{1,18}\b")
 
@@ -72,6 +73,9 @@ def match(edited: EditedFile, originals: Mapping[str, Event] | None, *, rate_hz:
     pairs = list(_paired(edited, known, rate_hz))
     if edited.shows_ends:
         pairs = without_ends_at_the_next(pairs, known.values(), rate_hz=rate_hz)
+    if originals is None:
+        pairs = with_shared_windows(pairs, rate_hz=rate_hz)
+        known = {**known, **{pair.was.id: pair.was for pair in pairs if pair.was is not None}}
     ids = ((pair.edit.place, pair.id, f"id = {pair.id!r}") for pair in pairs if pair.id is not None)
     _refuse_repeats(edited.path, ids)
     fresh = _free_ids({*known, *(pair.id for pair in pairs if pair.id is not None)})
