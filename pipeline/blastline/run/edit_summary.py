@@ -66,6 +66,7 @@ def summarise_edits(
             "changed gains, ends and confidences hold as they stand, and count as kept"
         )
         notes += _gaps(edited)
+    notes += wanted.notes
     notes += _unheeded(edited, wanted)
     starts, stops = _overruled(wanted.wishes, windows)
     notes += _overruled_ends(starts, stops)

@@ -15,6 +15,7 @@ from ...errors import TimelineError
 from ...model import Event, Origin, Window
 from .meaning import WITH_CONFIDENCE, confidence, ends, gain_db, settled
 from .nexts import without_ends_at_the_next
+from .noted import notes_on
 from .row import EditedFile, Pair
 from .shared import with_shared_windows
 
@@ -57,10 +58,11 @@ class Wish:
 
 @dataclass(frozen=True)
 class Wanted:
-    """All events that are wanted, by onset, and the originals that none of them was."""
+    """All events that are wanted, by onset, the originals that none of them was, and what a user has to know."""
 
     wishes: tuple[Wish, ...]
     deleted: tuple[Event, ...]
+    notes: tuple[str, ...] = ()
 
 
 def match(edited: EditedFile, originals: Mapping[str, Event] | None, *, rate_hz: int) -> Wanted:
@@ -86,7 +88,8 @@ def match(edited: EditedFile, originals: Mapping[str, Event] | None, *, rate_hz:
     taken = {wish.was.id for wish in wishes if wish.was is not None}
     deleted = tuple(event for event in known.values() if event.id not in taken)
     kept = _with_whole_windows(wishes, known.values())
-    return Wanted(tuple(sorted(kept, key=lambda wish: wish.onset)), deleted)
+    notes = tuple(notes_on(edited, pairs, wishes))
+    return Wanted(tuple(sorted(kept, key=lambda wish: wish.onset)), deleted, notes)
 
 
 def _paired(edited: EditedFile, known: Mapping[str, Event], rate_hz: int) -> Iterator[Pair]:
@@ -178,7 +181,7 @@ def _wish(edited: EditedFile, pair: Pair, identity: str, rate_hz: int, *, known:
         start=start,
         stop=stop,
         confidence=confidence(edited, edit, was),
-        gain_db=gain_db(edited, edit, was),
+        gain_db=gain_db(edited, edit, was, pair.id or ""),
     )
 
 

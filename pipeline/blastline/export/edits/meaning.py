@@ -6,13 +6,11 @@ from decimal import Decimal
 from ...errors import TimelineError
 from ...model import Event
 from ..geometry import FROM_GAIN_DB, TO_GAIN_DB
+from .gains import gain_in_label
 from .row import Edit, EditedFile, Point, nearest_sample
 
 WITH_CONFIDENCE = re.compile(r"(\S+) ([01]\.\d\d)")
 """A label as it is exported: an id and a confidence."""
-
-_WITH_GAIN = re.compile(r"dBFS\b.*\bgain\s*([+\-\u2212]?\s?\d+(?:[.,]\d+)?(?:e-\d{1,3})?)\s*dB\b", re.IGNORECASE)
-"""A label as it is exported of an event that was asked to be stronger or softer than usual, and as people type."""
 
 _COARSEST = Decimal("0.01")
 """A program that rounds gains and confidences keeps so much; who writes less has typed it."""
@@ -79,11 +77,9 @@ def confidence(edited: EditedFile, edit: Edit, was: Event | None) -> float | Non
     return was.confidence if was and _rounds_to(was.confidence, said) else float(said)
 
 
-def gain_db(edited: EditedFile, edit: Edit, was: Event | None) -> float:
+def gain_db(edited: EditedFile, edit: Edit, was: Event | None, identity: str) -> float:
     """Return the gain that the file has, in its column or in its label; without one, the original's or none."""
-    said = edit.gain_db
-    if said is None and (labelled := _WITH_GAIN.search(edit.text)):
-        said = Decimal("".join(labelled[1].split()).replace(",", ".").replace("\u2212", "-"))
+    said = edit.gain_db if edit.gain_db is not None else gain_in_label(edited, edit, identity)
     if said is None:
         return was.gain_db if was else 0.0
     if not FROM_GAIN_DB <= said <= TO_GAIN_DB:

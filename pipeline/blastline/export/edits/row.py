@@ -79,7 +79,8 @@ class Edit:
 
     `place` is where it stands in the file, for messages. `text` is a label in which an id may stand. `blast_start` is
     a column that nobody edits, which tells where the onset was. `aside` is what stands in columns that are not read but
-    that somebody may take for ones that are, by their names.
+    that somebody may take for ones that are, by their names. `emptied` are a table's confidence and ends of the window
+    that have columns, but nothing in this row.
     """
 
     place: str
@@ -93,6 +94,7 @@ class Edit:
     blast_start: int | None = None
     origin: Origin | None = None
     aside: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    emptied: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,11 @@ from .text import Grid, Row
 
 ONSETS = ("onset_sample", "onset_s")
 _ASIDE = ("timecode", "drive_model")
+_MAY_BE_EMPTY = {
+    "window_start": {"window_start_sample", "window_start_s"},
+    "window_stop": {"window_stop_sample", "window_stop_s"},
+    "confidence": {"confidence"},
+}
 
 
 def read_table(grid: Grid, path: Path) -> EditedFile:
@@ -61,6 +66,11 @@ def _edit(row: Row, names: Sequence[str], path: Path, *, decimal_comma: bool) ->
         blast_start=blast_start.sample(decimal_comma=decimal_comma) if blast_start else None,
         origin=_origin(origin) if origin else None,
         aside={name: cells[name].text for name in _ASIDE if name in cells},
+        emptied=tuple(
+            name
+            for name, columns in _MAY_BE_EMPTY.items()
+            if not columns.isdisjoint(names) and columns.isdisjoint(cells)
+        ),
     )
 
 

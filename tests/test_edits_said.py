@@ -1,0 +1,90 @@
+"""What a row says of an event beside its time: gains in labels, and what stays where nothing is said."""
+
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from blastline.errors import TimelineError
+from blastline.export.edits import Wanted, match, read_edits
+from blastline.model import Event
+from timelines import RATE_HZ, SHOT
+
+EVENT = msgspec.structs.replace(SHOT, id="shot-0001")
+
+
+def labels(folder: Path, text: str, *, before_db: float = 0.0, with_original: bool = True) -> Wanted:
+    """Return what a label of this text wants of one event that was asked to be so much stronger."""
+    (folder / "labels.txt").write_text(f"1.000021\t1.000021\t{text}\n")
+    event = msgspec.structs.replace(EVENT, gain_db=before_db)
+    return match(read_edits(folder / "labels.txt"), {event.id: event} if with_original else None, rate_hz=RATE_HZ)
+
+
+def table(folder: Path, text: str, *events: Event) -> Wanted:
+    """Return what a table wants of a film in which these events were found."""
+    (folder / "edited.csv").write_text(text)
+    return match(read_edits(folder / "edited.csv"), {event.id: event for event in events}, rate_hz=RATE_HZ)
+
+
+@pytest.mark.parametrize(
+    "told", ["shot-0001", "shot-0001 0.97 -3.1 dBFS", "shot-0001 0.97 -3.1 dBFS filter", "boom", ""]
+)
+@pytest.mark.parametrize("typed", ["gain -6 dB", "door? gain -6 dB", "gain: -6dB", "GAIN=-6,0 dB."])
+@pytest.mark.parametrize("before", [0.0, -2.0])
+@pytest.mark.parametrize("with_original", [True, False])
+def test_a_gain_at_the_end_of_a_label_is_read_whatever_stands_before_it(
+    tmp_path: Path, told: str, typed: str, before: float, *, with_original: bool
+) -> None:
+    wanted = labels(tmp_path, f"{told} {typed}", before_db=before, with_original=with_original)
+    assert [wish.gain_db for wish in wanted.wishes] == [-6.0]
+    assert not wanted.notes
+
+
+@pytest.mark.parametrize(
+    ("text", "after_db", "unread"),
+    [
+        ("shot-0001 0.97 -3.1 dBFS filter gain -6 dB (was gain 2 dB)", -6.0, "gain 2 dB"),
+        ("shot-0001 gain -6 dB was too much", -2.0, "gain -6 dB"),
+        ("shot-0001 gain -6", -2.0, "gain -6"),
+        ("shot-0001 0.97 -3.1 dBFS filter -6 dB", -2.0, "-6 dB"),
+    ],
+)
+def test_a_gain_elsewhere_in_a_label_is_a_word_and_told(
+    tmp_path: Path, text: str, after_db: float, unread: str
+) -> None:
+    wanted = labels(tmp_path, text, before_db=-2.0)
+    assert [wish.gain_db for wish in wanted.wishes] == [after_db]
+    assert f"not used: {unread!r} of shot-0001; a gain stands at the end" in wanted.notes[0]
+
+
+def test_two_gains_in_a_label_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(TimelineError, match=r"line 1: .*: two gains, -6 dB and 2 dB; expected one, at the end"):
+        labels(tmp_path, "shot-0001 0.97 -3.1 dBFS filter gain -6 dB, was gain 2 dB")
+
+
+def test_an_id_that_reads_like_a_gain_is_none(tmp_path: Path) -> None:
+    named = msgspec.structs.replace(EVENT, id="gain 2 dB")
+    (tmp_path / "labels.txt").write_text("1.000021\t1.000021\tgain 2 dB\n")
+    wanted = match(read_edits(tmp_path / "labels.txt"), {named.id: named}, rate_hz=RATE_HZ)
+    assert [(wish.id, wish.gain_db) for wish in wanted.wishes] == [("gain 2 dB", 0.0)]
+
+
+def test_what_a_file_no_longer_says_is_as_in_the_original_and_told(tmp_path: Path) -> None:
+    event = msgspec.structs.replace(EVENT, gain_db=-6.0)
+    header = "id,onset_s,window_start_s,window_start_sample,window_stop_s,confidence,gain_db\n"
+    wanted = table(tmp_path, f"{header}shot-0001,1.00002,,,,,\n", event)
+    [wish] = wanted.wishes
+    assert (wish.gain_db, wish.window, wish.confidence, wish.changed) == (-6.0, SHOT.window, event.confidence, False)
+    assert wanted.notes == (
+        "kept as in the original, since the file says nothing there: gain_db of shot-0001; window_start of shot-0001; "
+        "window_stop of shot-0001; confidence of shot-0001",
+    )
+    [alone] = match(read_edits(tmp_path / "edited.csv"), None, rate_hz=RATE_HZ).wishes
+    assert (alone.gain_db, alone.window, alone.start, alone.stop, alone.confidence) == (0.0, None, None, None, None)
+
+
+@pytest.mark.parametrize("row", ["shot-0001,1.00002,0", "shot-0001,1.00002,-6"])
+def test_nothing_is_told_of_what_a_file_says_or_has_no_column_for(tmp_path: Path, row: str) -> None:
+    event = msgspec.structs.replace(EVENT, gain_db=-6.0)
+    assert not table(tmp_path, f"id,onset_s,gain_db\n{row}\n", event).notes
+    assert not table(tmp_path, "id,onset_s\nshot-0001,1.00002\n", EVENT).notes
