@@ -6,6 +6,7 @@ edited file, original timeline ──► what is wanted ──► measured in th
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
@@ -32,9 +33,11 @@ from ..streams import Streams, streams_text
 from ..timebase import Timebase, recalled
 from ..units import ms_from_samples, samples_from_ms
 from . import names
+from .edit_settings import other_settings, settings_of
 from .edit_summary import summarise_edits, unused_settings
 from .editing_windows import DELETED, settled_windows
 from .listening import BLOCK, HeardFilm, Mark
+from .options import Setup
 
 _MEND = "re-time the timeline with `blastline conform`, or give the film that it is of"
 _SURE = 1.0  # who sets an event by hand has no doubt
@@ -46,6 +49,7 @@ class Editing:
     """An edited file and what is known of the timeline that it was exported from.
 
     `original` is None where that is not known; `named_by` is the file that names the film, None where none does.
+    `made_with` is what that says of the options of its run.
     """
 
     edited: EditedFile
@@ -53,6 +57,7 @@ class Editing:
     rejections: tuple[Rejection, ...]
     source: Source | None
     named_by: Path | None
+    made_with: Mapping[str, Any]
 
 
 def read_editing(path: Path, *, original: Path | None) -> Editing:
@@ -68,7 +73,8 @@ def read_editing(path: Path, *, original: Path | None) -> Editing:
     if original is None and beside.is_file() and not beside.samefile(path):
         original = beside
     if original is None:
-        return Editing(edited, None, edited.rejections, edited.source, path if edited.source else None)
+        named_by = path if edited.source else None
+        return Editing(edited, None, edited.rejections, edited.source, named_by, edited.made_with)
     timeline = read_timeline(original)
     if edited.source is not None and edited.source.sha256 != timeline.source.sha256:
         raise TimelineError(
@@ -76,7 +82,17 @@ def read_editing(path: Path, *, original: Path | None) -> Editing:
             "give its own with --original"
         )
     edited = replace(edited, notes=(*edited.notes, *unused_settings(edited, timeline)))
-    return Editing(edited, {e.id: e for e in timeline.events}, timeline.rejections, timeline.source, original)
+    events = {event.id: event for event in timeline.events}
+    return Editing(edited, events, timeline.rejections, timeline.source, original, settings_of(timeline))
+
+
+def with_other_settings(editing: Editing, setup: Setup) -> Editing:
+    """Return an edited file with a note on the options of this run that its timeline was not made with, if any."""
+    others = ", ".join(other_settings(editing.made_with, setup))
+    if not others:
+        return editing
+    note = f"other options than the {'timeline' if editing.original is None else 'original'} was made with: {others}"
+    return replace(editing, edited=replace(editing.edited, notes=(*editing.edited.notes, note)))
 
 
 def timebase_of(film: Path, editing: Editing, *, said: Timebase, stream: Streams | None, mix: str) -> Timebase:

@@ -21,7 +21,7 @@ from . import names
 from .belonging import film_of
 from .checking import checked
 from .driving import open_drive, write_drive_of
-from .editing import Editing, hear_edited, read_editing, timebase_of
+from .editing import Editing, hear_edited, read_editing, timebase_of, with_other_settings
 from .export_rows import export_rows, files_of_results
 from .haptics import rounding_notes, tell_silent, track_of
 from .listening import HeardFilm, assemble, listen
@@ -43,7 +43,7 @@ def render(
     place = _place(film, folder, options, stale)
     timebase, editing = options.timebase, None
     if options.timeline is not None:
-        editing = read_editing(options.timeline, original=options.original)
+        editing = with_other_settings(read_editing(options.timeline, original=options.original), setup)
         timebase = timebase_of(film, editing, said=timebase, stream=options.stream, mix=options.mix)
     with (
         place as hidden,

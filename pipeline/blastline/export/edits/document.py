@@ -43,6 +43,9 @@ _FILM_ASIDE = (
 )
 
 
+_MADE_WITH = ("quality", "rules_digest", "actuator", "phase", "background", "level_db")
+
+
 class _Blast(msgspec.Struct, frozen=True):
     start_sample: int | None = None
 
@@ -95,6 +98,7 @@ def read_document(text: str, path: Path, *, expected: str) -> EditedFile:
         own=_as_it_was(plain["events"], path),
         rejections=timeline.rejections,
         aside=_said(plain, _FILM_ASIDE),
+        made_with=_said(plain, _MADE_WITH),
     )
 
 

@@ -112,7 +112,7 @@ class EditedFile:
 
     `shows_ends` says that the tool shows each event as a range: who moves it sees where it ends. `own` are the events
     as a JSON timeline itself says they were before the edits; `source` and `rejections` are its, too. `aside` is what
-    it says of the whole film and is not read, as in `Edit`.
+    it says of the whole film and is not read, as in `Edit`; `made_with` is what it says of how it was made.
     """
 
     path: Path
@@ -123,6 +123,7 @@ class EditedFile:
     own: Mapping[str, Event] = field(default_factory=lambda: MappingProxyType({}))
     rejections: tuple[Rejection, ...] = ()
     aside: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    made_with: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 
 
 @dataclass(frozen=True)
