@@ -1,9 +1,13 @@
 """What a row says of an event beside its time: gains in labels, and what stays where nothing is said."""
 
+from decimal import ROUND_HALF_UP, Decimal
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import msgspec
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from blastline.errors import TimelineError
 from blastline.export.edits import Wanted, match, read_edits
@@ -81,6 +85,33 @@ def test_what_a_file_no_longer_says_is_as_in_the_original_and_told(tmp_path: Pat
     )
     [alone] = match(read_edits(tmp_path / "edited.csv"), None, rate_hz=RATE_HZ).wishes
     assert (alone.gain_db, alone.window, alone.start, alone.stop, alone.confidence) == (0.0, None, None, None, None)
+
+
+def one_decimal(value: float) -> str:
+    """Return a number as a spreadsheet shows it, halves away from zero."""
+    return str(Decimal(repr(value)).quantize(Decimal("0.1"), ROUND_HALF_UP))
+
+
+@given(st.lists(st.tuples(st.integers(0, 1000), st.integers(-600, 600)), min_size=1, max_size=6))
+def test_a_spreadsheet_that_shows_one_decimal_changes_no_number(numbers: list[tuple[int, int]]) -> None:
+    events = [
+        msgspec.structs.replace(
+            EVENT, id=f"shot-{n}", onset_sample=n, confidence=thousandths / 1000, gain_db=cents / 100
+        )
+        for n, (thousandths, cents) in enumerate(numbers, start=48_001)
+    ]
+    rows = [f"{e.id},{e.onset_sample},{one_decimal(e.confidence)},{one_decimal(e.gain_db)}\n" for e in events]
+    with TemporaryDirectory() as folder:
+        wanted = table(Path(folder), f"id,onset_sample,confidence,gain_db\n{''.join(rows)}", *events)
+    assert [(wish.confidence, wish.gain_db) for wish in wanted.wishes] == [(e.confidence, e.gain_db) for e in events]
+
+
+def test_a_short_number_among_long_ones_was_typed(tmp_path: Path) -> None:
+    other = msgspec.structs.replace(EVENT, id="shot-0002", onset_sample=96_000)
+    rows = "id,onset_sample,confidence,gain_db\nshot-0001,48001,0.9,0.1\nshot-0002,96000,0.96875,-2.25\n"
+    events = [msgspec.structs.replace(each, confidence=0.93, gain_db=0.12) for each in (EVENT, other)]
+    wish = table(tmp_path, rows, *events).wishes[0]
+    assert (wish.confidence, wish.gain_db) == (0.9, 0.1)
 
 
 @pytest.mark.parametrize("row", ["shot-0001,1.00002,0", "shot-0001,1.00002,-6"])

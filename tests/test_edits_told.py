@@ -60,6 +60,7 @@ def test_a_json_that_is_named_as_its_own_original_keeps_its_edits(tmp_path: Path
     ended, after, _ = rendered(film, file, "--original", tmp_path / "." / "timeline.json")
     assert "3 kept, 1 moved" in ended.err
     assert after.events[0].onset_sample == 52_800
+    assert "note: not used: --original, which is the edited file itself\n" in ended.err
     (tmp_path / "linked.json").symlink_to(file)
     assert "3 kept, 1 moved" in rendered(film, file, "--original", tmp_path / "linked.json")[0].err
 

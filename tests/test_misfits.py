@@ -61,6 +61,9 @@ def test_whatever_stands_at_a_key_of_a_timeline_is_refused_in_words_of_the_file(
             assert "expected" in complaint or "must" in complaint, told
 
 
+WINDOW = "events[0].window.start_sample: is missing; expected a whole number"
+
+
 @pytest.mark.parametrize(
     ("key", "value", "told"),
     [
@@ -71,8 +74,9 @@ def test_whatever_stands_at_a_key_of_a_timeline_is_refused_in_words_of_the_file(
         ("rejections[0].evidence.crest", [], "rejections[0].evidence.crest: expected a number, not a list"),
         ("source.stream", [1], "source.stream: expected a list of at least 2 entries"),
         ("events", {}, "events: expected a list, not a group of keys"),
-        ("events[0].window", {}, "events[0].window.start_sample: is missing; expected a whole number"),
+        ("events[0].window", {}, f"{WINDOW}; missing, too: stop_sample, fade_in_samples, fade_out_samples"),
         ("events[0].drive", {}, "events[0].drive.model: is missing; expected one of: constrained, direct, filter"),
+        ("events[0].window", {"stop_sample": 9}, f"{WINDOW}; missing, too: fade_in_samples, fade_out_samples"),
         ("events[0].id", ["x" * 900], "events[0].id: expected a text, not a list"),
         ("events[0].window", "x" * 900, f"events[0].window = '{'x' * 59}...: expected a group of keys, not a text"),
     ],

@@ -41,8 +41,7 @@ def misfit(plain: Any, error: Exception, table: type | None = None) -> str:
     complaint, _, place = str(error).partition(" - at `$")
     key = place.strip(".`")
     if absent := _MISSING.fullmatch(complaint):
-        inner = _joined(key, absent[1])
-        return f"{inner}: is missing{_wanted(table, inner)}"
+        return _absent(plain, table, key, absent[1])
     if unknown := _UNKNOWN.fullmatch(complaint):
         return f"{_joined(key, unknown[1])}: no such key{_meant(table, key, unknown[1])}"
     key = _with_key(plain, key, complaint)
@@ -98,6 +97,21 @@ def _meant(table: type | None, key: str, name: str) -> str:
     return f"; expected {'one of: ' * (len(names) > 1)}{', '.join(names)}" if names else ""
 
 
+def _absent(plain: Any, table: type | None, key: str, name: str) -> str:
+    """Return which keys a group lacks: the one that was complained of, what it takes, and all others."""
+    there = _value_at(plain, key)
+    needed = [] if table is None else _required(_kinds_at(table, key))
+    others = [each for each in needed if each not in there and each != name]
+    too = f"; missing, too: {listed(others)}" if others else ""
+    return f"{_joined(key, name)}: is missing{_wanted(table, _joined(key, name))}{too}"
+
+
+def _required(kinds: Sequence[Any]) -> list[str]:
+    """Return the keys that a group has to have, where it is of one type."""
+    fields = getattr(kinds[0], "fields", ()) if len(kinds) == 1 else ()
+    return [field.encode_name for field in fields if field.required]
+
+
 def _wanted(table: type | None, key: str) -> str:
     """Return what a key that is missing takes, where the table tells; nothing where it takes one of many things."""
     names = {
@@ -114,6 +128,9 @@ def _wanted(table: type | None, key: str) -> str:
     if table is None:
         return ""
     words = _words_at(table, key)
+    inner = _required(_kinds_at(table, key))
+    if inner:
+        return f"; expected a group of keys with {listed(inner)}"
     kinds = [names.get(type(kind).__name__) for kind in _kinds_at(table, key)]
     if words:
         return f"; expected {'one of: ' * (len(words) > 1)}{', '.join(words)}"

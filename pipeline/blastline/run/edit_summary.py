@@ -56,8 +56,8 @@ def summarise_edits(
     notes = list(edited.notes)
     if not is_named:
         notes.append(
-            f"no {names.TIMELINE} beside the file and none given with --original: nothing names the film, and every "
-            "event is measured anew"
+            f"no original (--original, or a {names.TIMELINE} beside the file): nothing names the film, and every event "
+            "is measured anew"
         )
     if not has_original and edited.own:
         notes.append(

@@ -69,6 +69,7 @@ def read_editing(path: Path, *, original: Path | None) -> Editing:
     edited = read_edits(path)
     if original is not None and original.exists() and original.samefile(path):
         original = None
+        edited = replace(edited, notes=(*edited.notes, "not used: --original, which is the edited file itself"))
     beside = path.parent / names.TIMELINE
     if original is None and beside.is_file() and not beside.samefile(path):
         original = beside

@@ -12,8 +12,8 @@ from .row import Edit, EditedFile, Point, nearest_sample
 WITH_CONFIDENCE = re.compile(r"(\S+) ([01]\.\d\d)")
 """A label as it is exported: an id and a confidence."""
 
-_COARSEST = Decimal("0.01")
-"""A program that rounds gains and confidences keeps so much; who writes less has typed it."""
+_FINE, _TENTH = Decimal("0.01"), Decimal("0.1")
+"""A program that rounds gains and confidences keeps a hundredth, a spreadsheet perhaps a tenth; less was typed."""
 
 
 def settled(edited: EditedFile, edit: Edit, name: str, point: Point, before: int | None, rate_hz: int) -> int:
@@ -74,7 +74,11 @@ def confidence(edited: EditedFile, edit: Edit, was: Event | None) -> float | Non
         return was.confidence if was else None
     if not 0 <= said <= 1:
         raise TimelineError(f"{edited.path}: {edit.place}: confidence = {said}: expected 0 to 1")
-    return was.confidence if was and _rounds_to(was.confidence, said) else float(said)
+    return (
+        was.confidence
+        if was and _rounds_to(was.confidence, said, edited.steps.get("confidence", _FINE))
+        else float(said)
+    )
 
 
 def gain_db(edited: EditedFile, edit: Edit, was: Event | None, identity: str) -> float:
@@ -85,12 +89,20 @@ def gain_db(edited: EditedFile, edit: Edit, was: Event | None, identity: str) ->
     if not FROM_GAIN_DB <= said <= TO_GAIN_DB:
         expected = f"{FROM_GAIN_DB} to {TO_GAIN_DB} dB"
         raise TimelineError(f"{edited.path}: {edit.place}: gain_db = {said}: expected {expected}")
-    return was.gain_db if was and _rounds_to(was.gain_db, said) else float(said)
+    return was.gain_db if was and _rounds_to(was.gain_db, said, edited.steps.get("gain_db", _FINE)) else float(said)
 
 
-def _rounds_to(value: float, said: Decimal) -> bool:
-    """Return whether what is said is a value, rounded or cut off at the last digit that is said, or at a hundredth."""
+def _rounds_to(value: float, said: Decimal, column_step: Decimal) -> bool:
+    """Return whether what is said is a value, rounded or cut off at the last digit that is said, or at a hundredth.
+
+    In a column whose longest number has one decimal it may be rounded to that.
+    """
     exponent = said.as_tuple().exponent
     assert isinstance(exponent, int)
-    step = min(Decimal(1).scaleb(exponent), _COARSEST)
-    return float(said) == value or -step / 2 <= Decimal(repr(value)) - said < step
+    before, now = Decimal(repr(value)), abs(said)
+    if before * said < 0:
+        return False
+    if exponent == -1 and column_step == _TENTH:
+        return -_TENTH / 2 <= abs(before) - now < _TENTH / 2
+    step = min(Decimal(1).scaleb(exponent), _FINE)
+    return float(said) == value or -step / 2 <= abs(before) - now < step

@@ -113,6 +113,7 @@ class EditedFile:
     `shows_ends` says that the tool shows each event as a range: who moves it sees where it ends. `own` are the events
     as a JSON timeline itself says they were before the edits; `source` and `rejections` are its, too. `aside` is what
     it says of the whole film and is not read, as in `Edit`; `made_with` is what it says of how it was made.
+    `steps` are those to which the tool has written the numbers of a column, where that is coarse.
     """
 
     path: Path
@@ -124,6 +125,7 @@ class EditedFile:
     rejections: tuple[Rejection, ...] = ()
     aside: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     made_with: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    steps: Mapping[str, Decimal] = field(default_factory=lambda: MappingProxyType({}))
 
 
 @dataclass(frozen=True)

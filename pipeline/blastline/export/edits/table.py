@@ -1,6 +1,7 @@
 """The edited table, `timeline.csv`, as spreadsheets and scripts write it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from decimal import Decimal
 from pathlib import Path
 from typing import get_args
 
@@ -39,7 +40,14 @@ def read_table(grid: Grid, path: Path) -> EditedFile:
     unknown = [name for name in names if name and name not in COLUMNS]
     notes = (f"not used: column {', '.join(unknown)}",) if unknown else ()
     edits = tuple(_edit(row, names, path, decimal_comma=grid.decimal_comma) for row in rows)
-    return EditedFile(path, edits, notes=notes)
+    steps = {"confidence": _step(edit.confidence for edit in edits), "gain_db": _step(edit.gain_db for edit in edits)}
+    return EditedFile(path, edits, notes=notes, steps=steps)
+
+
+def _step(numbers: Iterable[Decimal | None]) -> Decimal:
+    """Return the step of a column's longest number: a spreadsheet that shows few digits saves no more."""
+    exponents = (number.as_tuple().exponent for number in numbers if number is not None)
+    return Decimal(1).scaleb(min((exponent for exponent in exponents if isinstance(exponent, int)), default=0))
 
 
 def _edit(row: Row, names: Sequence[str], path: Path, *, decimal_comma: bool) -> Edit:
