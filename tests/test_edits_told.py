@@ -274,12 +274,14 @@ def test_columns_that_are_not_read_are_others_where_the_options_were(tmp_path: P
 @pytest.mark.parametrize(
     ("edit", "complaint"),
     [
-        (lambda r: r[1].update(onset_s="7.5"), "line 3: onset at sample 360000, 7.5 s: expected a time in the film"),
+        (lambda r: r[1].update(onset_s="7.5"), "line 3: onset_s = '7.5': expected a time in the film"),
         (
-            lambda r: r[1].update(onset_sample="336000"),
-            "line 3: onset at sample 336000, 7 s: expected a time in the film",
+            lambda r: r[1].update(onset_s="6.99999", onset_sample=""),  # nearer to the sample behind the last one
+            "line 3: onset_s = '6.99999': expected a time in the film, which has 336000 frames, 7 s; its last sample "
+            "is 335999, at 6.99997917 s",
         ),
-        (lambda r: r[1].update(window_stop_s="7.1"), "line 3: window ends at sample 340800, 7.1 s: expected a time in"),
+        (lambda r: r[1].update(onset_sample="336000"), "line 3: onset_sample = '336000': expected a time in the film"),
+        (lambda r: r[1].update(window_stop_s="7.1"), "line 3: window_stop_s = '7.1': expected a time in the film"),
         (lambda r: r[1].update(id="shot-0001"), "line 3: id = 'shot-0001': line 2 has it too; expected each once"),
         (lambda r: r[1].update(onset_s="-1"), "line 3: onset_s = '-1': expected a time from 0"),
         (lambda r: r[1].update(onset_s="3", onset_sample="5"), "line 3: onset_sample = 5 and onset_s = 3 contradict"),

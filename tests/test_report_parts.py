@@ -182,6 +182,14 @@ def test_what_was_nearly_a_shot_can_be_added_at_the_time_that_the_page_tells(at_
     assert timecode == timecode_at(source, turned_down.at_sample)
 
 
+@pytest.mark.parametrize(
+    ("count", "told"), [(0, "0 samples"), (1, "1 sample"), (-1, "\N{MINUS SIGN}1 sample"), (2, "2 samples")]
+)
+def test_one_sample_is_no_samples(count: int, told: str) -> None:
+    assert measured(Check("drive_shift", None, False, count, 1.0, "samples")) == told
+    assert "1 sample " in allowed(Check("drive_shift", None, False, count, 1.0, "samples"))
+
+
 @pytest.mark.parametrize(("excess", "told"), [(0, "as many as the film"), (3, "3 more than"), (-5, "5 fewer than")])
 def test_frames_are_told_as_a_difference(excess: int, told: str) -> None:
     check = Check("frames", None, excess == 0, excess, 0.0, "frames")

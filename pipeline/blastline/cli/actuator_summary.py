@@ -4,6 +4,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from .words import counted
+
 if TYPE_CHECKING:
     from ..run import MadeProfile
 
@@ -40,7 +42,7 @@ def say_fitted(made: "MadeProfile") -> None:
         rival = f"the form of eq. (2) is {fitted.papers.error_db:.2f} dB off"
     else:
         rival = "the form of eq. (2) exceeds the bound"
-    _say("model", f"{_counted(model.zeros, 'zero')}, {_counted(model.poles, 'pole')}; {rival}")
+    _say("model", f"{counted(model.zeros, 'zero')}, {counted(model.poles, 'pole')}; {rival}")
     _say("fitted", f"{low_hz:.4g} to {high_hz:.4g} Hz, {fitted.best.error_db:.2f} dB rms")
     _say("felt best", f"at {made.peak_hz:.4g} Hz, {made.peak_db:+.1f} dB")
     _say("inverse", f"gains {made.inversion_db:.1f} dB more at its worst frequency than at its best")
@@ -66,10 +68,6 @@ def _polarity(residual_rms_deg: float, *, inverted: bool) -> str:
 
 def _say(what: str, text: str) -> None:
     typer.echo(f"{what:<10} {text}")
-
-
-def _counted(number: int, noun: str) -> str:
-    return f"{number} {noun}{'s' if number != 1 else ''}"
 
 
 def _nominal(frequency_hz: float) -> str:

@@ -4,6 +4,7 @@ import math
 from typing import TYPE_CHECKING, Final, get_args
 
 from ..model import Phase
+from .words import counted
 
 if TYPE_CHECKING:
     from ..study.bootstrap import Interval
@@ -50,7 +51,8 @@ def detection_table(study: "DetectionStudy") -> str:
     ]
     lines += [
         "",
-        f"{study.protocol}; quality {study.quality}: {study.score.shots} shots in {study.score.minutes:.1f} min",
+        f"{study.protocol}; quality {study.quality}: {counted(study.score.shots, 'shot')} in "
+        f"{study.score.minutes:.1f} min",
     ]
     lines += _figures(study.score)
     if study.peak_memory_mb is not None:
@@ -114,13 +116,20 @@ def segmentation_table(score: "SegmentationScore") -> str:
     def drawn(f1: float, within: "Interval") -> str:
         return f"{f1:.3f} ({within.low:.3f}-{within.high:.3f})"
 
-    lines = [f"quality {score.quality}, {score.films} films; reflections at 2 ms, 8-500 ms after the onset", ""]
+    lines = [
+        f"quality {score.quality}, {counted(score.films, 'film')}; reflections at 2 ms, 8-500 ms after the onset",
+        "",
+    ]
     lines += [f"{'':<16} {'heard':>6} {'precision':>10} {'recall':>8}  F1 and 95 % of draws"]
     for name, at in (("true onsets", score.at_true), ("found onsets", score.at_found)):
         strong = f"{at.asked:6d} {at.precision:10.3f} {at.recall:8.3f}  {drawn(at.f1, at.f1_range)}"
         every = f"{at.every_asked:6d} {at.every_precision:10.3f} {at.every_recall:8.3f}  "
         every += drawn(at.every_f1, at.every_f1_range)
-        lines += [f"{name}, {at.shots} shots", f"{'  from -12 dB on':<16} {strong}", f"{'  every':<16} {every}"]
+        lines += [
+            f"{name}, {counted(at.shots, 'shot')}",
+            f"{'  from -12 dB on':<16} {strong}",
+            f"{'  every':<16} {every}",
+        ]
     lines += [
         "",
         f"{score.echoes_as_shots} of {score.echoes_heard} echoes are among the {score.found_shots} found shots",

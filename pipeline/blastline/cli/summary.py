@@ -5,6 +5,7 @@ from pathlib import Path
 import typer
 
 from ..model import Edits, Timeline
+from .words import counted
 
 FAILED_CHECK = 1
 _NEARLY = 0.5  # as likely a shot as not
@@ -29,7 +30,7 @@ def say_summary(timeline: Timeline, results: Path) -> None:
 def say_found(timeline: Timeline) -> None:
     """Say on stderr how many shots there are, and how many more there may be."""
     bursts = {event.burst for event in timeline.events if event.burst is not None}
-    told = [_count(len(timeline.events), "shot"), _count(len(bursts), "burst")]
+    told = [counted(len(timeline.events), "shot"), counted(len(bursts), "burst")]
     nearly = sum(each.evidence.get("probability", 0.0) >= _NEARLY for each in timeline.rejections)
     if nearly and timeline.edits is None:
         told.append(
@@ -74,7 +75,3 @@ def say_checks(timeline: Timeline, *, quiet: bool, err: bool, each_kind: bool = 
     if not quiet:
         typer.echo(f"checks: {run.told_count(timeline)}", err=err)
     return 0 if all(check.passed for check in timeline.checks) else FAILED_CHECK
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

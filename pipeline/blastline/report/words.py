@@ -143,7 +143,7 @@ def measured(check: Check) -> str:
         return f"{figure(abs(check.measured), 0)} {more} than the film" if check.measured else "as many as the film"
     if check.unit.startswith("dB") and check.measured <= SILENCE_DB:
         return "nothing at all"
-    return f"{figure(check.measured, _digits(check))}{_unit(check)}"
+    return _with_unit(check.measured, check)
 
 
 def allowed(check: Check) -> str:
@@ -152,7 +152,7 @@ def allowed(check: Check) -> str:
         return "–"
     if check.name == "frames":
         return "exactly as many"
-    limit = f"{figure(check.limit, _digits(check))}{_unit(check)}"
+    limit = _with_unit(check.limit, check)
     if check.name in _EXACT:
         return f"exactly {limit}"
     if check.name == "drive_speed":
@@ -183,8 +183,12 @@ def _speed_digits(limit: float | None) -> int:
     )
 
 
-def _unit(check: Check) -> str:
-    return "" if check.unit == "ratio" else f" {check.unit}"
+def _with_unit(value: float, check: Check) -> str:
+    """Return a value of a check with its unit."""
+    number = figure(value, _digits(check))
+    if check.unit == "ratio":
+        return number
+    return f"{number} {'sample' if check.unit == 'samples' and abs(value) == 1.0 else check.unit}"
 
 
 def duration(seconds: float) -> str:

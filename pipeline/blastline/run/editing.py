@@ -169,15 +169,15 @@ def _inside(wish: Wish, source: Source, path: Path) -> Wish:
     length = f"{frames} frames, {frames / rate_hz:.6g} s"
     if wish.onset >= frames:
         raise TimelineError(
-            f"{path}: {wish.place}: onset at sample {wish.onset}, {wish.onset / rate_hz:.6g} s: expected a time in the "
-            f"film, which has {length}"
+            f"{path}: {wish.place}: {wish.onset_said}: expected a time in the film, which has {length}; "
+            f"its last sample is {frames - 1}, at {(frames - 1) / rate_hz:.9g} s"
         )
     start, stop = (wish.start, wish.stop) if wish.window is None else (wish.window.start, wish.window.stop)
     if stop is None or stop <= frames:
         return wish
     if ms_from_samples(stop - frames, rate_hz) >= 1.0:
         raise TimelineError(
-            f"{path}: {wish.place}: window ends at sample {stop}, {stop / rate_hz:.6g} s: expected a time in the film, "
+            f"{path}: {wish.place}: {wish.stop_said or f'window ends at sample {stop}'}: expected a time in the film, "
             f"which has {length}"
         )
     return replace(wish, window=None, start=start, stop=frames)

@@ -159,10 +159,10 @@ def _edit(event: _Event, aside: Mapping[str, Any], index: int, path: Path) -> Ed
     seconds = None if event.onset_s is None else Decimal(repr(event.onset_s))
     return Edit(
         place,
-        Point(event.onset_sample) if seconds is None else _written(event.onset_sample, seconds),
+        _onset(event.onset_sample, seconds),
         id=event.id,
         window_start=None if window.start_sample is None else Point(window.start_sample),
-        window_stop=None if window.stop_sample is None else Point(window.stop_sample),
+        window_stop=_stop(window.stop_sample),
         confidence=None if event.confidence is None else Decimal(repr(event.confidence)),
         gain_db=None if event.gain_db is None else Decimal(repr(event.gain_db)),
         blast_start=_from_0(event.blast.start_sample) if event.blast else None,
@@ -175,10 +175,17 @@ def _from_0(sample: int | None) -> int | None:
     return sample if sample is not None and sample >= 0 else None
 
 
-def _written(sample: int | None, seconds: Decimal) -> Point:
+def _stop(sample: int | None) -> Point | None:
+    return None if sample is None else Point(sample, said=(f"window.stop_sample = {sample}",))
+
+
+def _onset(sample: int | None, seconds: Decimal | None) -> Point:
+    said = () if sample is None else (f"onset_sample = {sample}",)
+    if seconds is None:
+        return Point(sample, said=said)
     exponent = seconds.as_tuple().exponent
     assert isinstance(exponent, int)  # JSON holds no NaN
-    point = Point(sample, Fraction(seconds), Fraction(10) ** exponent)
+    point = Point(sample, Fraction(seconds), Fraction(10) ** exponent, (*said, f"onset_s = {seconds}"))
     return replace(point, step_s=point.tool_step_s)  # nobody cuts off the digits of a whole column, as in a table
 
 

@@ -28,6 +28,7 @@ class Wish:
 
     `was` is the original event where there is one. `window` is to be kept as it is; where it is None, `start` and
     `stop` are ends set by hand, and one that is None is to be planned. `confidence` is None where nobody rated it.
+    `onset_said` and `stop_said` are how the file says onset and end, for messages.
     """
 
     place: str
@@ -40,6 +41,8 @@ class Wish:
     stop: int | None
     confidence: float | None
     gain_db: float
+    onset_said: str = ""
+    stop_said: str = ""
 
     @property
     def unmoved(self) -> bool:
@@ -182,6 +185,8 @@ def _wish(edited: EditedFile, pair: Pair, identity: str, rate_hz: int, *, known:
         stop=stop,
         confidence=confidence(edited, edit, was),
         gain_db=gain_db(edited, edit, was, pair.id or ""),
+        onset_said=edit.onset.said_as(onset),
+        stop_said="" if edit.window_stop is None or stop is None else edit.window_stop.said_as(stop),
     )
 
 

@@ -107,7 +107,7 @@ def _order(point: Point) -> Fraction:
 
 def _time(cell: Cell, *, in_samples: bool) -> Point:
     if in_samples:
-        return Point(cell.sample())
+        return Point(cell.sample(), said=(cell.said,))
     text = cell.text
     if text.startswith("-"):
         raise cell.refused("a time from 0, the first frame of the track")
@@ -116,7 +116,8 @@ def _time(cell: Cell, *, in_samples: bool) -> Point:
         hours, minutes, seconds = clock.groups()
         part = Cell(cell.path, cell.place, cell.name, seconds).seconds(decimal_comma=True)
         assert part.seconds is not None
-        return Point(seconds=3600 * int(hours or 0) + 60 * int(minutes) + part.seconds, step_s=part.step_s)
+        whole_s = 3600 * int(hours or 0) + 60 * int(minutes)
+        return Point(seconds=whole_s + part.seconds, step_s=part.step_s, said=(cell.said,))
     if _FRAMES.fullmatch(text) or _BEATS.fullmatch(text):
         raise cell.refused(_OTHER_RULER)
     return cell.seconds(decimal_comma=True)

@@ -33,12 +33,18 @@ _WIDEST_EXPONENT = 100
 class Point:
     """A time as a row gives it: as a sample, in seconds, or both; not negative.
 
-    `step_s` is the step to which the seconds were written: the tool may have rounded by up to that.
+    `step_s` is the step to which the seconds were written: the tool may have rounded by up to that. `said` is how the
+    file says it, for messages: the sample, then the seconds.
     """
 
     sample: int | None = None
     seconds: Fraction | None = None
     step_s: Fraction = Fraction(0)
+    said: tuple[str, ...] = field(default=(), compare=False)
+
+    def said_as(self, sample: int) -> str:
+        """Return how the file says a sample that this was taken for."""
+        return self.said[0 if self.sample == sample else -1] if self.said else f"sample {sample}"
 
     @property
     def tool_step_s(self) -> Fraction:
@@ -137,9 +143,14 @@ class Cell:
     name: str
     text: str
 
+    @property
+    def said(self) -> str:
+        """Return the cell as messages name it."""
+        return f"{self.name} = {self.text!r}"
+
     def refused(self, expected: str) -> TimelineError:
         """Return the error that says what was expected in place of the text."""
-        return TimelineError(f"{self.path}: {self.place}: {self.name} = {self.text!r}: expected {expected}")
+        return TimelineError(f"{self.path}: {self.place}: {self.said}: expected {expected}")
 
     def number(self, *, decimal_comma: bool = False, expected: str = "a number") -> Decimal:
         """Return the number that the text is; with `decimal_comma`, a comma may part its decimals."""
@@ -172,7 +183,7 @@ class Cell:
         number = self.number(decimal_comma=decimal_comma, expected=expected)
         if number < 0:
             raise self.refused("a time from 0, the first frame of the track")
-        return Point(seconds=Fraction(number), step_s=Fraction(10) ** _exponent(number))
+        return Point(seconds=Fraction(number), step_s=Fraction(10) ** _exponent(number), said=(self.said,))
 
 
 def with_common_steps(edits: Sequence[Edit]) -> tuple[Edit, ...]:

@@ -88,9 +88,9 @@ def _point(cells: Mapping[str, Cell], in_samples: str, in_seconds: str, *, decim
         return None if seconds is None else seconds.seconds(decimal_comma=decimal_comma)
     index = sample.sample(decimal_comma=decimal_comma)
     if seconds is None:
-        return Point(index)
+        return Point(index, said=(sample.said,))
     time = seconds.seconds(decimal_comma=decimal_comma)
-    return Point(index, time.seconds, time.step_s)
+    return Point(index, time.seconds, time.step_s, (sample.said, *time.said))
 
 
 def _origin(cell: Cell) -> Origin:
