@@ -260,6 +260,19 @@ def test_of_an_earlier_film_nothing_stays_beside_a_later_one(tmp_path: Path, res
     assert sorted(files(tmp_path)) == ["drive.wav", "notes.txt", edited.name, "timeline.csv", "timeline.json"]
 
 
+@pytest.mark.parametrize("name", ["report.html", "conform.csv", "timeline.reel-02.haptic", "timeline.otio"])
+@pytest.mark.parametrize("more", [(), ("--budget", "9h")], ids=["", "before measuring"])
+def test_without_overwrite_no_file_of_another_run_stays_beside_a_result(
+    tmp_path: Path, film: Path, name: str, more: tuple[str, ...]
+) -> None:
+    (tmp_path / name).write_text("of another film")
+    told = blastline("render", film, "-o", tmp_path, "--no-report", *more).complaint
+    assert (
+        told == f"{tmp_path / name}: exists already, from another run; give --overwrite to remove it, or another place"
+    )
+    assert files(tmp_path) == {name: b"of another film"}
+
+
 def test_a_timeline_stands_beside_all_files_of_its_own_run_at_every_moment(
     tmp_path: Path, result: Path, believing: Path
 ) -> None:

@@ -326,22 +326,40 @@ def test_the_hidden_name_is_never_told(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def test_what_an_earlier_run_left_goes_when_it_is_overwritten_and_nothing_else(tmp_path: Path) -> None:
-    """An earlier run's other files go last; the film, what is spared, and what is no file stay."""
+    """An earlier run's other files are in the way; the film, what is spared, and what is no file are not, and stay."""
     for name in ("x.otio", "edited.otio", "film.otio", "notes.txt", "reel-1.haptic"):
         (tmp_path / name).write_text("earlier")
     (tmp_path / "folder.otio").mkdir()
     kept = {"film.otio": "earlier", "edited.otio": "earlier", "notes.txt": "earlier"}
     before = state(tmp_path)
-    for overwrite, there in ((False, before), (True, kept)):
+
+    def run(*, overwrite: bool) -> None:
         with staged(
             tmp_path,
-            names=[f"{overwrite}.json"],
+            names=["new.json"],
             stale=["*.otio", "reel-*.haptic", "none.csv"],
             films=[tmp_path / "film.otio"],
             spared=[tmp_path / "edited.otio"],
             overwrite=overwrite,
         ) as hidden:
-            (hidden / f"{overwrite}.json").write_text("new")
-        (tmp_path / f"{overwrite}.json").unlink()
-        assert state(tmp_path) == there
+            (hidden / "new.json").write_text("new")
+
+    with pytest.raises(OutputError, match=r"reel-1\.haptic: exists already, from another run; give --overwrite"):
+        run(overwrite=False)
+    assert state(tmp_path) == before
+    run(overwrite=True)
+    (tmp_path / "new.json").unlink()
+    assert state(tmp_path) == kept
     assert (tmp_path / "folder.otio").is_dir()
+    run(overwrite=False)
+
+
+def test_what_another_run_leaves_meanwhile_is_in_the_way(tmp_path: Path) -> None:
+    def run() -> None:
+        with staged(tmp_path, names=["new.json"], stale=["*.otio"], overwrite=False) as hidden:
+            (hidden / "new.json").write_text("new")
+            (tmp_path / "x.otio").write_text("other")
+
+    with pytest.raises(OutputError, match=r"x\.otio: exists already"):
+        run()
+    assert state(tmp_path) == {"x.otio": "other"}

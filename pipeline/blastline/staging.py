@@ -56,9 +56,9 @@ def staged(
     number is not known yet: those that an earlier run left and this one does not write again are removed. So is, with
     `overwrite`, what `stale` names: whatever else an earlier run may have written. `films` are never replaced, and
     neither they nor what is `spared` is removed. `seal` is the file by which others know that a result is whole: it
-    comes last, and an earlier one goes before any other file of its result. Raises OutputError where one of the files
-    exists and `overwrite` is not set, now or when it is to be moved into place, where it is no regular file, or where
-    `folder` cannot be written.
+    comes last, and an earlier one goes before any other file of its result. Raises OutputError where one of the files,
+    or one that is stale, exists and `overwrite` is not set, now or when files are to be moved into place, where it is
+    no regular file, or where `folder` cannot be written.
     """
     wanted = _Results(folder, names, sets, stale, films, spared, seal, overwrite)
     _refuse_existing(wanted, names)
@@ -91,9 +91,18 @@ def staged(
                 parent.rmdir()
 
 
-def require_free(folder: Path, *, names: Collection[str], overwrite: bool, films: Collection[Path] = ()) -> None:
+def require_free(
+    folder: Path,
+    *,
+    names: Collection[str],
+    overwrite: bool,
+    sets: Collection[str] = (),
+    stale: Collection[str] = (),
+    films: Collection[Path] = (),
+    spared: Collection[Path] = (),
+) -> None:
     """Raise what `staged` would raise of these files before anything is written, for who has long to go until then."""
-    _refuse_existing(_Results(folder, names, (), (), films, (), None, overwrite), names)
+    _refuse_existing(_Results(folder, names, sets, stale, films, spared, None, overwrite), names)
 
 
 def require_utf_8(path: Path, *, advice: str = "choose another folder for the results") -> None:
@@ -158,6 +167,10 @@ def _refuse_existing(wanted: _Results, names: Collection[str]) -> None:
             raise OutputError(f"{file}: is the film itself; choose another folder or name for the results")
     if there and not wanted.overwrite:
         raise OutputError(f"{there[0]}: exists already; give --overwrite to replace it, or another place")
+    if not wanted.overwrite and (left := sorted(_stale(wanted))):
+        raise OutputError(
+            f"{left[0]}: exists already, from another run; give --overwrite to remove it, or another place"
+        )
 
 
 def _refuse_irregular(target: Path) -> None:
@@ -218,7 +231,12 @@ def _left_by_earlier_runs(wanted: _Results) -> set[Path]:
     folder = wanted.folder
     found = {path for pattern in wanted.sets for path in folder.glob(pattern)}
     if wanted.overwrite:
-        stale = {path for pattern in wanted.stale for path in folder.glob(pattern)}
-        kept = (*wanted.films, *wanted.spared)
-        found |= {path for path in stale if path.is_file() and not path.is_symlink() and not _is_one_of(path, kept)}
+        found |= _stale(wanted)
     return {path.relative_to(folder) for path in found}
+
+
+def _stale(wanted: _Results) -> set[Path]:
+    """Return the stale files that are in the folder and may be removed."""
+    found = {path for pattern in wanted.stale for path in wanted.folder.glob(pattern)}
+    kept = (*wanted.films, *wanted.spared)
+    return {path for path in found if path.is_file() and not path.is_symlink() and not _is_one_of(path, kept)}

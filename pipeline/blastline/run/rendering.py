@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterable
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
+from typing import TypedDict
 
 import msgspec
 
@@ -39,7 +40,7 @@ def render(
     """
     options = with_files(options)
     setup = set_up(options, progress)
-    stale = files_of_results()
+    stale = _stale(options)
     place = _place(film, folder, options, stale)
     timebase, editing = options.timebase, None
     if options.timeline is not None:
@@ -69,13 +70,39 @@ def render(
 def require_place(film: Path, folder: Path, options: RenderOptions) -> None:
     """Raise OutputError or RuleError where `render` could not write what is asked for, before it listens."""
     require_utf_8(folder)
-    require_free(folder, names=_names(options), overwrite=options.overwrite, films=[film])
+    require_free(folder, **_files(film, with_files(options), _stale(options)))
 
 
-def _names(options: RenderOptions) -> list[str]:
-    """Return the files of a result."""
-    files = [file for each in known_formats(options.formats) for file in each.files]
-    return [names.DRIVE, *files, *([names.REPORT] * options.report)]
+class _Files(TypedDict):
+    """Which files of a folder a run writes, replaces, removes and spares, as for `staged`."""
+
+    names: Collection[str]
+    sets: Collection[str]
+    stale: Collection[str]
+    films: Collection[Path]
+    spared: Collection[Path]
+    overwrite: bool
+
+
+def _files(film: Path, options: RenderOptions, stale: Collection[str]) -> _Files:
+    formats = known_formats(options.formats)
+    files = [file for each in formats for file in each.files]
+    return _Files(
+        names=[names.DRIVE, *files, *([names.REPORT] * options.report)],
+        sets=[pattern for each in formats for pattern in each.sets],
+        stale=stale,
+        films=[film],
+        spared=[path for path in (options.timeline, options.original) if path is not None],
+        overwrite=options.overwrite,
+    )
+
+
+def _stale(options: RenderOptions) -> list[str]:
+    """Return what other runs may have left beside a result, but for the tables that may be of the same film.
+
+    Those are, beside a timeline that may be replaced; without one, which timeline they were of nobody knows.
+    """
+    return [*files_of_results(), *(() if options.overwrite else names.TABLES)]
 
 
 def _place(film: Path, folder: Path, options: RenderOptions, stale: Collection[str]) -> AbstractContextManager[Path]:
@@ -86,17 +113,7 @@ def _place(film: Path, folder: Path, options: RenderOptions, stale: Collection[s
     require_utf_8(folder)
     if options.timeline is not None:  # it will be named in the result
         require_utf_8(options.timeline, advice="rename the file")
-    formats = known_formats(options.formats)
-    return staged(
-        folder,
-        names=_names(options),
-        sets=[pattern for each in formats for pattern in each.sets],
-        stale=stale,
-        films=[film],
-        spared=[path for path in (options.timeline, options.original) if path is not None],
-        seal=names.TIMELINE,
-        overwrite=options.overwrite,
-    )
+    return staged(folder, seal=names.TIMELINE, **_files(film, options, stale))
 
 
 def _driven(
