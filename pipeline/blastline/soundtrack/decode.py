@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import SoundtrackError
+from .layouts import keep_list
 from .placement import Gap, Overlap
 from .reach import Reach
 from .track import PIECE, Samples
@@ -140,6 +141,8 @@ def _frames(packet: "Packet[AudioStream]", tally: Tally, time_s: Fraction | None
     except ValueError as error:  # so PyAV from 19 on tells a codec that is unknown or has not been opened
         tally.fail(str(error), time_s)
         return []
+    for frame in frames:
+        keep_list(frame)
     sound = [frame for frame in frames if not frame.is_corrupt]
     if len(sound) < len(frames):
         tally.fail("damaged", time_s)
@@ -189,6 +192,7 @@ def _emptied(packer: "AudioResampler | None", channels: int) -> Iterator[Samples
 
 
 def _samples(frame: "AudioFrame", channels: int) -> Samples:
+    keep_list(frame)
     return np.asarray(frame.to_ndarray(), dtype=np.float32).reshape(-1, channels)
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..timecode import SHAPE, clock, standard_rate
 from .decode import Tally
+from .layouts import ChannelNames, named
 from .matroska import stores_duration
 from .probe import is_unseen, start_of, told_duration, told_start
 from .track import Length, TrackFacts, time_stamp
@@ -39,9 +40,9 @@ def origin_of(first: "AudioFrame", stream: "AudioStream", tally: Tally) -> Fract
     return min(time, tally.first_time if declared is None else max(tally.first_time, declared))
 
 
-def sound_streams(container: "InputContainer") -> list[str]:
+def sound_streams(container: "InputContainer", names: ChannelNames) -> list[str]:
     """Return the sound streams of a file in words, each with its number."""
-    return [f"{place} ({_description(stream)})" for place, stream in enumerate(container.streams.audio)]
+    return [f"{place} ({_description(stream, names)})" for place, stream in enumerate(container.streams.audio)]
 
 
 def film_facts(
@@ -49,6 +50,7 @@ def film_facts(
     stream: "AudioStream",
     first: "AudioFrame",
     origin: Fraction | None,
+    names: ChannelNames,
     *,
     is_cut: bool = False,
 ) -> TrackFacts:
@@ -56,7 +58,6 @@ def film_facts(
 
     `is_cut` tells that the file stops before its own end.
     """
-    names = tuple(channel.name for channel in first.layout.channels)
     picture = next((v for v in container.streams.video if not _is_cover(v)), None)
     declared, length = _declared(
         container, stream, first.sample_rate, origin or Fraction(0), is_cut=is_cut, has_picture=picture is not None
@@ -68,11 +69,11 @@ def film_facts(
     timecode = _start_timecode(container)
     if timecode is None and stamp.believed is not None:
         timecode = clock(stamp.believed, first.sample_rate, decimals=6)
-    index, streams = container.streams.audio.index(stream), sound_streams(container)
+    index, streams = container.streams.audio.index(stream), sound_streams(container, names)
     return TrackFacts(
         rate_hz=first.sample_rate,
-        channels=len(names),
-        layout=names if len(set(names)) == len(names) and "NONE" not in names else None,
+        channels=first.layout.nb_channels,
+        layout=named(first, names[stream.index]),
         declared_frames=declared,
         length=length,
         unsure_frames=int(unsure_s * first.sample_rate),
@@ -115,10 +116,10 @@ def _is_mp4(container: "InputContainer") -> bool:
     return "mp4" in container.format.name.split(",")
 
 
-def _description(stream: "AudioStream") -> str:
+def _description(stream: "AudioStream", names: ChannelNames) -> str:
     if stream.codec_context is None:
         return "a format that cannot be decoded"
-    channels = stream.codec_context.channels
+    channels = len(names[stream.index])
     words = [stream.codec_context.name, f"{channels} channel{'s' if channels != 1 else ''}"]
     tags = [tag for key in ("language", "title") if (tag := stream.metadata.get(key))]
     return ", ".join(words + [tag.encode("utf-8", "surrogateescape").decode("utf-8", "replace") for tag in tags])

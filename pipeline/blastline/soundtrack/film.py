@@ -16,6 +16,7 @@ from .decode import Tally, check_sums, decoded, packed
 from .ending import stops_early
 from .facts import UNSTAMPED, film_facts, header_frames, origin_of, sound_streams
 from .first_stamp import origin_by_others
+from .layouts import ChannelNames, taken_names
 from .lengths import lacking_warning
 from .placement import Placement
 from .probe import opened, picture_warnings, told_start
@@ -42,6 +43,7 @@ class FilmTrack:
         container: "InputContainer",
         stream: "AudioStream",
         table: ChunkTable | None,
+        names: ChannelNames,
         *,
         is_cut: bool = False,
         singles: Sequence[int] = (),
@@ -49,11 +51,12 @@ class FilmTrack:
     ) -> None:
         """Take over an open container and decode the first frame, which says what the sound really is.
 
-        `is_cut` tells that the file stops before its own end. `singles` are the streams of one channel among which
-        nobody chose this one. `appended` is another file behind this one.
+        `names` are those of the channels in each of its streams. `is_cut` tells that the file stops before its own
+        end. `singles` are the streams of one channel among which nobody chose this one. `appended` is another file
+        behind this one.
         """
         self._appended = appended
-        self._container, self._stream, self._singles = container, stream, singles
+        self._container, self._stream, self._names, self._singles = container, stream, names, singles
         self.number = container.streams.audio.index(stream)
         self._tally = Tally()
         check_sums(stream)
@@ -65,7 +68,7 @@ class FilmTrack:
         self._origin = origin_of(first, stream, self._tally)
         self._first = [first, *islice(self._frames, _COMPARED_FRAMES)]
         self._first_stamp_off_s = 0.0
-        self.facts = film_facts(container, stream, first, self._origin, is_cut=is_cut)
+        self.facts = film_facts(container, stream, first, self._origin, names, is_cut=is_cut)
         self._overrule_first_stamp(is_cut=is_cut)
         if _is_open(table):  # what it declares is wrong, and is told to be
             self.facts = replace(self.facts, declared_frames=None)
@@ -148,7 +151,7 @@ class FilmTrack:
         origin = origin_by_others(self._first, self.facts.rate_hz)
         if origin is None or self._origin is None:
             return
-        facts = film_facts(self._container, self._stream, self._first[0], origin, is_cut=is_cut)
+        facts = film_facts(self._container, self._stream, self._first[0], origin, self._names, is_cut=is_cut)
         if 0 <= origin - self._origin <= Fraction(_longest(facts), facts.rate_hz):
             return
         self._first_stamp_off_s = float(self._origin - origin)
@@ -193,17 +196,18 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None
     try:
         if container.format.name in _PLAYLISTS:
             raise SoundtrackError("is a list of other files; expected a film or sound file itself")
+        names = taken_names(container)
         is_cut = stops_early(path, container.format.name)
-        chosen = _chosen(container, stream)
-        singles = _singles(container, chosen) if stream is None else ()
+        chosen = _chosen(container, stream, names)
+        singles = _singles(container, chosen, names) if stream is None else ()
         appended = find_appended(path, container.format.name) if table is None else table.appended
-        return FilmTrack(container, chosen, table, is_cut=is_cut, singles=singles, appended=appended)
+        return FilmTrack(container, chosen, table, names, is_cut=is_cut, singles=singles, appended=appended)
     except BaseException:
         container.close()
         raise
 
 
-def _chosen(container: "InputContainer", index: int | None) -> "AudioStream":
+def _chosen(container: "InputContainer", index: int | None, names: ChannelNames) -> "AudioStream":
     """Return the stream with a number, or the film's own sound: what is no commentary and the like, by default."""
     from av.stream import Disposition
 
@@ -216,14 +220,14 @@ def _chosen(container: "InputContainer", index: int | None) -> "AudioStream":
     elif 0 <= index < len(streams):
         stream = streams[index]
     else:
-        raise SoundtrackError(f"has no sound stream {index}; it has {'; '.join(sound_streams(container))}")
+        raise SoundtrackError(f"has no sound stream {index}; it has {'; '.join(sound_streams(container, names))}")
     if stream.codec_context is None:
         raise SoundtrackError(f"sound stream {streams.index(stream)} is in a format that cannot be decoded")
     return stream
 
 
-def _singles(container: "InputContainer", chosen: "AudioStream") -> tuple[int, ...]:
+def _singles(container: "InputContainer", chosen: "AudioStream", names: ChannelNames) -> tuple[int, ...]:
     """Return the streams that have one channel, as the one that was chosen has; masters keep 5.1 in six of them."""
     streams = container.streams.audio
-    singles = [each for each in streams if each.codec_context and each.codec_context.channels == 1]
+    singles = [each for each in streams if len(names.get(each.index, ())) == 1]
     return tuple(map(streams.index, singles)) if chosen in singles else ()
