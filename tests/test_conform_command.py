@@ -313,12 +313,8 @@ def test_windows_are_planned_by_the_rules_of_a_user(films: tuple[Path, Path, Pat
 def test_what_is_left_of_a_burst_is_numbered_anew(films: tuple[Path, Path, Path], tmp_path: Path) -> None:
     timeline, old, new = films
     found = read_timeline(timeline)
-    over, none = (
-        Decision("window", "80 ms", "it is over by then", {}),
-        Decision("reflections", "none", "it has none", {}),
-    )
     fired = [
-        msgspec.structs.replace(each, burst=1, shot_in_burst=number, decisions=(over, none))
+        msgspec.structs.replace(each, burst=1, shot_in_burst=number)
         for number, each in enumerate(found.events, start=1)
     ]
     timeline.write_bytes(encode(msgspec.structs.replace(found, events=tuple(fired))))
@@ -326,7 +322,26 @@ def test_what_is_left_of_a_burst_is_numbered_anew(films: tuple[Path, Path, Path]
     made = read_timeline(tmp_path / "out" / "timeline.json").events
     assert made
     assert {(each.burst, each.shot_in_burst) for each in made} == {(None, None)}, "all are seconds apart"
-    assert all(each.decisions == (none,) for each in made), "windows are planned anew"
+
+
+@pytest.mark.parametrize("fade_in_ms", [5.0, 20.0])
+def test_what_is_said_of_a_window_holds_where_it_moves_as_it_is(
+    films: tuple[Path, Path, Path], tmp_path: Path, fade_in_ms: float
+) -> None:
+    timeline, old, new = films
+    found = read_timeline(timeline)
+    over = Decision("window", "80 ms", "it is over by then", {})
+    none = Decision("reflections", "none", "it has none", {})
+    said = tuple(msgspec.structs.replace(each, decisions=(over, none)) for each in found.events)
+    timeline.write_bytes(encode(msgspec.structs.replace(found, events=said)))
+    rules = tmp_path / "rules" / "quality" / "standard.toml"
+    rules.parent.mkdir(parents=True)
+    rules.write_text(f'schema = 1\nsource = "a test"\n[windows]\nsource = "a test"\nfade_in_ms = {fade_in_ms}\n')
+    blastline("conform", timeline, "--from", old, "--to", new, "--rules", tmp_path / "rules", "-o", tmp_path / "out")
+    made = read_timeline(tmp_path / "out" / "timeline.json").events
+    assert made
+    told = (over, none) if fade_in_ms == 5.0 else (none,)
+    assert all(each.decisions == told for each in made)
 
 
 def test_a_faster_copy_has_shorter_spans(films: tuple[Path, Path, Path], tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .anchors import ANCHOR_S, SEARCH_S, SHARP_S, SHORT_ANCHOR_S, anchor_times, consensus, find_anchors
+from .copied import copied_line
 from .film import Film
 from .lines import FITTED_S, SPEED_STEP, SPEEDS
 from .segments import MatchedSegment
@@ -198,9 +199,12 @@ def through_anchors(
     beside_s = float(np.median(found.beside_s(anchors)[found.near]))
     if beside_s > agree_s:
         return None
-    scale = line.scale + found.slope
-    fitted = replace(line, scale=scale, offset_s=line.offset_s + found.level_s)
-    course = Course(replace(segment, line=fitted), pitch_scale if kept_pitch else scale, beside_s, count)
+    fitted = replace(line, scale=line.scale + found.slope, offset_s=line.offset_s + found.level_s)
+    if not kept_pitch:
+        near = [float(each) for each in anchors.old_s[found.near]]
+        copied = copied_line(replace(segment, line=fitted), near, old, new, agreeing=count)
+        fitted = fitted if copied is None else copied
+    course = Course(replace(segment, line=fitted), pitch_scale if kept_pitch else fitted.scale, beside_s, count)
     run = _longest_run(found.near)
     return Anchored(course, float(anchors.old_s[run.start]), float(anchors.old_s[run.stop - 1]))
 

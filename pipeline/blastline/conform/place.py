@@ -13,7 +13,7 @@ from enum import StrEnum
 from ..ruleset import ConformRules
 from .courses import Course
 from .film import Film
-from .waveform import Found, look
+from .waveform import EXACT_S, Found, look
 
 _MORE_ALIKE = 0.1
 """By so much an event has to be more alike on a course further away than on one nearer."""
@@ -99,13 +99,14 @@ def _place(
         heard = _heard(onset_s, room_s, course, old, new, rules)
         found = heard.found
         seen = max(seen, found.likeness)
-        new_s = course.segment.line.at(onset_s) + found.late_s
+        late_s = 0.0 if abs(found.late_s) <= EXACT_S else found.late_s
+        new_s = course.segment.line.at(onset_s) + late_s
         if not heard.is_alike or not -0.5 / new.rate_hz <= new_s < new.duration_s:
             continue
         if not holds and _claimed(new_s, index, courses, rules.shortest_ms / 1000.0):
             continue
         if best is None or found.likeness > best.likeness + _MORE_ALIKE:
-            best = Placed(max(0.0, new_s), found.late_s * 1000.0, found.likeness, index)
+            best = Placed(max(0.0, new_s), late_s * 1000.0, found.likeness, index)
         if holds:
             break
     if best is not None:

@@ -17,6 +17,9 @@ from .film import Film
 WORK_HZ = 16_000
 """Shots reach higher, but codecs and dubs are not to be trusted there; a parabola finds 0.01 samples of it."""
 
+EXACT_S = 4e-6
+"""A piece that lies no further than this from where it was looked for lies there: to measure it is no more exact."""
+
 _MARGIN_S = 0.005
 _SHAPE = np.convolve([1.0, -1.0], [1.0, 4.0, 6.0, 4.0, 1.0])
 """A band around 3 kHz: lower, shots and music are loud but not sharp; higher, a parabola through samples is no peak.
@@ -46,7 +49,7 @@ def piece(film: Film, start_s: float, length_s: float, *, scale: float = 1.0) ->
 
     rate_hz = film.rate_hz
     margin = math.ceil(_MARGIN_S * rate_hz)
-    first = math.floor(start_s * rate_hz)
+    first = round(start_s * rate_hz)  # not below it: whole samples apart, two films are to begin whole samples apart
     wanted = Span(first - margin, first + math.ceil(length_s * rate_hz) + 2 + margin)
     inside = wanted & Span(0, film.frames)
     samples = np.zeros(len(wanted))

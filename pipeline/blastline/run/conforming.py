@@ -158,7 +158,7 @@ def _conformed(
     ]
     shots.sort(key=lambda pair: pair[1].shot.onset)
     source = tracks[1].source()
-    shots = as_played(shots, tracks[1], source, alike=_are_alike(*tracks), tier=rules.tier)
+    shots = as_played(shots, tracks, (timeline.source, source), alike=_are_alike(*tracks), tier=rules.tier)
     bursts = group_bursts([each.shot for _, each in shots], rate_hz=new.rate_hz, rules=rules.tier.bursts)
     shots = [(event, replace(each, shot=shot)) for (event, each), shot in zip(shots, bursts, strict=True)]
     rejections = (*_rejections(timeline, courses, old, new), *_missing(events, places, new))

@@ -4,10 +4,11 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import msgspec
+import numpy as np
 
 from ..conform import Retimed
 from ..detect import audio_around, shot_in_clearer_mix, with_azimuths
-from ..model import Channels, Event, Shot, Source, Span, Window
+from ..model import Channels, Decision, Event, Shot, Source, Span, Window
 from ..render import plan_windows, window_between
 from ..ruleset import QualityRules, Rules, WindowRules
 from ..soundtrack import Soundtrack
@@ -17,23 +18,71 @@ from ..units import samples_from_ms
 MovedShot = tuple[Event, Retimed]
 """An event of the old film, and what it is in the new one."""
 
+_SAME = 2.0**-13
+"""Samples that are nearer to each other are the same: so near is a copy in 16 bits, dithered."""
+
 
 def as_played(
-    shots: Sequence[MovedShot], track: Soundtrack, source: Source, *, alike: bool, tier: QualityRules
+    shots: Sequence[MovedShot],
+    tracks: tuple[Soundtrack, Soundtrack],
+    sources: tuple[Source, Source],
+    *,
+    alike: bool,
+    tier: QualityRules,
 ) -> list[MovedShot]:
     """Return the shots with the mix of the new film that they are heard in, and from where they come there.
 
-    Azimuths are measured in the new film's channels. Where those cannot be read again, the old film's hold if its
-    channels are `alike`.
+    `tracks` and `sources` are the old film's and the new one's. What `alike` channels play as they did is heard as it
+    was; of the rest azimuths are measured in the new film's channels. Where those cannot be read again, the old film's
+    hold if its channels are alike.
     """
-    mixed = [_in_its_mix(event, each.shot, track, source, tier) for event, each in shots]
-    channels = track.channels_in_space
-    beside = [shot.onset for shot in mixed if shot.heard_in == "sides"]
-    toward = with_azimuths(mixed, channels, rate_hz=track.rate_hz, rules=tier.channels, side_onsets=beside)
-    return [
-        (event, replace(each, shot=_with_azimuth_of(event, shot) if alike and not _is_read(channels, shot) else shot))
-        for (event, each), shot in zip(shots, toward, strict=True)
+    new, source = tracks[1], sources[1]
+    same = [alike and _is_played_alike(event, each.shot, tracks, sources, tier) for event, each in shots]
+    mixed = [
+        msgspec.structs.replace(each.shot, heard_in=event.heard_in)
+        if is_same
+        else _in_its_mix(event, each.shot, new, source, tier)
+        for (event, each), is_same in zip(shots, same, strict=True)
     ]
+    channels = new.channels_in_space
+    beside = [shot.onset for shot in mixed if shot.heard_in == "sides"]
+    toward = with_azimuths(mixed, channels, rate_hz=new.rate_hz, rules=tier.channels, side_onsets=beside)
+    kept = [is_same or _is_kept(channels, shot, alike) for is_same, shot in zip(same, toward, strict=True)]
+    return [
+        (event, replace(each, shot=_with_azimuth_of(event, shot) if is_kept else shot))
+        for (event, each), shot, is_kept in zip(shots, toward, kept, strict=True)
+    ]
+
+
+def _is_played_alike(
+    event: Event,
+    shot: Shot,
+    tracks: tuple[Soundtrack, Soundtrack],
+    sources: tuple[Source, Source],
+    tier: QualityRules,
+) -> bool:
+    """Return whether both films have the same samples around a shot's attack, in their mixes and in their channels."""
+    old, new = tracks
+    if old.rate_hz != new.rate_hz:
+        return False
+    around = samples_from_ms(2.0 * tier.channels.azimuth_ms, new.rate_hz)
+    before = min(around, event.onset_sample, shot.onset)
+    left = min(sources[0].frames - event.onset_sample, sources[1].frames - shot.onset)
+    after = min(max(around, shot.blast.stop - shot.onset), left)
+    here, there = (Span(onset - before, onset + after) for onset in (event.onset_sample, shot.onset))
+    ours, theirs = old.read(here, sides=True), new.read(there, sides=True)
+    pairs = [(ours.samples, theirs.samples), (ours.sides, theirs.sides)]
+    if old.channels_in_space is not None and new.channels_in_space is not None:
+        pairs.append((old.channels_in_space.read(here), new.channels_in_space.read(there)))
+    return all(
+        one is None or other is None or (one.shape == other.shape and bool(np.all(np.abs(one - other) <= _SAME)))
+        for one, other in pairs
+    )
+
+
+def _is_kept(channels: Channels | None, shot: Shot, alike: bool) -> bool:
+    """Return whether the azimuth that a shot had holds, for want of channels that can be read again."""
+    return alike and (channels is None or channels.read(Span(shot.onset, shot.onset + 1)) is None)
 
 
 def _in_its_mix(event: Event, shot: Shot, track: Soundtrack, source: Source, tier: QualityRules) -> Shot:
@@ -44,11 +93,6 @@ def _in_its_mix(event: Event, shot: Shot, track: Soundtrack, source: Source, tie
     there = shot_in_clearer_mix(shot.onset, track.read(span, sides=True), confidence=shot.confidence, tier=tier)
     peak_dbfs = shot.peak_dbfs if there.heard_in == "sides" else there.peak_dbfs
     return msgspec.structs.replace(shot, heard_in=there.heard_in, peak_dbfs=peak_dbfs)
-
-
-def _is_read(channels: Channels | None, shot: Shot) -> bool:
-    """Return whether channels can be read again where a shot begins."""
-    return channels is not None and channels.read(Span(shot.onset, shot.onset + 1)) is not None
 
 
 def _with_azimuth_of(event: Event, shot: Shot) -> Shot:
@@ -76,7 +120,7 @@ def moved_events(shots: Sequence[MovedShot], begun: Collection[str], source: Sou
             timecode=timecode_at(source, shot.onset),
             burst=shot.burst,
             shot_in_burst=shot.shot_in_burst,
-            decisions=tuple(each for each in event.decisions if each.about != "window"),
+            decisions=_still_true(event, shot.onset, window_of[index]),
             peak_dbfs=shot.peak_dbfs,
             heard_in=shot.heard_in,
             azimuth_deg=shot.azimuth_deg,
@@ -88,6 +132,13 @@ def moved_events(shots: Sequence[MovedShot], begun: Collection[str], source: Sou
         )
         for index, (event, shot) in enumerate((event, each.shot) for event, each in shots)
     )
+
+
+def _still_true(event: Event, onset: int, window: Window) -> tuple[Decision, ...]:
+    """Return an event's decisions; those about its window only if that is what it was, moved with the shot."""
+    late = onset - event.onset_sample
+    before = msgspec.structs.replace(event.window, start=event.window.start + late, stop=event.window.stop + late)
+    return tuple(each for each in event.decisions if each.about != "window" or window == before)
 
 
 def _kept_ends(
