@@ -33,7 +33,7 @@ def table(folder: Path, text: str, *events: Event) -> Wanted:
 @pytest.mark.parametrize(
     "told", ["shot-0001", "shot-0001 0.97 -3.1 dBFS", "shot-0001 0.97 -3.1 dBFS filter", "boom", ""]
 )
-@pytest.mark.parametrize("typed", ["gain -6 dB", "door? gain -6 dB", "gain: -6dB", "GAIN=-6,0 dB."])
+@pytest.mark.parametrize("typed", ["gain -6 dB", "door? gain -6 dB", "gain: -6dB", "GAIN=-6,0 dB.", "gain \u20136 dB"])
 @pytest.mark.parametrize("before", [0.0, -2.0])
 @pytest.mark.parametrize("with_original", [True, False])
 def test_a_gain_at_the_end_of_a_label_is_read_whatever_stands_before_it(
@@ -50,6 +50,8 @@ def test_a_gain_at_the_end_of_a_label_is_read_whatever_stands_before_it(
         ("shot-0001 0.97 -3.1 dBFS filter gain -6 dB (was gain 2 dB)", -6.0, "gain 2 dB"),
         ("shot-0001 gain -6 dB was too much", -2.0, "gain -6 dB"),
         ("shot-0001 gain -6", -2.0, "gain -6"),
+        ("shot-0001 (-6 dB)", -2.0, "-6 dB"),
+        ("shot-0001 gain minus 6 dB", -2.0, "6 dB"),
         ("shot-0001 0.97 -3.1 dBFS filter -6 dB", -2.0, "-6 dB"),
     ],
 )

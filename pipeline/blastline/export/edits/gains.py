@@ -8,13 +8,16 @@ from ...errors import TimelineError
 from ...model import DriveModel
 from .row import Edit, EditedFile
 
-_NUMBER = r"([+\-\u2212]?\s?\d+(?:[.,]\d+)?(?:e-\d{1,3})?)"
+_NUMBER = r"([+\-\u2212\u2013]?\s?\d+(?:[.,]\d+)?(?:e-\d{1,3})?)"
 _GAIN = rf"\bgain[\s:=]*{_NUMBER}\s*dB\b"
 
 _AT_THE_END = re.compile(rf"{_GAIN}[\s.,;!]*$", re.IGNORECASE)
 _AS_EXPORTED = re.compile(rf"\bdBFS(?: (?:{'|'.join(get_args(DriveModel))}))? {_GAIN}", re.IGNORECASE)
-_ANY = re.compile(rf"\bgain[\s:=]*{_NUMBER}(?:\s*dB\b)?|(?<!\S){_NUMBER}\s*dB\b", re.IGNORECASE)
+_ANY = re.compile(rf"\bgain[\s:=]*{_NUMBER}(?:\s*dB\b)?|(?<![\w.]){_NUMBER}\s*dB\b", re.IGNORECASE)
 """What somebody may have meant as a gain."""
+
+_AS_DIGITS = str.maketrans({"\u2212": "-", "\u2013": "-", ",": "."})
+"""A true minus, the dash that some systems make of a hyphen, and the comma as they stand in a program's number."""
 
 
 def gain_in_label(edited: EditedFile, edit: Edit, identity: str) -> Decimal | None:
@@ -42,4 +45,4 @@ def _places(edit: Edit, identity: str) -> list[re.Match[str]]:
 
 
 def _decimal(number: str) -> Decimal:
-    return Decimal("".join(number.split()).replace(",", ".").replace("\u2212", "-"))
+    return Decimal("".join(number.split()).translate(_AS_DIGITS))
