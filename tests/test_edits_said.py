@@ -75,6 +75,15 @@ def test_an_id_that_reads_like_a_gain_is_none(tmp_path: Path) -> None:
     assert [(wish.id, wish.gain_db) for wish in wanted.wishes] == [("gain 2 dB", 0.0)]
 
 
+def test_what_an_exported_table_no_longer_says_is_as_usual_and_told_without_an_original(tmp_path: Path) -> None:
+    """A row that somebody has added says no more than its onset, and nothing is told of it."""
+    rows = "id,onset_sample,blast_start_sample,confidence,gain_db\nshot-0001,48001,48001,0.97,\nmine,96000,,,\n"
+    (tmp_path / "alone.csv").write_text(rows)
+    wanted = match(read_edits(tmp_path / "alone.csv"), None, rate_hz=RATE_HZ)
+    assert [(wish.confidence, wish.gain_db) for wish in wanted.wishes] == [(0.97, 0.0), (None, 0.0)]
+    assert wanted.notes == ("as usual, since the file says nothing there: gain_db of shot-0001",)
+
+
 def test_what_a_file_no_longer_says_is_as_in_the_original_and_told(tmp_path: Path) -> None:
     event = msgspec.structs.replace(EVENT, gain_db=-6.0)
     header = "id,onset_s,window_start_s,window_start_sample,window_stop_s,confidence,gain_db\n"

@@ -85,8 +85,8 @@ class Edit:
 
     `place` is where it stands in the file, for messages. `text` is a label in which an id may stand. `blast_start` is
     a column that nobody edits, which tells where the onset was. `aside` is what stands in columns that are not read but
-    that somebody may take for ones that are, by their names. `emptied` are a table's confidence and ends of the window
-    that have columns, but nothing in this row.
+    that somebody may take for ones that are, by their names. `emptied` are a table's confidence, gain and ends of the
+    window that have columns, but nothing in this row.
     """
 
     place: str

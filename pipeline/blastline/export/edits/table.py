@@ -19,6 +19,7 @@ _MAY_BE_EMPTY = {
     "window_start": {"window_start_sample", "window_start_s"},
     "window_stop": {"window_stop_sample", "window_stop_s"},
     "confidence": {"confidence"},
+    "gain_db": {"gain_db"},
 }
 
 
