@@ -89,6 +89,24 @@ def test_a_copy_of_the_same_samples_keeps_what_they_tell(tmp_path: Path, shots: 
     assert turned_down == list(old.rejections)
 
 
+def against(shots: Samples) -> list[Samples]:
+    """Return a pair that plays the second of three shots against each other, over a bed in the middle."""
+    bed = film(len(shots) / RATE_HZ, [], seed=8, rate_hz=RATE_HZ) * 0.05
+    second = np.zeros(len(shots))
+    second[5 * RATE_HZ : 8 * RATE_HZ] = shots[5 * RATE_HZ : 8 * RATE_HZ]
+    return [bed + shots, bed + shots - 2.0 * second]
+
+
+@pytest.mark.parametrize("channel", [0, 1])
+def test_a_shot_beside_the_middle_is_found_in_one_channel_alone(tmp_path: Path, shots: Samples, channel: int) -> None:
+    pair = against(shots)
+    old, new = conformed(tmp_path, written(tmp_path / "pair.wav", pair), written(tmp_path / "one.wav", [pair[channel]]))
+    assert [each.heard_in for each in old.events] == ["mains", "sides", "mains"]
+    assert [each.onset_sample for each in new.events] == [each.onset_sample for each in old.events]
+    assert {each.heard_in for each in new.events} == {"mains"}
+    assert new.events[1].peak_dbfs == pytest.approx(old.events[1].peak_dbfs, abs=0.5)
+
+
 @pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("late", [0, 1, LATE])
 def test_a_copy_runs_at_exactly_the_speed_of_its_film(seed: int, late: int) -> None:

@@ -1,5 +1,7 @@
 """What two films are compared by: fingerprints over the whole, waveforms around a moment."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -112,7 +114,7 @@ def test_a_shot_is_found_at_another_speed(scale: float) -> None:
 
 def test_another_sound_is_not_alike_and_the_films_ends_are_silence() -> None:
     old, new = heard(film(4.0, (2.0,), seed=9)), heard(film(4.0, (2.0,), seed=10))
-    at = {"before_s": 0.005, "after_s": 0.2, "scale": 1.0, "search_s": 4e-3}
+    at: dict[str, Any] = {"before_s": 0.005, "after_s": 0.2, "scale": 1.0, "search_s": 4e-3}
     assert look(old, new, old_s=2.0, new_s=2.0, **at).likeness < 0.3
     whole = heard(seconds(film(4.0, (0.0,), seed=11), 0.0, 4.0))
     assert look(whole, whole, old_s=0.0, new_s=0.0, **at).likeness > 0.99

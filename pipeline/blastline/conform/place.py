@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
+from ..model import HeardIn
 from ..ruleset import ConformRules
 from .courses import Course
 from .film import Film
@@ -63,13 +64,23 @@ class _Heard:
 
 
 def place(
-    onsets_s: Sequence[float], courses: Sequence[Course], old: Film, new: Film, rules: ConformRules
+    onsets_s: Sequence[float],
+    courses: Sequence[Course],
+    old: Film,
+    new: Film,
+    rules: ConformRules,
+    *,
+    mixes: Sequence[HeardIn] | None = None,
 ) -> list[Placed | Lost]:
-    """Return for each onset of the old film, ascending, its place in the new one, or why it has none."""
+    """Return for each onset of the old film, ascending, its place in the new one, or why it has none.
+
+    `mixes` are those in which they are heard in the old film: what cancels in its mains may be in those of the new one.
+    """
     nexts_s = [*onsets_s, old.duration_s][1:]  # none where there is no onset
+    in_mains: list[HeardIn] = ["mains"] * len(onsets_s)
     found = [
-        _place(onset_s, next_s - onset_s, courses, old, new, rules)
-        for onset_s, next_s in zip(onsets_s, nexts_s, strict=True)
+        _place(onset_s, next_s - onset_s, mix, courses, old, new, rules)
+        for onset_s, next_s, mix in zip(onsets_s, nexts_s, mixes or in_mains, strict=True)
     ]
     return _without_doubles(onsets_s, found, courses)
 
@@ -86,9 +97,15 @@ def moment(old_s: float, courses: Sequence[Course], *, within_s: float) -> float
 
 
 def _place(
-    onset_s: float, room_s: float, courses: Sequence[Course], old: Film, new: Film, rules: ConformRules
+    onset_s: float,
+    room_s: float,
+    mix: HeardIn,
+    courses: Sequence[Course],
+    old: Film,
+    new: Film,
+    rules: ConformRules,
 ) -> Placed | Lost:
-    """Return the place of an event that has `room_s` to the next one."""
+    """Return the place of an event that has `room_s` to the next one and is heard in a mix."""
     best: Placed | None = None
     seen = 0.0
     inside = False
@@ -97,6 +114,8 @@ def _place(
         holds = _distance(onset_s, course) == 0.0
         inside |= holds
         heard = _heard(onset_s, room_s, course, old, new, rules)
+        if not heard.is_alike and mix != "mains":
+            heard = _heard(onset_s, room_s, course, old, new, rules, mix)
         found = heard.found
         seen = max(seen, found.likeness)
         late_s = 0.0 if abs(found.late_s) <= EXACT_S else found.late_s
@@ -141,10 +160,12 @@ def _claimed(new_s: float, index: int, courses: Sequence[Course], shortest_s: fl
     return False
 
 
-def _heard(onset_s: float, room_s: float, course: Course, old: Film, new: Film, rules: ConformRules) -> _Heard:
-    """Return where the event is heard on a course, from as much of it as both films have."""
+def _heard(
+    onset_s: float, room_s: float, course: Course, old: Film, new: Film, rules: ConformRules, mix: HeardIn = "mains"
+) -> _Heard:
+    """Return where the event, as a mix of the old film has it, is heard on a course, by as much as both films have."""
     if course.keeps_pitch:
-        return _attack_heard(onset_s, course, old, new, rules)
+        return _attack_heard(onset_s, course, old, new, rules, mix)
     segment, scale = course.segment, course.segment.line.scale
     shortest_s = rules.shortest_ms / 1000.0
     length_s = min(rules.after_ms / 1000.0, max(shortest_s, room_s * scale))
@@ -167,6 +188,7 @@ def _heard(onset_s: float, room_s: float, course: Course, old: Film, new: Film, 
             after_s=after_s,
             scale=course.pitch_scale,
             search_s=search_s,
+            mix=mix,
         )
         heard = _Heard(found, enough)
         if heard.is_alike:
@@ -174,7 +196,7 @@ def _heard(onset_s: float, room_s: float, course: Course, old: Film, new: Film, 
     return heard
 
 
-def _attack_heard(onset_s: float, course: Course, old: Film, new: Film, rules: ConformRules) -> _Heard:
+def _attack_heard(onset_s: float, course: Course, old: Film, new: Film, rules: ConformRules, mix: HeardIn) -> _Heard:
     """Return where the event is heard where the pitch was kept: there a tool moved each piece of sound by itself.
 
     The attack alone is compared, since a step of the tool may follow it. Where another place is nearly as good,
@@ -191,6 +213,7 @@ def _attack_heard(onset_s: float, course: Course, old: Film, new: Film, rules: C
             after_s=rules.attack_ms / 1000.0,
             scale=course.pitch_scale,
             search_s=within_s,
+            mix=mix,
         )
 
     search_s, rival_s = rules.kept_pitch_ms / 1000.0, rules.rival_ms / 1000.0

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..correlate import match_template
-from ..model import Span
+from ..model import HeardIn, Span
 from .film import Film
 
 WORK_HZ = 16_000
@@ -39,11 +39,13 @@ class Found:
     likeness: float
 
 
-def piece(film: Film, start_s: float, length_s: float, *, scale: float = 1.0) -> tuple[Samples, float]:
+def piece(
+    film: Film, start_s: float, length_s: float, *, scale: float = 1.0, mix: HeardIn = "mains"
+) -> tuple[Samples, float]:
     """Return a piece at `WORK_HZ`, in the band that is compared, and how much later than `start_s` its first sample is.
 
     With `scale` the piece, and the lateness, are in the time of a film that is so much longer; `start_s` and
-    `length_s` are in the time of the film that is read. What lies outside the film is silence.
+    `length_s` are in the time of the film that is read. What lies outside the film, or is not in the mix, is silence.
     """
     import soxr
 
@@ -53,8 +55,9 @@ def piece(film: Film, start_s: float, length_s: float, *, scale: float = 1.0) ->
     wanted = Span(first - margin, first + math.ceil(length_s * rate_hz) + 2 + margin)
     inside = wanted & Span(0, film.frames)
     samples = np.zeros(len(wanted))
-    if inside:
-        samples[inside.start - wanted.start : inside.stop - wanted.start] = film.read(inside).heard
+    heard = film.read(inside, sides=mix == "sides").heard_in(mix) if inside else None
+    if heard is not None:
+        samples[inside.start - wanted.start : inside.stop - wanted.start] = heard
     # one step of the resampled piece is 1 / WORK_HZ of the new film's time
     resampled = np.asarray(soxr.resample(samples, rate_hz / scale, WORK_HZ), np.float64)
     skipped = math.floor(margin / rate_hz * scale * WORK_HZ)
@@ -73,12 +76,13 @@ def look(
     after_s: float,
     scale: float,
     search_s: float,
+    mix: HeardIn = "mains",
 ) -> Found:
     """Look in the new film, around `new_s`, for the sound from `before_s` before `old_s` to `after_s` after it.
 
-    Lengths are in the new film's time; the old film is resampled by `scale`.
+    Lengths are in the new film's time; the old film is resampled by `scale`, and heard in a mix of its own.
     """
-    pattern, ours_s = piece(old, old_s - before_s / scale, (before_s + after_s) / scale, scale=scale)
+    pattern, ours_s = piece(old, old_s - before_s / scale, (before_s + after_s) / scale, scale=scale, mix=mix)
     around, theirs_s = piece(new, new_s - before_s - search_s, before_s + after_s + 2.0 * search_s)
     search = (len(around) - len(pattern)) // 2
     around = around[: len(pattern) + 2 * search]

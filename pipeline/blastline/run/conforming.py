@@ -150,7 +150,8 @@ def _conformed(
     courses = find_courses(old, new, tell)
     progress("placing", 0, None)
     events = tuple(sorted(timeline.events, key=lambda event: event.onset_sample))
-    places = place([event.onset_sample / old.rate_hz for event in events], courses, old, new, hearing)
+    onsets_s = [event.onset_sample / old.rate_hz for event in events]
+    places = place(onsets_s, courses, old, new, hearing, mixes=[event.heard_in for event in events])
     shots = [
         (event, retimed(event, each, courses[each.course], old, new))
         for event, each in zip(events, places, strict=True)
