@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from blastline.study.conforming import ConformScore
 from commands import blastline
 
 STUDIES = [
@@ -65,6 +66,13 @@ def test_figures_replace_earlier_ones_only_when_that_is_asked_for(
     file.write_text("mine")
     assert blastline("study", "conform", "-o", file, "--overwrite").code == 0
     assert file.read_text() == first == "[]\n"
+
+
+@pytest.mark.parametrize(("within", "told"), [(0, "-"), (3, "0.0120")])
+def test_no_shot_that_was_placed_has_no_worst_error(monkeypatch: pytest.MonkeyPatch, within: int, told: str) -> None:
+    score = ConformScore("dubbed", 16, within, 0, 16 - within, 2, 0, 0.0, 0.012 if within else 0.0, 1, ())
+    monkeypatch.setattr("blastline.study.conforming.score_all", lambda *_: [score])
+    assert blastline("study", "conform").out.splitlines()[1].split()[-1] == told
 
 
 @pytest.mark.parametrize(("study", "stage"), [("segmentation", "listening"), ("rendering", "rendering")])

@@ -129,8 +129,9 @@ def conform(
         typer.echo(f"{'new cut':<64} {'shots':>6} {'1 ms':>6} {'lost':>6} {'gone':>6} {'false':>6} {'worst, ms':>10}")
         for each in score_all(seed, minutes):
             scores.append(each)
+            worst = f"{each.worst_ms:.4f}" if each.within or each.astray else "-"
             typer.echo(
                 f"{each.name:<64} {each.surviving:6d} {each.within:6d} {each.lost:6d} {each.removed:6d} "
-                f"{each.false:6d} {each.worst_ms:10.4f}"
+                f"{each.false:6d} {worst:>10}"
             )
         write(as_json(scores))
