@@ -460,7 +460,7 @@ def test_a_shot_before_midnight_is_written_or_refused_in_one_line(tmp_path: Path
     timeline = film(counting, onsets=[0, 480_000])
     early = msgspec.structs.replace(timeline, source=msgspec.structs.replace(timeline.source, start_offset_s=-2.0))
     if name in ("fcp7", "fcpxml", "otio"):
-        line = f"--format {name}: film.mkv: shot-0001 is 24 frames before 00:00:00:00; this format begins there: give"
+        line = f"--format {name}: film.mkv: shot-0001 is 24 frames before 00:00:00:00; this format begins there: choose"
         with pytest.raises(RuleError, match=re.escape(line)):
             export_timeline(early, tmp_path, formats=[name])
         assert not list(tmp_path.iterdir())
