@@ -46,7 +46,8 @@ def test_no_marker_makes_a_film_longer(tmp_path: Path, name: str, has_picture: b
         assert abs(marker.offset_s) * 24 <= within
     [line] = rounding(timeline, [name])
     farthest_ms = max((-1000 * marker.offset_s for marker in found.markers), key=abs)
-    assert line.endswith(f"by {float(farthest_ms):+z.3f} ms")
+    said = f"by {float(farthest_ms):+z.3f} ms"
+    assert line.endswith("; no event moves" if said == "by +0.000 ms" else said)
     late = any(marker.offset_s >= Fraction(1, 48) for marker in found.markers)
     assert ("from the middle of the film's last frame on" in line) == late
 
