@@ -15,6 +15,7 @@ from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NotRequired, TypedDict, Unpack
 
 from .abandoned import EARLIER, clear_abandoned, held_folder, keeps_earlier
 from .errors import BlastlineError, OutputError
@@ -24,44 +25,48 @@ from .moving import alone_in, refuse_locked
 _FULL = {errno.ENOSPC, errno.EFBIG, errno.EDQUOT}
 
 
-@dataclass(frozen=True)
-class _Results:
-    """What a run writes into a folder, and what it may replace or take away there; as for `staged`."""
-
-    folder: Path
-    names: Collection[str]
-    sets: Collection[str]
-    stale: Collection[str]
-    films: Collection[Path]
-    spared: Collection[Path]
-    seal: str | None
-    overwrite: bool
-
-
-@contextmanager
-def staged(
-    folder: Path,
-    *,
-    names: Collection[str],
-    overwrite: bool,
-    sets: Collection[str] = (),
-    stale: Collection[str] = (),
-    films: Collection[Path] = (),
-    spared: Collection[Path] = (),
-    seal: str | None = None,
-) -> Iterator[Path]:
-    """Yield a hidden folder to write into; on success move all its files into `folder`.
+class Files(TypedDict):
+    """Which files of a folder a run writes, replaces, removes and leaves alone.
 
     `names` are the files that the run is going to write; `sets` are patterns such as `reel-*.haptic`, for files whose
     number is not known yet: those that an earlier run left and this one does not write again are removed. So is, with
     `overwrite`, what `stale` names: whatever else an earlier run may have written. `films` are never replaced, and
-    neither they nor what is `spared` is removed. `seal` is the file by which others know that a result is whole: it
-    comes last, and an earlier one goes before any other file of its result. Raises OutputError where one of the files,
-    or one that is stale, exists and `overwrite` is not set, now or when files are to be moved into place, where it is
-    no regular file, or where `folder` cannot be written.
+    neither they nor what is `spared` is removed.
     """
-    wanted = _Results(folder, names, sets, stale, films, spared, seal, overwrite)
-    _refuse_existing(wanted, names)
+
+    names: Collection[str]
+    overwrite: bool
+    sets: NotRequired[Collection[str]]
+    stale: NotRequired[Collection[str]]
+    films: NotRequired[Collection[Path]]
+    spared: NotRequired[Collection[Path]]
+
+
+@dataclass(frozen=True)
+class _Results:
+    """`Files` in their folder; `seal` as for `staged`."""
+
+    folder: Path
+    names: Collection[str]
+    overwrite: bool
+    sets: Collection[str] = ()
+    stale: Collection[str] = ()
+    films: Collection[Path] = ()
+    spared: Collection[Path] = ()
+    seal: str | None = None
+
+
+@contextmanager
+def staged(folder: Path, *, seal: str | None = None, **files: Unpack[Files]) -> Iterator[Path]:
+    """Yield a hidden folder to write into; on success move all its files into `folder`.
+
+    `seal` is the file by which others know that a result is whole: it comes last, and an earlier one goes before any
+    other file of its result. Raises OutputError where one of the files, or one that is stale, exists and `overwrite` is
+    not set, now or when files are to be moved into place, where it is no regular file, or where `folder` cannot be
+    written.
+    """
+    wanted = _Results(folder, seal=seal, **files)
+    _refuse_existing(wanted, wanted.names)
     refuse_locked(folder)
     made = _missing_parents(folder)
     try:
@@ -69,7 +74,7 @@ def staged(
         whole = False
         try:
             clear_abandoned(folder)
-            _require_nameable(hidden, names)
+            _require_nameable(hidden, wanted.names)
             yield hidden
             heed_interruption()
             with alone_in(folder):
@@ -91,18 +96,10 @@ def staged(
                 parent.rmdir()
 
 
-def require_free(
-    folder: Path,
-    *,
-    names: Collection[str],
-    overwrite: bool,
-    sets: Collection[str] = (),
-    stale: Collection[str] = (),
-    films: Collection[Path] = (),
-    spared: Collection[Path] = (),
-) -> None:
+def require_free(folder: Path, **files: Unpack[Files]) -> None:
     """Raise what `staged` would raise of these files before anything is written, for who has long to go until then."""
-    _refuse_existing(_Results(folder, names, sets, stale, films, spared, None, overwrite), names)
+    wanted = _Results(folder, **files)
+    _refuse_existing(wanted, wanted.names)
 
 
 def require_utf_8(path: Path, *, advice: str = "choose another folder for the results") -> None:

@@ -7,7 +7,6 @@ from collections.abc import Collection, Iterable
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
-from typing import TypedDict
 
 import msgspec
 
@@ -16,7 +15,7 @@ from ..model import DriveInfo, Edits, Timeline
 from ..progress import Note, Progress, no_note, no_progress
 from ..report import OverviewMeter, typeset, write_report
 from ..soundtrack import Soundtrack, open_soundtrack
-from ..staging import require_free, require_utf_8, staged
+from ..staging import Files, require_free, require_utf_8, staged
 from ..timecode import late_stamp
 from . import names
 from .belonging import film_of
@@ -73,21 +72,10 @@ def require_place(film: Path, folder: Path, options: RenderOptions) -> None:
     require_free(folder, **_files(film, with_files(options), _stale(options)))
 
 
-class _Files(TypedDict):
-    """Which files of a folder a run writes, replaces, removes and spares, as for `staged`."""
-
-    names: Collection[str]
-    sets: Collection[str]
-    stale: Collection[str]
-    films: Collection[Path]
-    spared: Collection[Path]
-    overwrite: bool
-
-
-def _files(film: Path, options: RenderOptions, stale: Collection[str]) -> _Files:
+def _files(film: Path, options: RenderOptions, stale: Collection[str]) -> Files:
     formats = known_formats(options.formats)
     files = [file for each in formats for file in each.files]
-    return _Files(
+    return Files(
         names=[names.DRIVE, *files, *([names.REPORT] * options.report)],
         sets=[pattern for each in formats for pattern in each.sets],
         stale=stale,
