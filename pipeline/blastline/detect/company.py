@@ -118,7 +118,8 @@ def _belief(shots: Sequence[Shot], *, rate_hz: int, tier: QualityRules) -> _Beli
     believed = sure | (likely & _near(onsets, onsets[sure], samples_from_s(rules.company_s, rate_hz)))
     peaks_dbfs = np.array([shot.peak_dbfs for shot in shots])
     rows = [shot.evidence.even_row if shot.evidence else None for shot in shots]
-    fire, sustained = (np.array([row in kind for row in rows], bool) for kind in (FIRE, ("sustained fire",)))
+    fire = np.array([row in FIRE for row in rows], bool)
+    sustained = np.array([row == "sustained fire" for row in rows], bool)
     believed |= fire
     believed = with_rounds(onsets, believed, rounds, peaks_dbfs, rate_hz=rate_hz, rules=bursts)
     perhaps = rounds & (probability >= rules.pair_threshold)

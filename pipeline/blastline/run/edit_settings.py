@@ -3,25 +3,20 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+import msgspec
+
+from ..export.edits import MADE_WITH
 from ..misfits import shown
 from ..model import Timeline
 from .options import Setup
 
 _OPTIONS = {"phase": "--phase", "background": "--background", "level_db": "--level"}
-_USUAL = {"phase": "causal", "background": "mute", "level_db": 0.0}
+_USUAL = {field.name: field.default for field in msgspec.structs.fields(Timeline)}
 
 
 def settings_of(timeline: Timeline) -> Mapping[str, Any]:
     """Return what a timeline says of its making, as its file does."""
-    actuator = timeline.actuator
-    return {
-        "quality": timeline.quality,
-        "rules_digest": timeline.rules_digest,
-        "actuator": None if actuator is None else {"name": actuator.name, "digest": actuator.digest},
-        "phase": timeline.phase,
-        "background": timeline.background,
-        "level_db": timeline.level_db,
-    }
+    return {name: msgspec.to_builtins(getattr(timeline, name)) for name in MADE_WITH}
 
 
 def other_settings(there: Mapping[str, Any], setup: Setup) -> Iterator[str]:

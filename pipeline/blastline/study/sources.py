@@ -77,11 +77,8 @@ class StudySource:
         if self.corpus:
             return f"recordings as they are{self._part}"
         kinds = ["scenes"] if self.fixtures is not None else []
-        kinds += (
-            [f"{self.random} random film{'s' * (self.random != 1)} of {FILM_S:g} s, seed {self.seed}"]
-            if self.random
-            else []
-        )
+        films = f"{self.random} random film{'s' * (self.random != 1)} of {FILM_S:g} s, seed {self.seed}"
+        kinds += [films] if self.random else []
         return " and ".join(kinds)
 
     @property

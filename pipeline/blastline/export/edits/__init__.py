@@ -6,9 +6,9 @@ Numbers are kept as they are written, with the step of their last digit: so an o
 be told from one that somebody has moved.
 """
 
-from .document import value_at
+from .document import MADE_WITH, value_at
 from .matching import Wanted, Wish, match
 from .reading import read_edits
 from .row import Edit, EditedFile, Point
 
-__all__ = ["Edit", "EditedFile", "Point", "Wanted", "Wish", "match", "read_edits", "value_at"]
+__all__ = ["MADE_WITH", "Edit", "EditedFile", "Point", "Wanted", "Wish", "match", "read_edits", "value_at"]

@@ -42,8 +42,8 @@ _FILM_ASIDE = (
     "source.frames",
 )
 
-
-_MADE_WITH = ("quality", "rules_digest", "actuator", "phase", "background", "level_db")
+MADE_WITH = ("quality", "rules_digest", "actuator", "phase", "background", "level_db")
+"""What a timeline says of its making."""
 
 
 class _Blast(msgspec.Struct, frozen=True):
@@ -98,7 +98,7 @@ def read_document(text: str, path: Path, *, expected: str) -> EditedFile:
         own=_as_it_was(plain["events"], path),
         rejections=timeline.rejections,
         aside=_said(plain, _FILM_ASIDE),
-        made_with=_said(plain, _MADE_WITH),
+        made_with=_said(plain, MADE_WITH),
     )
 
 

@@ -74,11 +74,8 @@ def confidence(edited: EditedFile, edit: Edit, was: Event | None) -> float | Non
         return was.confidence if was else None
     if not 0 <= said <= 1:
         raise TimelineError(f"{edited.path}: {edit.place}: confidence = {said}: expected 0 to 1")
-    return (
-        was.confidence
-        if was and _rounds_to(was.confidence, said, edited.steps.get("confidence", _FINE))
-        else float(said)
-    )
+    step = edited.steps.get("confidence", _FINE)
+    return was.confidence if was and _rounds_to(was.confidence, said, step) else float(said)
 
 
 def gain_db(edited: EditedFile, edit: Edit, was: Event | None, identity: str) -> float:
@@ -89,7 +86,8 @@ def gain_db(edited: EditedFile, edit: Edit, was: Event | None, identity: str) ->
     if not FROM_GAIN_DB <= said <= TO_GAIN_DB:
         expected = f"{FROM_GAIN_DB} to {TO_GAIN_DB} dB"
         raise TimelineError(f"{edited.path}: {edit.place}: gain_db = {said}: expected {expected}")
-    return was.gain_db if was and _rounds_to(was.gain_db, said, edited.steps.get("gain_db", _FINE)) else float(said)
+    step = edited.steps.get("gain_db", _FINE)
+    return was.gain_db if was and _rounds_to(was.gain_db, said, step) else float(said)
 
 
 def _rounds_to(value: float, said: Decimal, column_step: Decimal) -> bool:
