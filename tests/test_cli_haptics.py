@@ -139,6 +139,34 @@ def test_a_drive_that_never_moves_is_refused_and_one_that_misses_a_shot_is_told(
     assert lines[0] == f"the drive is at rest at 1 of the shots, which get no pulse: shot-{2 * RATE_HZ}"
 
 
+def test_a_drive_with_samples_that_are_no_numbers_is_refused(tmp_path: Path, timeline: Path) -> None:
+    file = timeline.parent / "drive.wav"
+    drive, _ = soundfile.read(file)
+    drive[[RATE_HZ + 100, 2 * RATE_HZ]] = np.nan, np.inf
+    soundfile.write(file, drive, RATE_HZ, subtype="FLOAT")
+    said = blastline("export", timeline, "--format", "hjif", "-o", tmp_path / "out").complaint
+    assert said == f"{file}: 2 of its samples are no numbers; expected a drive"
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_exceeds_the_limit_is_told_and_written_as_the_limit(tmp_path: Path, timeline: Path) -> None:
+    file = timeline.parent / "drive.wav"
+    drive, _ = soundfile.read(file)
+    first = WHOLE.events[0].onset_sample
+    drive[first : first + 480] = 1.0
+    soundfile.write(file, drive, RATE_HZ, subtype="FLOAT")
+    assert not [line for line in export(timeline, tmp_path / "at", formats="ahap") if "limit, first" in line]
+    drive[first : first + 480] = 1.26
+    soundfile.write(file, drive, RATE_HZ, subtype="FLOAT")
+    told, *_ = export(timeline, tmp_path / "over", formats="ahap")
+    assert told == (
+        f"{file}: reaches 1.26 times the actuator's limit, first at 01:00:01:00; what is over the limit is written as "
+        "the limit"
+    )
+    for name in ("timeline.continuous.ahap", "timeline.transients.ahap"):
+        assert (tmp_path / "over" / name).read_bytes() == (tmp_path / "at" / name).read_bytes()
+
+
 def test_a_timeline_without_a_drive_needs_one_and_its_actuator(tmp_path: Path, timeline: Path) -> None:
     detected = msgspec.structs.replace(WHOLE, actuator=None)
     alone = tmp_path / "alone.json"

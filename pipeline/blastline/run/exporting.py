@@ -20,11 +20,10 @@ from ..ruleset import load_haptics
 from ..staging import staged
 from ..timebase import AS_FILMED, Timebase, retimed
 from . import names
-from .belonging import film_of, profile_of, require_length, require_unchanged
+from .belonging import film_of, profile_of, require_unchanged
 from .driving import open_drive
 from .export_rows import files_of_results
-from .haptics import rounding_notes, tell_silent, track_of
-from .listening import BLOCK
+from .haptics import decode_drive, rounding_notes, tell_silent, track_of
 
 
 def export(
@@ -103,8 +102,7 @@ def _haptic_track(
     if drive is None and not file.is_file():
         raise TimelineError(f"{file}: no such file; haptic formats are made from the drive: give it with --drive")
     with open_drive(file) as made:
-        frames = sum(len(block.span) for block in made.blocks(BLOCK))
-        require_length(timeline, file, rate_hz=made.rate_hz, frames=frames, what="the drive of this timeline")
+        decode_drive(timeline, made, file, note)
         track = track_of(timeline, made, profile=profile, rules=load_haptics(rules))
     if timeline.events and not track.segments:
         count = len(timeline.events)

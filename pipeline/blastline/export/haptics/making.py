@@ -32,7 +32,7 @@ def haptic_track(
     segments: list[VibrationSegment] = []
     silent: list[str] = []
     for span, events in _joined(timeline.events, frames=frames, gap=2 * ms_gap(rate_hz)):
-        samples = np.asarray(drive(span), dtype=np.float64)
+        samples = np.clip(np.asarray(drive(span), dtype=np.float64), -1.0, 1.0)  # no seat does more than its limit
         own, quiet = _pulses(samples, events, origin=span.start, rate_hz=rate_hz, rules=rules)
         silent += quiet
         if np.any(samples):
@@ -135,7 +135,7 @@ def _apart(pulses: list[Pulse], apart: int) -> list[Pulse]:
 
 def _peak(samples: Samples, start: int, stop: int) -> float:
     inside = samples[max(0, start) : max(0, stop)]
-    return min(1.0, float(np.max(np.abs(inside)))) if inside.size else 0.0
+    return float(np.max(np.abs(inside))) if inside.size else 0.0
 
 
 def _segment(
