@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from scipy.signal import freqz_sos, sos2zpk
+from scipy.signal import freqz_sos, sos2zpk, sosfilt
 
 from blastline import dsp
 from render_signals import PROFILE
@@ -121,6 +121,16 @@ def test_resonance_rings_as_its_analogue_does() -> None:
 def test_improper_filter_is_refused() -> None:
     with pytest.raises(ValueError, match="improper filter: 3 zeros over 1 poles"):
         dsp.discretise(dsp.inverse(PROFILE), 48_000)
+
+
+@given(st.lists(st.tuples(st.booleans(), st.integers(1, 20_000)), max_size=5), st.booleans())
+def test_sound_and_silence_run_as_if_nothing_were_cut(parts: list[tuple[bool, int]], begun: bool) -> None:
+    """The reference hears all in one: what decays in so short a silence is far from denormal."""
+    rng = np.random.default_rng(len(parts))
+    samples = np.concatenate([np.zeros(0), *(rng.standard_normal(n) if sounds else np.zeros(n) for sounds, n in parts)])
+    state = rng.standard_normal((len(COMPENSATOR), 2)) if begun else np.zeros((len(COMPENSATOR), 2))
+    whole = sosfilt(COMPENSATOR, samples, zi=state)[0] if len(samples) else samples
+    np.testing.assert_array_equal(dsp.run_filter(COMPENSATOR, samples, state=state if begun else None), whole)
 
 
 @given(st.integers(0, 200), st.integers(1, 100), st.floats(-30, 30))

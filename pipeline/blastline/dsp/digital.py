@@ -5,6 +5,7 @@ sections lose 45 dB.
 """
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -183,12 +184,27 @@ def run_filter(
 
     state = np.zeros((len(sections), 2)) if state is None else state.copy()
     filtered = []
-    for start in range(0, len(samples), _RUN):
-        piece = samples[start : start + _RUN]
+    for stretch in _stretches(samples):
         state[np.abs(state) < _SILENT] = 0.0
-        if np.any(state) or not np.max(np.abs(piece)) < _SILENT:
-            done, state = sosfilt(sections, piece, zi=state)
+        if np.any(state) or _sounds(stretch):
+            done, state = sosfilt(sections, stretch, zi=state)
             filtered.append(done)
         else:
-            filtered.append(np.zeros(len(piece)))
+            filtered.append(np.zeros(len(stretch)))
     return filtered[0] if len(filtered) == 1 else np.concatenate([np.zeros(0), *filtered])
+
+
+def _stretches(samples: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
+    """Yield samples run by run, those that sound one after another as one, since each call has its price."""
+    begun = 0
+    for start in range(0, len(samples), _RUN):
+        if not _sounds(samples[start : start + _RUN]):
+            yield from [samples[begun:start]] if begun < start else []
+            yield samples[start : start + _RUN]
+            begun = start + _RUN
+    if begun < len(samples):
+        yield samples[begun:]
+
+
+def _sounds(samples: NDArray[np.float64]) -> bool:
+    return not np.max(np.abs(samples)) < _SILENT  # what is no number sounds
