@@ -145,3 +145,22 @@ def test_a_gain_that_was_edited_and_not_rendered_fails_by_as_much(
     assert failed(f'"level_db": {level_db}', '"level_db": 1.5') == {
         event: pytest.approx(level_db - 1.5) for event in ("shot-0001", "shot-0002")
     }
+
+
+@pytest.mark.parametrize("by", [-240, -1, 1, 240])
+def test_an_onset_that_was_edited_and_not_rendered_fails_by_as_much(tmp_path: Path, by: int) -> None:
+    onsets = [14_400, 40_000]
+    path = film(tmp_path / "film.wav", onsets, [0.2, 0.1])
+    rendered(path, onsets, RenderOptions(report=False))
+    timeline = tmp_path / "out" / "timeline.json"
+    text = timeline.read_text(encoding="utf-8")
+    for key, at, moved in (
+        ("onset_sample", 40_000, 40_000 + by),
+        ("onset_s", 40_000 / RATE_HZ, (40_000 + by) / RATE_HZ),
+    ):
+        assert text.count(f'"{key}": {at}') == 1
+        text = text.replace(f'"{key}": {at}', f'"{key}": {moved}')
+    edited = timeline.with_name("edited.json")
+    edited.write_text(text, encoding="utf-8")
+    wrong = {event: aside for name, event, aside in failures(run.check(edited, audio=path)) if "onset_as" in name}
+    assert wrong == {"shot-0002": pytest.approx(1000.0 * by / RATE_HZ)}

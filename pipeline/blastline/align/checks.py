@@ -62,7 +62,7 @@ def check_files(
     checks += _timing_checks(shared, [e for e, places in zip(timeline.events, placing, strict=True) if places], timing)
     for event, compared, figures, lag in zip(timeline.events, comparable, timing.figures, timing.lags, strict=True):
         checks += _window_checks(event, shared.rate_hz)
-        checks += _gain_checks(event, timeline.level_db)
+        checks += _edit_checks(event, timeline.level_db, shared.rate_hz)
         checks += shot_checks(shared, event, figures, lag) if compared else noted(shared, event, figures, lag)
     return tuple(checks)
 
@@ -152,8 +152,13 @@ def _window_checks(event: Event, rate_hz: int) -> Iterator[Check]:
     yield Check("fade_in_before_onset", event.id, inside and margin_ms >= 0.0, margin_ms, 0.0, "ms")
 
 
-def _gain_checks(event: Event, level_db: float) -> Iterator[Check]:
-    """Yield the check of the gain that the timeline asks for against the one that the drive was made with."""
+def _edit_checks(event: Event, level_db: float, rate_hz: int) -> Iterator[Check]:
+    """Yield the checks of what may be edited in a timeline and has to be rendered again: the onset, gain and level.
+
+    The blast, which begins at the onset, and what the drive was made with are as the last rendering left them.
+    """
+    moved_ms = ms_from_samples(event.onset_sample - event.blast.start, rate_hz)
+    yield Check("onset_as_rendered", event.id, moved_ms == 0.0, moved_ms, 0.0, "ms")
     if event.drive is not None:
         aside_db = event.drive.raised_db - (event.gain_db + level_db)
         yield Check("gain_as_rendered", event.id, abs(aside_db) <= _SAME_DB, aside_db, _SAME_DB, "dB")

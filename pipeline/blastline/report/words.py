@@ -34,6 +34,7 @@ CHECKS = {
     "level_as_rendered": "The level is the one that was rendered",
     "peak_as_rendered": "The peak is the one that was rendered",
     "gain_as_rendered": "The gain is the one that was rendered",
+    "onset_as_rendered": "The onset is the one that was rendered",
     "drive_as_rendered": "The drive is the one that was rendered, to the window's end",
     "drive_above_band": "The drive does nothing above the band that is not asked for",
     "pre_echo": "Nothing is felt before the bang",
@@ -43,7 +44,7 @@ CHECKS = {
 """What each check claims; a check without an entry is called by its name."""
 
 _OUTSIDE = {"silence_outside_windows", "sound_outside_windows"}
-_EXACT = {"sample_rate", "frames", "drive_samples", "fades", "timeline_order"} | _OUTSIDE
+_EXACT = {"sample_rate", "frames", "drive_samples", "fades", "timeline_order", "onset_as_rendered"} | _OUTSIDE
 _AT_LEAST = {"felt_correlation", "drive_correlation", "fade_in_before_onset", "audio_rise"}
 _AS_RENDERED = {"lag_as_rendered", "level_as_rendered", "peak_as_rendered", "gain_as_rendered"}
 _EITHER_WAY = {"drive_shift", "drive_drift", "felt_lag", "drive_lag"} | _AS_RENDERED
