@@ -81,7 +81,7 @@ def _reflections(measured: ShotEvidence, found: tuple[Reflection, ...], tier: Qu
         return _found_as_sounds(found, {}) or Decision(
             "reflections", "none looked for", "this quality does without", {}
         )
-    room = f"nothing as long as the blast is louder than {room_db:.1f} dB against it"
+    room = f"what follows, over as long a time, is at most {room_db:.1f} dB against the blast"
     evidence = {"echo_room_db": room_db, "reflections": float(len(found))}
     if room_db < least_db:
         nothing = Decision("reflections", "none looked for", f"{room}, too little for a reflection", evidence)
@@ -90,7 +90,7 @@ def _reflections(measured: ShotEvidence, found: tuple[Reflection, ...], tier: Qu
         many = "what copies it is a later shot" if measured.copies == 1 else "what copies it are later shots"
         return Decision("reflections", "none", f"{room}, but {many}, or an echo of one", evidence)
     if not found:
-        return Decision("reflections", "none", f"{room}, but nothing that stands out copies it", evidence)
+        return Decision("reflections", "none", f"{room}, but nothing in it that stands out is a copy", evidence)
     return _told(found, evidence)
 
 
