@@ -219,6 +219,65 @@ def test_an_end_before_a_bursts_next_shot_is_a_rest_in_every_format(
     assert {(event.window.start, event.window.stop) for event in after.events[2:]} == {(whole.start, whole.stop)}
 
 
+def _row_added(result: Path, onset_s: str, end_s: str) -> str:
+    text = (result / "timeline.csv").read_text()
+    names = text.splitlines()[0].split(",")
+    cells = {"onset_s": onset_s, "window_stop_s": end_s}
+    return text + ",".join(cells.get(name, "") for name in names) + "\n"
+
+
+def _label_added(result: Path, onset_s: str, end_s: str) -> str:
+    return (result / "timeline.audacity.txt").read_text() + f"{onset_s}\t{end_s}\tmissed\n"
+
+
+def _region_added(result: Path, onset_s: str, end_s: str) -> str:
+    return (result / "timeline.reaper.csv").read_text() + f"R9,missed,0:00:0{onset_s},0:00:0{end_s},\n"
+
+
+def _event_added(result: Path, onset_s: str, end_s: str) -> str:
+    plain = json.loads((result / "timeline.json").read_text())
+    window = {"stop_sample": round(float(end_s) * RATE_HZ)}
+    plain["events"].append({"onset_sample": round(float(onset_s) * RATE_HZ), "window": window})
+    return json.dumps(plain)
+
+
+@pytest.mark.parametrize("with_original", [True, False])
+@pytest.mark.parametrize(
+    ("edit", "name"),
+    [(_row_added, "x.csv"), (_label_added, "x.txt"), (_region_added, "x.csv"), (_event_added, "x.json")],
+)
+@pytest.mark.parametrize(
+    ("at_s", "end_s", "windows_s"),
+    [
+        pytest.param("4.040", "4.070", [(3.994, 4.07), (3.994, 4.07), (4.094, 4.365)], id="a rest before the next"),
+        pytest.param("4.040", "4.120", [(3.994, 4.365)] * 3, id="amid a later shot"),
+        pytest.param("4.150", "4.200", [(3.994, 4.2)] * 3, id="the last"),
+        pytest.param("4.150", "4.500", [(3.994, 4.5)] * 3, id="beyond the window"),
+        pytest.param("2.560", "2.600", [(2.494, 2.6)] * 2, id="the last after a single one"),
+    ],
+)
+def test_a_shot_that_is_added_with_an_end_parts_or_ends_the_window_it_is_in(
+    tmp_path: Path,
+    film: Path,
+    result: Path,
+    edit: Callable[[Path, str, str], str],
+    name: str,
+    at_s: str,
+    end_s: str,
+    windows_s: list[tuple[float, float]],
+    *,
+    with_original: bool,
+) -> None:
+    file = tmp_path / name
+    file.write_text(edit(result, at_s, end_s))
+    ended, after, _ = rendered(film, file, *(("--original", result) if with_original else ()))
+    near = [event for event in after.events if windows_s[0][0] <= event.onset_s < windows_s[-1][1]]
+    assert [(event.window.start, event.window.stop) for event in near] == [
+        (round(start_s * RATE_HZ), round(stop_s * RATE_HZ)) for start_s, stop_s in windows_s
+    ]
+    assert ("not used" in ended.err) == (end_s == "4.120")
+
+
 @pytest.mark.parametrize(("shot", "end", "at_s"), [(3, "stop", 4.2), (2, "start", 3.9), (2, "start", 3.998)])
 def test_an_outer_end_of_a_shared_window_needs_no_original(
     tmp_path: Path, film: Path, result: Path, shot: int, end: str, at_s: float

@@ -6,7 +6,7 @@ allow it, an event is where it was; otherwise it was moved. An original that no 
 
 import re
 from bisect import bisect_left
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -209,7 +209,8 @@ def _with_whole_windows(wishes: Iterable[Wish], originals: Iterable[Event]) -> I
     """Yield the wishes, each with its original window where nobody has touched any event of it.
 
     One that has become too short for its fades keeps its ends alone. Shots that follow closely share a window. Where
-    one of them is gone, it must not go on in the window of the others.
+    one of them is gone, it must not go on in the window of the others; where somebody has put another with an end of
+    its own between them, that end is one of theirs.
     """
     listed = list(wishes)
     untouched = {
@@ -220,8 +221,9 @@ def _with_whole_windows(wishes: Iterable[Wish], originals: Iterable[Event]) -> I
     mates: dict[Window, set[str]] = {}
     for event in originals:
         mates.setdefault(event.window, set()).add(event.id)
+    added = sorted(wish.onset for wish in listed if wish.was is None and wish.stop is not None)
     for wish in listed:
-        if wish.was is None or not wish.unmoved:
+        if wish.was is None or not wish.unmoved or _has_any_of(wish.was.window, added):
             yield wish
         elif mates[wish.was.window] <= untouched and wish.was.window.fits_fades:
             yield replace(wish, window=wish.was.window)
@@ -234,3 +236,8 @@ def _with_whole_windows(wishes: Iterable[Wish], originals: Iterable[Event]) -> I
             )
         else:
             yield wish
+
+
+def _has_any_of(window: Window, onsets: Sequence[int]) -> bool:
+    """Return whether any of some ascending onsets is inside a window."""
+    return bisect_left(onsets, window.start) < bisect_left(onsets, window.stop)

@@ -31,20 +31,24 @@ class _Row:
 def with_shared_windows(pairs: Sequence[Pair], *, rate_hz: int) -> list[Pair]:
     """Return the rows, those of a shared window without its ends, but for its first and its last row.
 
-    Their originals have the window that they share. Where all rows of a window agree, they stay as they are.
+    Their originals have the window that they share. Where all rows of a window agree, they stay as they are, unless
+    somebody has put a row with an end of its own between them, or behind them: then that ends the window as well.
     """
     rows = sorted((_row(place, pair, rate_hz) for place, pair in enumerate(pairs)), key=lambda row: row.onset)
+    added = [row.onset for row in rows if row.pair.id is None and row.stop is not None]
     found = list(pairs)
     for group in _groups(rows):
-        if len({(row.start, row.stop) for row in group}) == 1:
-            continue
         start, stop = _shared_start(group), _shared_stop(group)
+        inside = [onset for onset in added if stop is not None and group[0].onset < onset < stop]
+        alone = len(group) == 1 and group[0].pair.id is None
+        if alone or (len({(row.start, row.stop) for row in group}) == 1 and not inside):
+            continue
         fades = next((row.pair.was.window for row in group if row.pair.was is not None), None)
         for row in group:
             edit, was = row.pair.edit, row.pair.was
             if row.start == start and row is not group[0]:
                 edit = replace(edit, window_start=None)
-            if row.stop == stop and row is not group[-1]:
+            if row.stop == stop and (row is not group[-1] or any(onset > row.onset for onset in inside)):
                 edit = replace(edit, window_stop=None)
             if was is not None and fades is not None and start is not None and stop is not None:
                 window = msgspec.structs.replace(fades, start=start, stop=stop)
@@ -69,15 +73,15 @@ def _sample(point: Point | None, rate_hz: int) -> int | None:
 
 
 def _groups(rows: Iterable[_Row]) -> Iterator[Sequence[_Row]]:
-    """Yield the rows of each window that several share; rows are in order of their onsets."""
+    """Yield the rows of each window, which several may share; rows are in order of their onsets."""
     group: list[_Row] = []
     for row in rows:
         if group and _shares(row, group):
             group.append(row)
         elif not group or row.onset >= max(each.stop or 0 for each in group):
-            yield from [group] if len(group) > 1 else []
+            yield from [group] if group else []
             group = [row]
-    yield from [group] if len(group) > 1 else []
+    yield from [group] if group else []
 
 
 def _shares(row: _Row, group: Collection[_Row]) -> bool:
