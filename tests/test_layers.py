@@ -23,6 +23,7 @@ GROUND = {
     "medians",
     "misfits",
     "model",
+    "plurals",
     "ruleset",
     "staging",
     "streams",
@@ -38,7 +39,7 @@ MAY_IMPORT = (
         "study": GROUND | STAGES | {"study"},
         "run": GROUND | STAGES | {"run"},
         "cli": {"cli", "run", "study", "ruleset", "model", "errors", "interruption", "progress", "staging", "streams"}
-        | {"timebase", "timecode", "__version__"},
+        | {"plurals", "timebase", "timecode", "__version__"},
         "__main__": {"cli"},
         "__init__": set(),
     }

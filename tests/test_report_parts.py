@@ -160,6 +160,14 @@ def test_marks_lie_where_the_shots_are() -> None:
     assert "01:00:05" in svg
 
 
+@pytest.mark.parametrize(("shots", "told"), [(0, "0 shots"), (1, "1 shot"), (2, "2 shots")])
+def test_the_overview_is_read_out_with_its_shots_counted(shots: int, told: str) -> None:
+    timeline = make_film().timeline
+    timeline = msgspec.structs.replace(timeline, events=timeline.events[:shots])
+    svg = film_track(timeline, Overview(960, np.full(300, 0.1, np.float32)), failed=(), linked=())
+    assert f'aria-label="The film from start to end: its level, and {told}"' in svg
+
+
 def test_a_film_without_shots_is_not_said_to_rest_where_its_sound_plays_on() -> None:
     timeline = msgspec.structs.replace(make_film(onsets_s=(0.1,), peaks=(0.01,), seconds=0.5).timeline, events=())
     for name, said in (

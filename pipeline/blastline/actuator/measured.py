@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RuleError
+from ..plurals import counted
 from ..ruleset import FREQUENCY, Columns, read_columns
 from ..units import gains_from_db, levels_db
 
@@ -108,7 +109,7 @@ def read_measured(path: Path) -> MeasuredResponse:
     frequencies_hz, gain_db = read.values[FREQUENCY], read.values["gain_db"]
     rows = len(frequencies_hz)
     if rows < _FEWEST_ROWS:
-        raise RuleError(f"{path}: holds {rows} row{'s' * (rows != 1)}; expected at least {_FEWEST_ROWS}")
+        raise RuleError(f"{path}: holds {counted(rows, 'row')}; expected at least {_FEWEST_ROWS}")
     if math.log2(frequencies_hz[-1] / frequencies_hz[0]) < _LEAST_OCTAVES:
         span = f"{frequencies_hz[0]:g} to {frequencies_hz[-1]:g} Hz"
         raise RuleError(f"{path}: {FREQUENCY} runs from {span}; expected at least an octave")

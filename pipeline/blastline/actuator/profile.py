@@ -4,6 +4,7 @@ import tomllib
 from pathlib import Path
 
 from ..dsp import felt_response
+from ..plurals import counted
 from ..ruleset import ActuatorProfile, FitRules, Response, check_stable, convert, toml_lines
 from ..units import gain_from_db
 from .fit import FittedResponse
@@ -46,8 +47,7 @@ def profile_text(profile: ActuatorProfile) -> str:
 
 def _formula(profile: ActuatorProfile) -> str:
     felt = felt_response(profile)
-    zeros = f"{len(felt.zeros)} zero{'s' * (len(felt.zeros) != 1)}"
-    poles = f"{len(felt.poles)} pole{'s' * (len(felt.poles) != 1)}"
+    zeros, poles = counted(len(felt.zeros), "zero"), counted(len(felt.poles), "pole")
     return f"H(s) = gain * prod(s - zero) / prod(s - pole), {zeros} and {poles} in rad/s as [real, imaginary]"
 
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from .words import counted
+from ..plurals import counted
 
 if TYPE_CHECKING:
     from ..run import MadeProfile

@@ -4,7 +4,7 @@ import math
 from typing import TYPE_CHECKING, Final, get_args
 
 from ..model import Phase
-from .words import counted
+from ..plurals import counted
 
 if TYPE_CHECKING:
     from ..study.bootstrap import Interval

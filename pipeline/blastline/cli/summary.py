@@ -5,7 +5,7 @@ from pathlib import Path
 import typer
 
 from ..model import Edits, Timeline
-from .words import counted
+from ..plurals import counted
 
 FAILED_CHECK = 1
 _NEARLY = 0.5  # as likely a shot as not

@@ -5,9 +5,10 @@ from fractions import Fraction
 from statistics import median
 
 from ..model import Check, Event, Source, Timeline
+from ..plurals import counted
 from ..timebase import rate_text
 from ..timecode import frame_scale
-from .words import allowed, by_name, channels, claim, duration, figure, is_decided, measured, safe, signed
+from .words import allowed, by_name, claim, duration, figure, is_decided, measured, safe, signed
 
 _SHOWN_FAILURES = 6
 
@@ -20,7 +21,7 @@ def heading(timeline: Timeline) -> str:
         f"from {source.start_timecode}" if source.start_timecode else "no timecode",
         _counting(source),
         f"{figure(source.sample_rate_hz / 1000, 3)} kHz",
-        channels(source),
+        counted(source.channels, "channel"),
     ]
     return (
         '<p class="product">blastline report</p>'
@@ -134,4 +135,4 @@ def _of_bursts(events: Sequence[Event], bursts: int) -> str:
     if not bursts:
         return "all single" if events else ""
     singles = sum(event.burst is None for event in events)
-    return f"{singles} single, the others in {bursts} burst{'s' if bursts > 1 else ''}"
+    return f"{singles} single, the others in {counted(bursts, 'burst')}"

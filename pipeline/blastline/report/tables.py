@@ -4,9 +4,10 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 
 from ..model import Check, Edits, Event, Rejection, Source, Timeline
+from ..plurals import counted
 from ..streams import streams_text
 from ..timecode import timecode_at
-from .words import allowed, by_hand, channels, claim, figure, fixed, is_decided, link, measured, safe, typeset
+from .words import allowed, by_hand, claim, figure, fixed, is_decided, link, measured, safe, typeset
 
 _STRONGEST = 5
 
@@ -159,7 +160,7 @@ def origin_list(timeline: Timeline, options: Mapping[str, str]) -> str:
         **_edits(timeline.edits),
         "Film": source.name,
         "Film's SHA-256": source.sha256,
-        "Sound": f"stream {streams_text(source.stream)}, mix {source.mix}, {channels(source)}, "
+        "Sound": f"stream {streams_text(source.stream)}, mix {source.mix}, {counted(source.channels, 'channel')}, "
         f"{source.sample_rate_hz} Hz, {source.frames} frames",
         "First sample after the picture's start": f"{figure(source.start_offset_s, 6)} s",
         "Actuator": f"{actuator.name} ({actuator.digest})" if actuator else "none",

@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterable
 import numpy as np
 
 from ..model import Event, Source, Timeline
+from ..plurals import counted
 from ..timecode import frame_scale, timecode_at
 from ..units import levels_db
 from .overview import Overview
@@ -20,10 +21,10 @@ _TICKS_S = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 
 
 def film_track(timeline: Timeline, overview: Overview, *, failed: Collection[str], linked: Collection[str]) -> str:
     """Return the overview as an SVG element; each shot links to its picture (`linked`) or to its row in the table."""
-    source = timeline.source
+    source, shots = timeline.source, counted(len(timeline.events), "shot")
     parts = [
         f'<svg class="track" viewBox="0 0 {_WIDTH} {_BOTTOM + 8}" role="group" '
-        f'aria-label="The film from start to end: its level, and {len(timeline.events)} shots">',
+        f'aria-label="The film from start to end: its level, and {shots}">',
         _axes(source),
         _level(overview, source.frames),
         *(_shot(event, source, failed=event.id in failed, linked=event.id in linked) for event in timeline.events),

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from fractions import Fraction
 from urllib.parse import quote
 
-from ..model import Check, Event, Source
+from ..model import Check, Event
 from ..timecode import clock_text
 from ..units import SILENCE_DB
 
@@ -200,8 +200,3 @@ def duration(seconds: float) -> str:
     """
     tenths = figure(seconds, 1)
     return f"{tenths} s" if seconds < 60.0 and tenths != "60" else clock_text(Fraction(seconds), 0, hour_digits=1)
-
-
-def channels(source: Source) -> str:
-    """Return how many channels a film's sound has, in words."""
-    return f"{source.channels} channel{'s' if source.channels != 1 else ''}"

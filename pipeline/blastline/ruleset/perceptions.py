@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from ..errors import RuleError
+from ..plurals import counted
 from .columns import FREQUENCY, read_columns
 from .files import builtin, convert, read_toml, rules_path
 from .folder import require_folder
@@ -35,7 +36,7 @@ def load_perception(name: str, overlay: Path | None = None) -> PerceptionCurve:
     read = read_columns(path, needed=(FREQUENCY, "threshold_db"))
     rows = len(read.values[FREQUENCY])
     if rows < _FEWEST_ROWS:
-        raise RuleError(f"{path}: holds {rows} row{'s' * (rows != 1)}; expected at least {_FEWEST_ROWS}")
+        raise RuleError(f"{path}: holds {counted(rows, 'row')}; expected at least {_FEWEST_ROWS}")
     source = read.notes.get("source") or f"the user's table {path.name}"
     if len(source) < LEAST_SOURCE:
         raise RuleError(f"{path}: # source: {source!r}: expected at least {LEAST_SOURCE} characters, or no such note")

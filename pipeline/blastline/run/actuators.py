@@ -34,6 +34,7 @@ from ..actuator import (
 )
 from ..dsp import compensator, felt_response
 from ..errors import OutputError, RuleError, SoundtrackError
+from ..plurals import counted
 from ..progress import Progress, no_progress
 from ..render import require_renderable
 from ..ruleset import (
@@ -260,7 +261,7 @@ def _source(fitted: FittedResponse, origin: str, curve: PerceptionCurve | None, 
 def _open_channel(path: Path, channel: int | None, what: str) -> Soundtrack:
     with open_soundtrack(path, mix="0") as track:
         channels = track.channels
-    count = f"{channels} channel{'s' * (channels != 1)}"
+    count = counted(channels, "channel")
     if channel is None and channels > 1:
         raise SoundtrackError(f"{path}: has {count}; expected --{what}-channel N to say which, counted from 0")
     if channel is not None and channel >= channels:

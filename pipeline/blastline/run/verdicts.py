@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 
 from ..model import Check, Timeline
+from ..plurals import counted
 from ..report import allowed, by_name, claim, is_decided, measured
 from ..units import db_from_gain
 
@@ -25,7 +26,7 @@ def told_failures(timeline: Timeline) -> Iterator[str]:
             yield _told(check, timecodes).replace("\N{MINUS SIGN}", "-")
         if len(checks) > MOST_TOLD:
             more = len(checks) - MOST_TOLD
-            yield f"{claim(checks[0])}: not in {more} more shot{'s' * (more != 1)} either"
+            yield f"{claim(checks[0])}: not in {counted(more, 'more shot')} either"
 
 
 def _told(check: Check, timecodes: Mapping[str, str]) -> str:
@@ -79,4 +80,4 @@ def _extent(checks: Sequence[Check]) -> str:
         return ""
     held = _held(checks)
     spared = f"; {len(checks) - held} could not be held to it" if held < len(checks) else ""
-    return f" ({held} shot{'s' * (held != 1)}{spared})"
+    return f" ({counted(held, 'shot')}{spared})"

@@ -5,6 +5,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..plurals import counted
 from ..timecode import SHAPE, clock, standard_rate
 from .decode import Tally
 from .layouts import ChannelNames, named
@@ -119,8 +120,7 @@ def _is_mp4(container: "InputContainer") -> bool:
 def _description(stream: "AudioStream", names: ChannelNames) -> str:
     if stream.codec_context is None:
         return "a format that cannot be decoded"
-    channels = len(names[stream.index])
-    words = [stream.codec_context.name, f"{channels} channel{'s' if channels != 1 else ''}"]
+    words = [stream.codec_context.name, counted(len(names[stream.index]), "channel")]
     tags = [tag for key in ("language", "title") if (tag := stream.metadata.get(key))]
     return ", ".join(words + [tag.encode("utf-8", "surrogateescape").decode("utf-8", "replace") for tag in tags])
 

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SoundtrackError
+from ..plurals import counted
 
 Matrix = NDArray[np.float32]
 
@@ -156,10 +157,8 @@ def _indices(mix: str, channels: int) -> list[int]:
     indices = [int(part) for part in parts]
     for index in indices:
         if index >= channels:
-            plural = "s" if channels > 1 else ""
-            raise SoundtrackError(
-                f"mix {mix!r}: there is no channel {index}; the sound has {channels} channel{plural}, counted from 0"
-            )
+            there = f"the sound has {counted(channels, 'channel')}, counted from 0"
+            raise SoundtrackError(f"mix {mix!r}: there is no channel {index}; {there}")
     return indices
 
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from ..errors import SoundtrackError
+from ..plurals import counted
 from ..streams import Streams, streams_text
 from ..timebase import AS_FILMED, Timebase
 from .chunks import chunk_table
@@ -64,6 +65,6 @@ def _open_track(path: Path, stream: Streams | None) -> Track:
         return open_film(path, stream=stream, table=table)
     if stream not in (None, 0):
         pcm.close()
-        kind = f"{pcm.facts.channels} channel{'s' if pcm.facts.channels > 1 else ''}"
+        kind = counted(pcm.facts.channels, "channel")
         raise SoundtrackError(f"has no sound stream {streams_text(stream or 0)}; it has 0 ({kind})")
     return pcm

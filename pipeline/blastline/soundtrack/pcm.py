@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import SoundtrackError
+from ..plurals import counted
 from ..timecode import clock
 from .appended import appended_warning
 from .chunks import ChunkTable, overflow_warning
@@ -219,7 +220,7 @@ def _require_frames(file: Any, table: ChunkTable) -> None:
     width, channels = _BYTES[file.subtype], file.channels
     if table.frame_bytes not in (None, width * channels, width if table.is_wave else None):
         file.close()
-        kind = f"{channels} channel{'s' if channels > 1 else ''} of {8 * width} bits"
+        kind = f"{counted(channels, 'channel')} of {8 * width} bits"
         raise SoundtrackError(f"the header says {table.frame_bytes} bytes a frame; expected {width * channels}, {kind}")
 
 

@@ -6,6 +6,7 @@ from itertools import chain
 from pathlib import Path
 
 from ..errors import RuleError
+from ..plurals import counted
 from .cases import FILM_S, Case, random_films, recordings, scenes
 from .corpus import Recording, read_corpus
 from .datasets import FOLD_SEED, FOLDS, by_fold
@@ -77,7 +78,7 @@ class StudySource:
         if self.corpus:
             return f"recordings as they are{self._part}"
         kinds = ["scenes"] if self.fixtures is not None else []
-        films = f"{self.random} random film{'s' * (self.random != 1)} of {FILM_S:g} s, seed {self.seed}"
+        films = f"{counted(self.random, 'random film')} of {FILM_S:g} s, seed {self.seed}"
         kinds += [films] if self.random else []
         return " and ".join(kinds)
 

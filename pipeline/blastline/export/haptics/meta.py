@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model import Span
+from ...plurals import counted
 from ...timecode import clock_text
 from .curve import Curve, reduced
 from .reels import reel_edges
@@ -57,7 +58,7 @@ def write_haptic(track: HapticTrack, folder: Path) -> Rounding:
             ]
         )
     _write_index(folder / INDEX, rows)
-    return rounding | Rounding(notes=(f"{len(rows)} reel{'s' if len(rows) > 1 else ''}, see {INDEX}",))
+    return rounding | Rounding(notes=(f"{counted(len(rows), 'reel')}, see {INDEX}",))
 
 
 def _lines(track: HapticTrack) -> tuple[Curve, Curve, Rounding]:

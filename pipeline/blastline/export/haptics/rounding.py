@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...plurals import counted
 from .curve import Curve
 
 
@@ -37,7 +38,7 @@ class Rounding:
     def __str__(self) -> str:
         """Return one line for people."""
         told = (
-            f"{self.pulses} pulse{'s' * (self.pulses != 1)}, {self.points} points: times within {self.time_ms:.2g} ms, "
+            f"{counted(self.pulses, 'pulse')}, {counted(self.points, 'point')}: times within {self.time_ms:.2g} ms, "
             f"amplitudes within {self.amplitude:.2g} of the limit, frequencies within {100.0 * self.frequency:.2g} %"
         )
         return "; ".join([told, *self.notes])
