@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..model import DecayEnd, Reflection, Shot, ShotEvidence, Span
 from ..ruleset import LONGEST_DECAY_MS, SegmentRules
 from ..units import db_from_gain, gain_from_db, ms_from_samples, samples_from_ms
-from .reflections import discrete_reflections
+from .echoes import counting_echoes
 
 BACKGROUND_MS = 200.0
 PEAK_MS = 20.0
@@ -32,11 +32,9 @@ _OVER_BACKGROUND = 1.4  # 3 dB: at less, the sound itself is softer than the bac
 _HOLD_PER_PHASE = 0.8
 _HOLD_MS = (0.1, 2.0)
 _DROWNED = 2.0
-_LOUDEST_DB = 3.0  # what is louder is no echo of this blast, were it clipped
 _RINGING_MS = 8.0  # before an attack, of a resampler or a lossy codec, is the attack's
 _GRAIN_MS, _USUAL_MS = 1.0, 5.0
 _ECHO_MS = 3.0  # how loud an echo is, its beginning tells, as in a scene's truth
-_DULL_LAG_MS = 1.0 / 6.0  # hears 1 to 5 kHz best
 
 
 def segment(
@@ -61,12 +59,7 @@ def segment(
     peak = float(np.abs(wave[: samples_from_ms(PEAK_MS, rate_hz)]).max(initial=0.0))
     usual = _usual_power(still, rate_hz)
     blast = _blast_length(wave, peak, usual, rate_hz=rate_hz, rules=rules)
-    room_db, echoes = None, []
-    if rules.reflection_level_db is not None:
-        room_db = _echo_room_db(wave, blast, rate_hz=rate_hz, rules=rules)
-        if room_db >= rules.reflection_level_db:
-            found = discrete_reflections(wave, still, rate_hz=rate_hz, rules=rules)
-            echoes = _strong_enough(found, rules.reflection_level_db, room_db)
+    room_db, echoes = counting_echoes(wave, still, blast, rate_hz=rate_hz, rules=rules)
     blast = min([blast, *(lag for lag, _ in echoes[:1])])
     at = film_start + onset
     length, ended = _decay(still, wave, rate_hz=rate_hz, rules=rules)
@@ -149,40 +142,6 @@ def _drowned_db(wave: NDArray[np.float64], usual: float, *, rate_hz: int) -> flo
     direct = wave[: samples_from_ms(_ECHO_MS, rate_hz)]
     power = float(np.mean(np.square(direct))) if direct.size else 0.0
     return db_from_gain(float(np.sqrt(usual / power))) if power > 0.0 else 0.0
-
-
-def _echo_room_db(wave: NDArray[np.float64], blast: int, *, rate_hz: int, rules: SegmentRules) -> float:
-    """Return how loud the loudest later stretch is that is as long as the blast, against the blast.
-
-    In the difference over a sample or over a sixth of a millisecond, whichever gives more: an echo off something soft
-    has lost its edge. Neither hears the slow roar that outlasts a blast.
-    """
-    from scipy.ndimage import uniform_filter1d
-
-    earliest = max(blast, samples_from_ms(rules.earliest_reflection_ms, rate_hz))
-    late = wave[: samples_from_ms(rules.latest_reflection_ms, rate_hz) + blast]
-    room = 0.0
-    for lag in (1, max(1, samples_from_ms(_DULL_LAG_MS, rate_hz))):
-        heard = late.copy()
-        heard[lag:] -= late[:-lag]
-        power = np.square(heard, out=heard)
-        first = float(power[:blast].mean())
-        if power.shape[0] >= earliest + blast and first > 0.0:
-            means = uniform_filter1d(power[earliest:], blast)
-            inside = means[blast // 2 : blast // 2 + power.shape[0] - earliest - blast + 1]
-            room = max(room, float(np.sqrt(max(0.0, inside.max()) / first)))
-    return db_from_gain(room)
-
-
-def _strong_enough(
-    found: tuple[NDArray[np.intp], NDArray[np.float64]], least_db: float, room_db: float
-) -> list[tuple[int, float]]:
-    """Return the lags in samples and the levels in dB of the reflections that are strong enough to count.
-
-    None is louder than all that sounds for as long as the blast.
-    """
-    levels = [(int(lag), min(db_from_gain(float(gain)), room_db)) for lag, gain in zip(*found, strict=True)]
-    return [(lag, level_db) for lag, level_db in levels if least_db <= level_db <= _LOUDEST_DB]
 
 
 @dataclass(frozen=True, eq=False)
