@@ -10,15 +10,8 @@ from scipy.signal import sosfilt
 from blastline import dsp
 from blastline.errors import RuleError
 from blastline.model import Phase, Span
-from blastline.render import DriveFilters, drive_filters, hear_window, needed_audio, preroll
-from blastline.render.filters import (
-    compensated,
-    felt,
-    in_band,
-    require_renderable,
-    settled_band,
-    settled_compensated,
-)
+from blastline.render import DriveFilters, drive_filters, hear_window, needed_audio, preroll, require_renderable
+from blastline.render.filters import compensated, felt, in_band, settled_band, settled_compensated
 from blastline.ruleset import ActuatorProfile
 from render_signals import CAUSAL, KINDS, PROFILE, RATE_HZ, RENDER, ZERO, clip, film_with_shot, only_window
 

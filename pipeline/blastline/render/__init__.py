@@ -7,10 +7,11 @@ compose                                             the film's drive
 """
 
 from .drive import RenderedWindow, measure, render_window
-from .filters import DriveFilters, drive_filters, needed_audio, preroll, require_renderable
+from .filters import DriveFilters, drive_filters, needed_audio, preroll
 from .heard import HeardWindow, hear_window
 from .made_of import choose_made_of, is_lacking
 from .mix import compose
+from .renderable import require_renderable
 from .windows import PlannedWindow, plan_windows, window_between, with_gains
 
 __all__ = [

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import dsp
-from ..errors import RuleError
 from ..model import Phase, Span
-from ..ruleset import ActuatorProfile, RenderRules, check_stable
+from ..ruleset import ActuatorProfile, RenderRules
 from ..units import samples_from_ms
 from .banded import Recursion
+from .renderable import require_renderable
 from .windows import PlannedWindow
 
 Samples = NDArray[np.float64]
@@ -27,8 +27,6 @@ _LONGEST_SUMMED_S = 2.0  # a longer pre-roll is run: with all of the film, to th
 _SLOWEST = 1.0 - 1e-6  # a pole nearer to the unit circle is taken as this one: it rings on for minutes
 
 PREROLL_FOR_S = 0.05  # the time constant of filters for which rules state their pre-roll; slower ones get more
-
-_LARGEST_GAIN = 1e6  # 120 dB either way: beyond any unit that an actuator is measured in
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,13 +70,6 @@ def drive_filters(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Drive
             np.exp(felt.poles / rate_hz), sections, impulse, longest_stride=_longest_stride(profile, rate_hz)
         ),
     )
-
-
-def require_renderable(profile: ActuatorProfile, rate_hz: int) -> None:
-    """Raise RuleError where a corner of the profile is not below half the sample rate, or nothing can compensate it."""
-    _check_corners(profile, rate_hz)
-    check_stable(profile, profile.name)
-    _check_gain(profile, rate_hz)
 
 
 def preroll(filters: DriveFilters, rules: RenderRules) -> int:
@@ -223,29 +214,3 @@ def _ringing_in(poles: NDArray[np.complex128], response: Samples) -> Samples:
         explained += (np.vdot(base, response) * base).real
         all_passed = lfilter([-np.conj(pole), 1.0], [1.0, -pole], all_passed)
     return explained
-
-
-def _check_gain(profile: ActuatorProfile, rate_hz: int) -> None:
-    with np.errstate(over="ignore", invalid="ignore"):
-        peak = float(np.max(np.abs(dsp.felt_response(profile).at(np.geomspace(1.0, rate_hz / 2.0, 200)))))
-    if not 1.0 / _LARGEST_GAIN <= peak <= _LARGEST_GAIN:
-        raise RuleError(
-            f"{profile.name}: response.gain = {profile.response.gain:g}: what is felt of a full drive peaks at "
-            f"{peak:g}; expected {1.0 / _LARGEST_GAIN:g} to {_LARGEST_GAIN:g}"
-        )
-
-
-def _check_corners(profile: ActuatorProfile, rate_hz: int) -> None:
-    nyquist_hz = rate_hz / 2.0
-    corners = [("lowpass.corner_hz", profile.lowpass.corner_hz), ("highpass.corner_hz", profile.highpass.corner_hz)]
-    for kind, roots in (("poles", profile.response.poles_rad_s), ("zeros", profile.response.zeros_rad_s)):
-        corners += [
-            (f"response.{kind}_rad_s[{index}]", math.hypot(real, imaginary) / (2.0 * math.pi))
-            for index, (real, imaginary) in enumerate(roots)
-        ]
-    for key, corner_hz in corners:
-        if corner_hz >= nyquist_hz:
-            raise RuleError(
-                f"{profile.name}: {key}: {corner_hz:g} Hz: expected below {nyquist_hz:g} Hz, "
-                f"half the soundtrack's sample rate of {rate_hz} Hz"
-            )
