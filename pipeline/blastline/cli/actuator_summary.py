@@ -1,10 +1,12 @@
-"""What is told of an actuator that was measured or fitted: on standard output, as it is the result."""
+"""What is told of an actuator: its profile, its measurement, its fit; on standard output, as it is the result."""
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import typer
 
 from ..plurals import counted
+from ..ruleset import ActuatorProfile
 
 if TYPE_CHECKING:
     from ..run import MadeProfile
@@ -13,6 +15,16 @@ _FAR_FROM_0_DB = 20.0
 _POOR_DB = 1.0
 _STRANGE_DEG = 40.0
 """Beyond this, a phase and its opposite are nearly as far from minimum phase."""
+
+
+def say_profile(profile: ActuatorProfile, digest: str, rows: Iterable[tuple[float, float, float, float]]) -> None:
+    """Print a profile's name, source and band, and a table with the rows of `run.actuator_table`."""
+    low, high = profile.lowpass, profile.highpass
+    typer.echo(f"name    {profile.name}\nsource  {profile.source}\ndigest  {digest}")
+    typer.echo(f"band    {high.corner_hz:g} Hz (order {high.order}) to {low.corner_hz:g} Hz (order {low.order})\n")
+    typer.echo(f"{'Hz':>8} {'H dB':>8} {'H deg':>8} {'C dB':>8}")
+    for frequency_hz, felt_db, felt_deg, compensator_db in rows:
+        typer.echo(f"{frequency_hz:8.4g} {felt_db:8.2f} {felt_deg:8.1f} {compensator_db:8.2f}")
 
 
 def say_measured(made: "MadeProfile") -> None:

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from ..ruleset import actuator_names, load_actuator
-from .actuator_summary import say_fitted, say_measured
+from .actuator_summary import say_fitted, say_measured, say_profile
 from .options import WRITING, Overwrite, Quiet, RulesOption
 from .progress import shown_progress
 
@@ -141,12 +141,7 @@ def show(
     profile, digest = run.usable_actuator(name, rules)
     if picture is not None:
         run.draw_bode(name, picture, measured=measured, perception=perception, rules=rules, overwrite=overwrite)
-    low, high = profile.lowpass, profile.highpass
-    typer.echo(f"name    {profile.name}\nsource  {profile.source}\ndigest  {digest}")
-    typer.echo(f"band    {high.corner_hz:g} Hz (order {high.order}) to {low.corner_hz:g} Hz (order {low.order})\n")
-    typer.echo(f"{'Hz':>8} {'H dB':>8} {'H deg':>8} {'C dB':>8}")
-    for frequency_hz, felt_db, felt_deg, compensator_db in run.actuator_table(name, rules):
-        typer.echo(f"{frequency_hz:8.4g} {felt_db:8.2f} {felt_deg:8.1f} {compensator_db:8.2f}")
+    say_profile(profile, digest, run.actuator_table(profile))
 
 
 @group.command()

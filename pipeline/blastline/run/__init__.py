@@ -3,20 +3,14 @@
 film -> find shots -> plan windows -> choose a model for each -> render -> write -> check what was written -> report
 """
 
-from .actuators import (
-    FitOptions,
-    MadeProfile,
-    actuator_table,
-    fit_actuator,
-    identify_actuator,
-    usable_actuator,
-)
+from .actuators import actuator_table, fit_actuator, identify_actuator, usable_actuator
 from .bode_plots import draw_bode
 from .budget import Allowance, allowance, choose_quality
 from .checking import check
 from .conforming import Conformed, conform
 from .export_rows import export_rows
 from .exporting import export
+from .fitting import FitOptions, MadeProfile
 from .listening import detect
 from .names import DRIVE
 from .options import RenderOptions, told_options
