@@ -52,19 +52,11 @@ def check_files(
         level_db=timeline.level_db,
         corner_ms=corner_ms,
     )
-    checks = [*_file_checks(timeline, shared, film, drive.damaged_samples), *_order_check(timeline)]
-    if not timeline.events:
-        return (*checks, *_timing_checks(shared, (), None))
-    parts = parts_of(timeline.events, lead=shared.samples(shared.lead_ms))
-    comparable = [is_comparable(shared, event, part) for event, part in zip(timeline.events, parts, strict=True)]
-    placing = [each and can_lead(shared, event) for event, each in zip(timeline.events, comparable, strict=True)]
-    timing = time_film(shared, timeline.events, parts, placing)
-    checks += _timing_checks(shared, [e for e, places in zip(timeline.events, placing, strict=True) if places], timing)
-    for event, compared, figures, lag in zip(timeline.events, comparable, timing.figures, timing.lags, strict=True):
-        checks += _window_checks(event, shared.rate_hz)
-        checks += _edit_checks(event, timeline.level_db, shared.rate_hz)
-        checks += shot_checks(shared, event, figures, lag) if compared else noted(shared, event, figures, lag)
-    return tuple(checks)
+    return (
+        *_file_checks(timeline, shared, film, drive.damaged_samples),
+        *_order_check(timeline),
+        *_checks_by_shots(timeline, shared),
+    )
 
 
 def check_timeline(timeline: Timeline, *, audio: RandomAccessSound, rules: AlignRules) -> tuple[Check, ...]:
@@ -120,6 +112,23 @@ def _file_checks(timeline: Timeline, shared: Comparison, film: DriveFigures, dam
 def _order_check(timeline: Timeline) -> Iterator[Check]:
     faults = order_faults(timeline.events, timeline.source.frames)
     yield Check("timeline_order", None, faults == 0, faults, 0.0, "faults")
+
+
+def _checks_by_shots(timeline: Timeline, shared: Comparison) -> Iterator[Check]:
+    """Yield the checks of the drive's timing as a whole, which its shots tell, then those of each shot in order."""
+    events = timeline.events
+    if not events:
+        yield from _timing_checks(shared, (), None)
+        return
+    parts = parts_of(events, lead=shared.samples(shared.lead_ms))
+    comparable = [is_comparable(shared, event, part) for event, part in zip(events, parts, strict=True)]
+    placing = [each and can_lead(shared, event) for event, each in zip(events, comparable, strict=True)]
+    timing = time_film(shared, events, parts, placing)
+    yield from _timing_checks(shared, [e for e, places in zip(events, placing, strict=True) if places], timing)
+    for event, compared, figures, lag in zip(events, comparable, timing.figures, timing.lags, strict=True):
+        yield from _window_checks(event, shared.rate_hz)
+        yield from _edit_checks(event, timeline.level_db, shared.rate_hz)
+        yield from shot_checks(shared, event, figures, lag) if compared else noted(shared, event, figures, lag)
 
 
 def _timing_checks(shared: Comparison, events: Sequence[Event], timing: Timing | None) -> Iterator[Check]:

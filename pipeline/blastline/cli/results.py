@@ -72,12 +72,16 @@ def check(
         for note in notes:
             typer.echo(note, err=True)
     code = say_checks(timeline, quiet=quiet, err=False, each_kind=True)
-    beside = (target if target.is_dir() else target.parent) / run.DRIVE
     if not quiet and timeline.actuator is None and drive is None:
-        this = f"{beside}; the timeline has no drive, so this one is another's"
-        none = "a drive; the timeline has none, and only its events were held against the film"
-        typer.echo(f"not checked: {this if beside.is_file() else none}", err=True)
+        _say_no_drive((target if target.is_dir() else target.parent) / run.DRIVE)
     return code
+
+
+def _say_no_drive(beside: Path) -> None:
+    """Say on stderr that no drive was checked, as the timeline has none, nor the one that may lie beside it."""
+    this = f"{beside}; the timeline has no drive, so this one is another's"
+    none = "a drive; the timeline has none, and only its events were held against the film"
+    typer.echo(f"not checked: {this if beside.is_file() else none}", err=True)
 
 
 def export(

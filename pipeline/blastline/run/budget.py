@@ -116,16 +116,7 @@ def choose_quality(
 
         picked = pick(predict, allowed_s, spent_s)
         if picked is None:
-            measured_s = spent_s()
-            needed = allowed.in_words(RESERVE * predicted["draft"], gauge.film_s)
-            if len(predicted) < len(BEST_FIRST):
-                needed += ", and what measuring the other qualities takes,"
-            raise RuleError(
-                f"{allowed.asked}: allows {said(allowed_s)} of CPU for the {_length(gauge.film_s)} of {film}, but "
-                f"draft, the fastest quality, takes about {said(predicted['draft'])}, of which measuring this was "
-                f"{said(measured_s)}, and a tenth is kept in reserve; {needed} would do, and --quality draft measures "
-                "nothing"
-            )
+            raise RuleError(_too_little(allowed, predicted, film, film_s=gauge.film_s, spent_s=spent_s()))
     note = chosen(allowed, allowed_s, picked, predicted)
     return replace(options, quality=picked, budget=model.Budget(allowed.asked, allowed_s, predicted, note))
 
@@ -151,6 +142,20 @@ def chosen(allowed: Allowance, allowed_s: float, picked: Quality, predicted: dic
     if not dearer:
         return f"{line}; nothing more accurate was given up"
     return f"{line}; given up: " + ", ".join(f"{quality}, about {said(predicted[quality])}" for quality in dearer)
+
+
+def _too_little(
+    allowed: Allowance, predicted: dict[Quality, float], film: Path, *, film_s: float, spent_s: float
+) -> str:
+    """Return in a line that no quality fits, by how much, and which option would do."""
+    needed = allowed.in_words(RESERVE * predicted["draft"], film_s)
+    if len(predicted) < len(BEST_FIRST):
+        needed += ", and what measuring the other qualities takes,"
+    return (
+        f"{allowed.asked}: allows {said(allowed.of(film_s))} of CPU for the {_length(film_s)} of {film}, but "
+        f"draft, the fastest quality, takes about {said(predicted['draft'])}, of which measuring this was "
+        f"{said(spent_s)}, and a tenth is kept in reserve; {needed} would do, and --quality draft measures nothing"
+    )
 
 
 def said(seconds: float) -> str:

@@ -42,11 +42,7 @@ def check(
     path = names.timeline_of(target)
     timeline = read_timeline(path)
     read = load_rules(timeline.quality, rules)
-    if timeline.version == __version__ and timeline.rules_digest != read.digest:
-        note(
-            f"{path}: was made with other rules (digest {timeline.rules_digest[:12]}) than it is checked by "
-            f"({read.digest[:12]}); give them with --rules"
-        )
+    _tell_other_rules(path, timeline, read, note)
     film = audio or _find_film(timeline.source, path)
     heard = timeline.source.stream if stream is None else stream
     has_drive = timeline.actuator is not None or drive is not None
@@ -59,14 +55,7 @@ def check(
         _require_sides(timeline, film, track)
         for _ in report_progress(track.blocks(BLOCK, sides=True), progress, track.expected_frames):
             pass
-        source = track.source()
-        cut = "the film of this timeline; `blastline conform` finds its shots in another cut"
-        require_length(timeline, film, rate_hz=source.sample_rate_hz, frames=source.frames, what=cut)
-        if audio is None:
-            advice = "; give --audio to check against it all the same"
-            require_same_film(film, source, path, timeline.source, advice=advice)
-        else:
-            tell_other_file(film, source, path, timeline.source, note)
+        _require_film(film, track.source(), path, timeline, named=audio is not None, note=note)
         if profile is None or made is None:
             found = msgspec.structs.replace(timeline, checks=check_timeline(timeline, audio=track, rules=read.align))
         else:
@@ -98,6 +87,29 @@ def checked(
         background=timeline.background,
     )
     return msgspec.structs.replace(timeline, checks=checks)
+
+
+def _tell_other_rules(path: Path, timeline: Timeline, rules: Rules, note: Note) -> None:
+    """Tell where a timeline of this version was made with other rules; another version's are not to be had."""
+    if timeline.version == __version__ and timeline.rules_digest != rules.digest:
+        note(
+            f"{path}: was made with other rules (digest {timeline.rules_digest[:12]}) than it is checked by "
+            f"({rules.digest[:12]}); give them with --rules"
+        )
+
+
+def _require_film(film: Path, found: Source, path: Path, timeline: Timeline, *, named: bool, note: Note) -> None:
+    """Raise TimelineError where a film is not as long as its timeline, or was found and is not the one it names.
+
+    Of a film that the user `named`, `note` is told that it is another file.
+    """
+    cut = "the film of this timeline; `blastline conform` finds its shots in another cut"
+    require_length(timeline, film, rate_hz=found.sample_rate_hz, frames=found.frames, what=cut)
+    if named:
+        tell_other_file(film, found, path, timeline.source, note)
+    else:
+        advice = "; give --audio to check against it all the same"
+        require_same_film(film, found, path, timeline.source, advice=advice)
 
 
 def _require_sides(timeline: Timeline, film: Path, track: Soundtrack) -> None:

@@ -80,20 +80,24 @@ def study_pareto(
             else None
         )
     scores = tuple(tally.score(each.name) for each, tally in zip(listeners, done.tallies, strict=True))
-    every: tuple[DetectionScore | PeerScore, ...] = (*scores, *done.peers)
-    front = on_front([each.cost.times_read for each in every], [each.f1 for each in every])
     return ParetoStudy(
         protocol=source.protocol,
         detection=scores,
         peers=done.peers,
         absent=absent,
         peak_memory_mb=memory_mb,
-        on_front=tuple(each.name for each, there in zip(every, front, strict=True) if there),
+        on_front=_found_front((*scores, *done.peers)),
         rendering=rendering,
         rendering_asked=with_rendering,
         rendering_on_front=_felt_front(rendering) if rendering else (),
         bars=(*_detection_bars(listeners, done, scores), *(_rendering_bars(rendering) if rendering else ())),
     )
+
+
+def _found_front(every: Sequence[DetectionScore | PeerScore]) -> tuple[str, ...]:
+    """Return the names of the settings and peers that nothing else beats in both cost and F1."""
+    which = on_front([each.cost.times_read for each in every], [each.f1 for each in every])
+    return tuple(each.name for each, there in zip(every, which, strict=True) if there)
 
 
 def _felt_front(rendering: RenderingSweep) -> tuple[str, ...]:
