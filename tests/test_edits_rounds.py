@@ -214,3 +214,15 @@ def test_a_json_without_its_original_says_that_deletions_cannot_be_told(
     told = rendered(film, tmp_path / "alone.json", tmp_path / "out")
     assert "what was deleted cannot be known, and is still felt" in told
     assert ("missing in its burst: shot 1.2; give the original" in told) == said
+
+
+@pytest.mark.parametrize(("last", "more"), [(13, ""), (14, " and more"), (1_000_000_000, " and more")])
+def test_ten_shots_that_are_missing_in_a_burst_are_named_and_it_says_whether_there_are_more(
+    tmp_path: Path, film: Path, first: Path, last: int, more: str
+) -> None:
+    plain = json.loads((first / "timeline.json").read_text())
+    plain["events"][2]["shot_in_burst"] = last
+    (tmp_path / "alone.json").write_text(json.dumps(plain))
+    told = rendered(film, tmp_path / "alone.json", tmp_path / "out")
+    named = ", ".join(f"1.{number}" for number in range(3, 13))
+    assert f"missing in its burst: shot {named}{more}; give the original" in told

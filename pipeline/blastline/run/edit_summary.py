@@ -156,7 +156,7 @@ def _gaps(edited: EditedFile) -> list[str]:
     missing = [
         f"{burst}.{number}"
         for burst, there in sorted(shots.items())
-        for number in islice((n for n in range(1, max(there)) if n not in there), _MOST_MISSING)
+        for number in islice((n for n in range(1, max(there)) if n not in there), _MOST_MISSING + 1)
     ]
     if not missing:
         return []
