@@ -45,8 +45,8 @@ def write_report(
     audio: RandomAccessSound,
     drive: RandomAccessSound,
     profile: ActuatorProfile,
-    exports: Sequence[ExportRow] = (),
-    options: Mapping[str, str] | None = None,
+    exports: Sequence[ExportRow],
+    options: Mapping[str, str],
 ) -> None:
     """Write the report of a finished run as one HTML page.
 
@@ -58,7 +58,7 @@ def write_report(
     sounds = (event_sound(event, timeline, audio=audio, drive=drive, profile=profile) for event in shown)
     pictures = _drawn(sounds, why, timeline, path.parent)
     with path.open("w", encoding="utf-8") as file:  # part by part: the whole would be in memory several times
-        file.writelines(_page(timeline, overview, why, pictures, exports, options or {}))
+        file.writelines(_page(timeline, overview, why, pictures, exports, options))
 
 
 def _page(

@@ -36,7 +36,7 @@ class _Left:
 
 
 def settled_windows(
-    wanted: Wanted, shots: Sequence[Shot], source: Source, rules: Rules, *, rejections: Iterable[Rejection] = ()
+    wanted: Wanted, shots: Sequence[Shot], source: Source, rules: Rules, *, rejections: Iterable[Rejection]
 ) -> dict[int, Window]:
     """Return the windows that are settled, by the shot's index; the others are planned.
 

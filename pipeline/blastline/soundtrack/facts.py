@@ -53,7 +53,7 @@ def film_facts(
     origin: Fraction | None,
     names: ChannelNames,
     *,
-    is_cut: bool = False,
+    is_cut: bool,
 ) -> TrackFacts:
     """Return what container, stream and first frame tell; `origin` is when sample 0 plays.
 

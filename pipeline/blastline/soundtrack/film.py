@@ -45,9 +45,9 @@ class FilmTrack:
         table: ChunkTable | None,
         names: ChannelNames,
         *,
-        is_cut: bool = False,
-        singles: Sequence[int] = (),
-        appended: Appended | None = None,
+        is_cut: bool,
+        singles: Sequence[int],
+        appended: Appended | None,
     ) -> None:
         """Take over an open container and decode the first frame, which says what the sound really is.
 
@@ -180,7 +180,7 @@ def _is_open(table: ChunkTable | None) -> bool:
     return table is not None and table.is_wave and (table.goes_on or table.data_bytes == 0)
 
 
-def open_film(path: Path, *, stream: int | None, table: ChunkTable | None = None) -> FilmTrack:
+def open_film(path: Path, *, stream: int | None, table: ChunkTable | None) -> FilmTrack:
     """Open one sound stream, the default or first one where `stream` is None; `table` is what a WAV header declares.
 
     Raises SoundtrackError where the file is not media, has no such stream, or nothing can be decoded.

@@ -63,7 +63,7 @@ class JoinedTrack:
             track.close()
 
 
-def open_joined(path: Path, streams: Sequence[int], *, table: ChunkTable | None = None) -> JoinedTrack:
+def open_joined(path: Path, streams: Sequence[int], *, table: ChunkTable | None) -> JoinedTrack:
     """Open streams of one channel each as one track; `table` is what a WAV header declares.
 
     Raises SoundtrackError where one of them cannot be read, or where they are not channels of one sound.

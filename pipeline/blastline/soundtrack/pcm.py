@@ -30,12 +30,10 @@ _BIG_ENDIAN = frozenset({"AIFF", "CAF"})
 class PcmTrack:
     """The samples of an uncompressed file."""
 
-    def __init__(
-        self, file: Any, table: ChunkTable, start: int, packed: "ShortSamples | PackedSamples | None" = None
-    ) -> None:
-        """Take over an open `soundfile.SoundFile`, what its header declares, and its samples of 16 or 24 bits.
+    def __init__(self, file: Any, table: ChunkTable, start: int, packed: "ShortSamples | PackedSamples | None") -> None:
+        """Take over an open `soundfile.SoundFile` and what its header declares.
 
-        `start` is the byte at which the first sample begins.
+        `start` is the byte at which the first sample begins; `packed` reads samples of 16 and 24 bits, None others.
         """
         self._file = file
         self._packed = packed

@@ -37,7 +37,7 @@ def intervals(films: Sequence[Counts], *, seed: int = SEED, draws: int = DRAWS) 
     )
 
 
-def f1_gain(films: Sequence[Counts], over: Sequence[Counts], *, seed: int = SEED, draws: int = DRAWS) -> Interval:
+def f1_gain(films: Sequence[Counts], over: Sequence[Counts]) -> Interval:
     """Return the interval of the first F1 less the second, both on the same films and the same draws of them.
 
     Raises ValueError where they do not have the same number of films.
@@ -46,7 +46,7 @@ def f1_gain(films: Sequence[Counts], over: Sequence[Counts], *, seed: int = SEED
         raise ValueError(f"{len(films)} films against {len(over)}: expected the same films")
     scores = []
     for counts in (films, over):
-        hits, false, missed = _drawn(counts, seed, draws)
+        hits, false, missed = _drawn(counts, SEED, DRAWS)
         scores.append(_share(2 * hits, 2 * hits + false + missed))
     return _interval(scores[0] - scores[1])
 

@@ -48,7 +48,7 @@ def scored_events(case: Case, heard: Heard) -> tuple[ScoredEvent, ...]:
     return tuple(sorted(events, key=lambda event: event.at_s))
 
 
-def write_events(folder: Path, films: Sequence[tuple[Path, Sequence[ScoredEvent]]], *, excerpts: bool = True) -> None:
+def write_events(folder: Path, films: Sequence[tuple[Path, Sequence[ScoredEvent]]]) -> None:
     """Write a table of what was missed and what was false into a folder, and what is heard there, one WAV each."""
     with (folder / EVENTS).open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
@@ -59,10 +59,10 @@ def write_events(folder: Path, films: Sequence[tuple[Path, Sequence[ScoredEvent]
             for event in events:
                 number += 1
                 stem = re.sub(r"[^\w.-]+", "_", event.film)[-_LONGEST_STEM:]
-                names.append(f"{event.kind}-{number:04d}-{stem}-{event.at_s:.3f}s.wav" if excerpts else "")
+                names.append(f"{event.kind}-{number:04d}-{stem}-{event.at_s:.3f}s.wav")
                 row = msgspec.structs.astuple(event)
                 table.writerow([*("" if cell is None else cell for cell in row), names[-1]])
-            if excerpts and events:
+            if events:
                 _write_excerpts(folder, names, path, [event.at_s for event in events])
 
 

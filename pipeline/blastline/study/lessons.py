@@ -37,6 +37,7 @@ BLOWS: tuple[NegativeKind, ...] = (
 )  # fmt: skip
 """What goes on at an even pace, and is no gun."""
 
+SYNTHETIC_SHARE = 0.3  # of the sounds, and of the beds, of a mix of recordings
 ARMED_SHARES = (0.0, 0.2, 0.5, 0.8)
 
 Shot = Callable[[np.random.Generator, int], tuple[Samples, tuple[int, ...]]]
@@ -68,12 +69,12 @@ def blow_mix(seed: int) -> LessonMaker:
     return partial(_blow_mix, seed)
 
 
-def recorded_mix(recordings: Sequence[Recording], seed: int, synthetic: float = 0.3) -> LessonMaker:
+def recorded_mix(recordings: Sequence[Recording], seed: int) -> LessonMaker:
     """Return lessons of recordings, sources drawn evenly, with a share of synthetic sounds and beds among them."""
     shots = by_source(r for r in recordings if r.gunshot)
     negatives = by_source(r for r in recordings if not r.gunshot)
     beds = [r for r in recordings if not r.gunshot and r.duration_s >= SHORTEST_BED_S]
-    return partial(_recorded_mix, shots, negatives, beds, seed, synthetic)
+    return partial(_recorded_mix, shots, negatives, beds, seed)
 
 
 def _synthetic_mix(seed: int, number: int) -> Mix:
@@ -164,18 +165,17 @@ def _recorded_mix(
     negatives: list[list[Recording]],
     beds: list[Recording],
     seed: int,
-    synthetic: float,
     number: int,
 ) -> Mix:
     rng = np.random.default_rng([seed, number])
     sounds = []
     for _ in range(SOUNDS_PER_MIX):
         shot = bool(rng.random() < 0.5)
-        if rng.random() < synthetic:
+        if rng.random() < SYNTHETIC_SHARE:
             sounds.append(_synthetic_sound(rng, shot=shot))
         else:
             sounds.append(recorded_variant(drawn(shots if shot else negatives, rng), rng))
-    bed = random_bed(rng, RATE_HZ, MIX_S) if rng.random() < synthetic or not beds else recorded_bed(beds, rng)
+    bed = random_bed(rng, RATE_HZ, MIX_S) if rng.random() < SYNTHETIC_SHARE or not beds else recorded_bed(beds, rng)
     return _mixed(bed, sounds, rng)
 
 

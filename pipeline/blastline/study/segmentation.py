@@ -110,10 +110,10 @@ def scene_films(folder: Path) -> Iterator[Film]:
             yield Film(name, path, np.concatenate([clip.heard for clip in track.blocks()]).astype(np.float32), truth)
 
 
-def random_films(seeds: Iterable[int], *, rate_hz: int = 48_000) -> Iterator[Film]:
+def random_films(seeds: Iterable[int]) -> Iterator[Film]:
     """Yield a minute of film for each seed, with 30 shots or bursts and 20 sounds that are none."""
     for seed in seeds:
-        audio = render_scene(film_scene(seed, FILM_S, FILM_SHOTS, FILM_NEGATIVES, rate_hz=rate_hz))
+        audio = render_scene(film_scene(seed, FILM_S, FILM_SHOTS, FILM_NEGATIVES))
         samples = as_16_bit(audio.read(0, audio.frames)[:, 0])
         yield Film(f"film {seed}", None, samples.astype(np.float32), truth_of(audio))
 

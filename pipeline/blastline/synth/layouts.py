@@ -53,7 +53,7 @@ def bed_feeds(layout: Layout, kind: BedKind) -> tuple[Feed, ...]:
     return (Feed(2, 1.0),)
 
 
-def sound_gains(rng: np.random.Generator, layout: Layout, azimuth_deg: float | None = None) -> Samples:
+def sound_gains(rng: np.random.Generator, layout: Layout, azimuth_deg: float | None) -> Samples:
     """Return the gain of each channel for a sound; the mains' gains have a mean of 1.
 
     Without an azimuth it is somewhere in the picture, and a little of it behind.
