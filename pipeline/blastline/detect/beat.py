@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..ruleset import BeatRules, BurstRules
-from .beat_grid import Grid, Passage, Times, chance_of, fitted_grid, of_no_row, strongest_grid
+from .beat_grid import BeatGrid, Passage, Times, chance_of, fitted_grid, of_no_row, strongest_grid
 from .fire import ScoredCandidates
 from .rows import runs_of
 
@@ -67,7 +67,7 @@ def _strides(times: Times, length: float) -> Iterator[tuple[float, float]]:
         place = int(np.searchsorted(times, start + length))
 
 
-def _exact(peak: Grid, passage: Passage) -> Grid | None:
+def _exact(peak: BeatGrid, passage: Passage) -> BeatGrid | None:
     """Return the grid that half of all sounds of a passage keep, to a few milliseconds; None where they keep none."""
     rules, sounds = passage.rules, passage.sounds
     grid = fitted_grid(peak, passage, [wide * rules.within_ms for wide in _NARROWING], _WRITTEN)
@@ -78,7 +78,7 @@ def _exact(peak: Grid, passage: Passage) -> Grid | None:
     return _coarsest(grid, sounds[near], rules) if most and near[begins].mean() >= rules.share else None
 
 
-def _rough(peak: Grid, passage: Passage) -> Grid | None:
+def _rough(peak: BeatGrid, passage: Passage) -> BeatGrid | None:
     """Return the grid around which the sounds of a passage lie, further off; None where that may be chance.
 
     At one period, n sounds that come anywhere have phases with a resultant of R by a chance of exp(-n R^2) (Rayleigh).
@@ -92,7 +92,7 @@ def _rough(peak: Grid, passage: Passage) -> Grid | None:
 
 
 def _with_those_alike(
-    grid: Grid,
+    grid: BeatGrid,
     asked: NDArray[np.intp],
     around: NDArray[np.intp],
     heard: ScoredCandidates,
@@ -113,11 +113,11 @@ def _with_those_alike(
     return np.asarray(own & unlikely)
 
 
-def _coarsest(grid: Grid, on_grid: Times, rules: BeatRules) -> Grid:
+def _coarsest(grid: BeatGrid, on_grid: Times, rules: BeatRules) -> BeatGrid:
     """Return the grid of twice the period, and again, as long as that holds as good as all that lies on this one."""
     while 2.0 * grid.period <= rules.longest_ms:
         odd = grid.places(on_grid) % 2 == 1
         if min(odd.mean(), 1.0 - odd.mean()) > _FEW_ODD:
             break
-        grid = Grid(2.0 * grid.period, grid.phase + (grid.period if odd.mean() > 0.5 else 0.0))
+        grid = BeatGrid(2.0 * grid.period, grid.phase + (grid.period if odd.mean() > 0.5 else 0.0))
     return grid

@@ -41,7 +41,7 @@ _AT_ONCE = 256  # of them
 
 
 @dataclass(frozen=True)
-class Grid:
+class BeatGrid:
     """Places in time, all in ms: one at `phase`, and one each `period` before and after it."""
 
     period: float
@@ -95,7 +95,7 @@ def of_no_row(times: Times) -> NDArray[np.bool_]:
     return told
 
 
-def strongest_grid(passage: Passage) -> Grid:
+def strongest_grid(passage: Passage) -> BeatGrid:
     """Return the grid at the highest peak of the periodogram of a passage's sounds, one at least."""
     rules, sounds = passage.rules, passage.sounds
     step = 1.0 / (_FINER * 1000.0 * rules.window_s)
@@ -109,10 +109,10 @@ def strongest_grid(passage: Passage) -> Grid:
     )
     best = int(np.argmax(np.abs(sums)))
     period = 1.0 / float(frequencies[best])
-    return Grid(period, float(sounds[0] + np.angle(sums[best]) / (2.0 * np.pi) * period))
+    return BeatGrid(period, float(sounds[0] + np.angle(sums[best]) / (2.0 * np.pi) * period))
 
 
-def fitted_grid(grid: Grid, passage: Passage, within: Sequence[float], written: float) -> Grid | None:
+def fitted_grid(grid: BeatGrid, passage: Passage, within: Sequence[float], written: float) -> BeatGrid | None:
     """Return the grid fitted to what lies on it, ever nearer; None where that is too little, or guns may do the same.
 
     It has to hold `fewest_apart` of those that nothing precedes as fast as a gun fires. They may be written down where
@@ -123,7 +123,7 @@ def fitted_grid(grid: Grid, passage: Passage, within: Sequence[float], written: 
         near = grid.holds(sounds, wide)
         if near.sum() < rules.fewest_apart:
             return None
-        grid = Grid(*np.polyfit(grid.places(sounds[near]), sounds[near], 1).tolist())
+        grid = BeatGrid(*np.polyfit(grid.places(sounds[near]), sounds[near], 1).tolist())
         if not 0.9 * rules.shortest_ms <= grid.period <= 1.1 * rules.longest_ms:
             return None
     near, begins = grid.holds(sounds, within[-1]), passage.begins
@@ -142,14 +142,14 @@ def _is_written(times: Times, written: float) -> bool:
     return bool((np.abs(np.exp(1j * phases).mean(axis=1)) >= written).any())
 
 
-def _is_even(grid: Grid, on_grid: Times, rules: BeatRules) -> bool:
+def _is_even(grid: BeatGrid, on_grid: Times, rules: BeatRules) -> bool:
     """Return whether most gaps are alike, and no longer than a grid's: an even row, or fire that misses some rounds."""
     gaps = np.bincount(np.diff(grid.places(on_grid)).astype(np.intp))
     usual = int(np.argmax(gaps))
     return bool(usual * grid.period <= rules.longest_ms and gaps[usual] >= _MOSTLY * gaps.sum())
 
 
-def _goes_on(grid: Grid, passage: Passage) -> bool:
+def _goes_on(grid: BeatGrid, passage: Passage) -> bool:
     """Return whether the grid is kept for longer than a window, by rolls: the bursts of one gun share none.
 
     Half a window before it and half a one after it are heard as well, piece by piece. What goes on for longer than a
@@ -171,7 +171,7 @@ def _goes_on(grid: Grid, passage: Passage) -> bool:
     return bool(fire < rules.share * near.size and (gaps > _MISSED).sum() >= _RESTS * ends.size)
 
 
-def _is_rhythm(grid: Grid, on_grid: Times, count: int, within: float, rules: BeatRules) -> bool:
+def _is_rhythm(grid: BeatGrid, on_grid: Times, count: int, within: float, rules: BeatRules) -> bool:
     """Return whether the grid is kept, of so many sounds in all, by more than those of any one even row."""
     places = grid.places(on_grid).astype(np.intp)
     for apart in range(int(1.01 * rules.longest_ms / grid.period) + 1, int(_SLOWEST_ROW_MS / grid.period) + 1):
@@ -183,7 +183,7 @@ def _is_rhythm(grid: Grid, on_grid: Times, count: int, within: float, rules: Bea
 
 
 def chance_of(
-    on_grid: NDArray[np.intp] | int, count: NDArray[np.intp] | int, grid: Grid, within: float
+    on_grid: NDArray[np.intp] | int, count: NDArray[np.intp] | int, grid: BeatGrid, within: float
 ) -> NDArray[np.float64]:
     """Return how likely so many of some sounds, or more, lie on a grid if they come anywhere, of the same shape."""
     from scipy.special import bdtrc
