@@ -88,11 +88,11 @@ def with_timebase(source: Source, timebase: Timebase) -> Source:
     start = timebase.start_timecode or source.start_timecode
     rate = str(timebase.frame_rate) if timebase.frame_rate else source.frame_rate
     known = standard_rate(Fraction(rate)) if rate else None
+    moved = msgspec.structs.replace(source, start_timecode=start, frame_rate=rate)
     if known is None:
         if start and LABEL.fullmatch(start):
             raise RuleError(f"--start-timecode {start!r}: the film has no frame rate; give --frame-rate as well")
-        return msgspec.structs.replace(source, start_timecode=start, frame_rate=rate)
-    moved = msgspec.structs.replace(source, start_timecode=start, frame_rate=rate)
+        return moved
     return _counted(moved, known, replace(timebase, drop_frame=_drop_frame(timebase, source)))
 
 

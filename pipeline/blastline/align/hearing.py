@@ -31,19 +31,24 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Heard:
-    """The sound of a shot in the band of vibration, over `span`, of which `core` holds the shot itself.
+    """The sound of a shot in the band of vibration, over `span`, and the drives that go with it; arrays are as long.
 
-    Up to sample `stop` of the span the drive is the shot's own, where its window ends with it faded out.
+    `core` is where in the span the shot itself lies. Up to its sample `stop` the drive is the shot's own, with the
+    fade-out where its window ends there.
 
-    All arrays have the span's length. `undelayed` has no delay, `intended` the one that the drive is meant to have, and
-    what a louder shot before leaves ringing where nothing solves against that; of a direct drive the limit is
-    in `intended`, but not in `undelayed` of the shot itself; `expected` is what is felt where the
-    drive succeeds, with what the background before the window leaves ringing;
-    `direct` is what direct conversion would make felt of the window alone, from rest. `wet` is the drive of an open
-    window if nothing limited it. `weights` blends it with the drive of the `background`; that of a `solved` window is
-    not `wet`, but it is solved as if it were after the next onset. `fading` is by how much the window's end fades it.
-    `gain` is how much stronger than usual the shot was
-    made.
+    - `intended`: the sound with the delay that the drive is meant to have, and with what a louder shot before leaves
+      ringing where nothing solves against that; of a direct drive, as the limit leaves it;
+    - `undelayed`: the same without any delay, and of a direct drive without the limit on the shot itself;
+    - `expected`: what is felt where the drive succeeds: `intended`, and what the background before the window leaves
+      ringing;
+    - `direct`: what direct conversion would make felt of the window alone, from rest;
+    - `background`: the drive beside the windows;
+    - `wet`: the drive of an open window if nothing limited it. That of a `solved` one is another, but was solved as if
+      it were this from the next onset on;
+    - `weights`: by how much an open window's drive is blended in over the background;
+    - `fading`: by how much the window's end leaves of it.
+
+    `gain` is how much stronger than usual the shot was made.
     """
 
     span: Span

@@ -94,8 +94,9 @@ def noted(shared: Comparison, event: Event, figures: ShotFigures | None, lag: fl
     But for the actuator's limit: that holds for every drive.
     """
     for check in shot_checks(shared, event, figures, lag):
-        noted = check.measured if figures else None
-        yield check if check.name == "peak" else msgspec.structs.replace(check, passed=True, measured=noted, limit=None)
+        measured = check.measured if figures else None
+        free = msgspec.structs.replace(check, passed=True, measured=measured, limit=None)
+        yield check if check.name == "peak" else free
 
 
 def _onset_check(shared: Comparison, event: Event, figures: ShotFigures, lag: float | None) -> Check:

@@ -12,7 +12,7 @@ from ..units import levels_db, samples_from_ms
 from .segment import PEAK_MS
 from .tracks import Grid, Piece
 
-# A piece is about a second. Before the core: the neighbourhood of `features`; after it: that and the longest decay that
+# A piece is about a second. Before the core: what `neighbours` looks at; after it: that and the longest decay that
 # rules may ask for. What is silence around the farthest neighbours is told by what is here of the 2 s around them.
 LEFT_PIECES, CORE_PIECES, RIGHT_PIECES = 4, 64, 3
 SHORT_CORE_PIECES = 32  # where as much of all channels has to be remembered
@@ -45,7 +45,7 @@ def chunks(film: Iterable[Piece], core_pieces: int = CORE_PIECES) -> Iterator[Ch
         yield chunk
 
 
-def aligned_chunks(*films: Iterable[Piece], core_pieces: int = CORE_PIECES) -> Iterator[tuple[Chunk, ...]]:
+def aligned_chunks(*films: Iterable[Piece], core_pieces: int) -> Iterator[tuple[Chunk, ...]]:
     """Yield the chunks of films that are cut alike, those of each place together; the films are read in turns."""
     rest = zip(*films, strict=True)
     first = next(rest, None)

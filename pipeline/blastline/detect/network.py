@@ -138,9 +138,9 @@ def _convolved(values: Values, layers: Sequence[Layer]) -> Values:
 
 
 def _convolve(values: Values, layer: Layer) -> Values:
-    """Return a 3 x 3 convolution of (n, frames, bands, channels) over zeros at the edges, every `stride` places.
+    """Return what is positive of a 3 x 3 convolution of (n, frames, bands, channels), and 0 for the rest (ReLU).
 
-    And what of it is positive.
+    It is taken every `stride` places, over zeros at the edges.
     """
     count, frames, bands, channels = values.shape
     padded = np.zeros((count, frames + KERNEL - 1, bands + KERNEL - 1, channels), np.float32)
