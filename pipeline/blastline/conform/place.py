@@ -5,7 +5,6 @@ old film   ──────|cut|────── event ──────|cu
 """
 
 import itertools
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -14,7 +13,8 @@ from ..model import HeardIn
 from ..ruleset import ConformRules
 from .courses import Course
 from .film import Film
-from .waveform import EXACT_S, Found, look
+from .heard import hear_event
+from .waveform import EXACT_S
 
 _MORE_ALIKE = 0.1
 """By so much an event has to be more alike on a course further away than on one nearer."""
@@ -50,19 +50,6 @@ class Lost:
     likeness: float
 
 
-@dataclass(frozen=True)
-class _Heard:
-    """Where an event is heard on a course, and the likeness that it has to reach there."""
-
-    found: Found
-    least: float
-
-    @property
-    def is_alike(self) -> bool:
-        """Return whether it sounds as it has to."""
-        return self.found.likeness >= self.least
-
-
 def place(
     onsets_s: Sequence[float],
     courses: Sequence[Course],
@@ -90,8 +77,8 @@ def moment(old_s: float, courses: Sequence[Course], *, within_s: float) -> float
 
     A scene that begins or ends so little beside the moment, `within_s`, holds it: an end is measured, not exact.
     """
-    nearest = min(courses, key=lambda course: _distance(old_s, course), default=None)
-    if nearest is None or _distance(old_s, nearest) > within_s:
+    nearest = min(courses, key=lambda course: course.segment.outside_s(old_s), default=None)
+    if nearest is None or nearest.segment.outside_s(old_s) > within_s:
         return None
     return nearest.segment.line.at(old_s)
 
@@ -111,11 +98,11 @@ def _place(
     inside = False
     for index in _candidates(onset_s, courses, rules.reach_s):
         course = courses[index]
-        holds = _distance(onset_s, course) == 0.0
+        holds = course.segment.outside_s(onset_s) == 0.0
         inside |= holds
-        heard = _heard(onset_s, room_s, course, old, new, rules)
+        heard = hear_event(onset_s, room_s, course, old, new, rules)
         if not heard.is_alike and mix != "mains":
-            heard = _heard(onset_s, room_s, course, old, new, rules, mix)
+            heard = hear_event(onset_s, room_s, course, old, new, rules, mix)
         found = heard.found
         seen = max(seen, found.likeness)
         late_s = 0.0 if abs(found.late_s) <= EXACT_S else found.late_s
@@ -136,19 +123,15 @@ def _place(
 
 def _candidates(onset_s: float, courses: Sequence[Course], reach_s: float) -> list[int]:
     """Return the courses that an event may be on, the likeliest first: those around it, and those next to it."""
-    near = [index for index, course in enumerate(courses) if _distance(onset_s, course) <= reach_s]
+
+    def outside_s(index: int) -> float:
+        return courses[index].segment.outside_s(onset_s)
+
+    near = [index for index in range(len(courses)) if outside_s(index) <= reach_s]
     before = [index for index, course in enumerate(courses) if course.segment.stop_s <= onset_s][-1:]
     after = [index for index, course in enumerate(courses) if course.segment.start_s > onset_s][:1]
-    chosen = near if any(_distance(onset_s, courses[index]) == 0.0 for index in near) else [*near, *before, *after]
-    return sorted(set(chosen), key=lambda index: _distance(onset_s, courses[index]))
-
-
-def _distance(onset_s: float, course: Course) -> float:
-    """Return how far outside a segment an event is, 0 inside."""
-    segment = course.segment
-    if segment.start_s <= onset_s < segment.stop_s:
-        return 0.0
-    return max(segment.start_s - onset_s, onset_s - segment.stop_s, 1e-9)
+    chosen = near if any(outside_s(index) == 0.0 for index in near) else [*near, *before, *after]
+    return sorted(set(chosen), key=outside_s)
 
 
 def _claimed(new_s: float, index: int, courses: Sequence[Course], shortest_s: float) -> bool:
@@ -158,73 +141,6 @@ def _claimed(new_s: float, index: int, courses: Sequence[Course], shortest_s: fl
         if other != index and start_s + shortest_s < new_s < stop_s - shortest_s:
             return True
     return False
-
-
-def _heard(
-    onset_s: float, room_s: float, course: Course, old: Film, new: Film, rules: ConformRules, mix: HeardIn = "mains"
-) -> _Heard:
-    """Return where the event, as a mix of the old film has it, is heard on a course, by as much as both films have."""
-    if course.keeps_pitch:
-        return _attack_heard(onset_s, course, old, new, rules, mix)
-    segment, scale = course.segment, course.segment.line.scale
-    shortest_s = rules.shortest_ms / 1000.0
-    length_s = min(rules.after_ms / 1000.0, max(shortest_s, room_s * scale))
-    if onset_s < segment.start_s:  # what follows the cut would be alike without the shot, too
-        length_s = min(length_s, max(rules.attack_ms / 1000.0, (segment.start_s - onset_s) * scale))
-    elif onset_s < segment.stop_s:
-        length_s = min(length_s, max(shortest_s, (segment.stop_s - onset_s) * scale))
-    least = rules.least if _distance(onset_s, course) <= rules.reach_s else rules.least_parted
-    if length_s < shortest_s:
-        ways = [(length_s, rules.close_ms / 1000.0, rules.least_short)]
-    else:
-        ways = [(length_s, rules.close_ms / 1000.0, least), (length_s, rules.far_ms / 1000.0, rules.least_far)]
-    for after_s, search_s, enough in ways:
-        found = look(
-            old,
-            new,
-            old_s=onset_s,
-            new_s=segment.line.at(onset_s),
-            before_s=rules.before_ms / 1000.0,
-            after_s=after_s,
-            scale=course.pitch_scale,
-            search_s=search_s,
-            mix=mix,
-        )
-        heard = _Heard(found, enough)
-        if heard.is_alike:
-            break
-    return heard
-
-
-def _attack_heard(onset_s: float, course: Course, old: Film, new: Film, rules: ConformRules, mix: HeardIn) -> _Heard:
-    """Return where the event is heard where the pitch was kept: there a tool moved each piece of sound by itself.
-
-    The attack alone is compared, since a step of the tool may follow it. Where another place is nearly as good,
-    nothing is enough.
-    """
-
-    def around(new_s: float, within_s: float) -> Found:
-        return look(
-            old,
-            new,
-            old_s=onset_s,
-            new_s=new_s,
-            before_s=rules.before_ms / 1000.0,
-            after_s=rules.attack_ms / 1000.0,
-            scale=course.pitch_scale,
-            search_s=within_s,
-            mix=mix,
-        )
-
-    search_s, rival_s = rules.kept_pitch_ms / 1000.0, rules.rival_ms / 1000.0
-    expected_s = course.segment.line.at(onset_s)
-    found = around(expected_s, search_s)
-    if found.likeness < rules.least_kept_pitch:
-        return _Heard(found, rules.least_kept_pitch)
-    half_s = (search_s - rival_s) / 2.0
-    sides = (expected_s + found.late_s + side * (rival_s + half_s) for side in (-1.0, 1.0))
-    rival = max(around(side_s, half_s).likeness for side_s in sides)
-    return _Heard(found, rules.least_kept_pitch if rival <= found.likeness - rules.rival_less else math.inf)
 
 
 def _nearest(onset_s: float, courses: Sequence[Course]) -> float:
@@ -255,4 +171,4 @@ def _without_doubles(
 
 def _belongs(onset_s: float, placed: Placed, courses: Sequence[Course]) -> tuple[bool, float]:
     """Return what tells of two events which belongs to a place more: one inside its course, then the more alike."""
-    return _distance(onset_s, courses[placed.course]) == 0.0, placed.likeness
+    return courses[placed.course].segment.outside_s(onset_s) == 0.0, placed.likeness

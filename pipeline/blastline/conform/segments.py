@@ -28,6 +28,12 @@ class MatchedSegment:
         """Return where it lies in the new film."""
         return self.line.at(self.start_s), self.line.at(self.stop_s)
 
+    def outside_s(self, old_s: float) -> float:
+        """Return how far outside a moment of the old film is: 0 inside, a hair on the end, which is the next one's."""
+        if self.start_s <= old_s < self.stop_s:
+            return 0.0
+        return max(self.start_s - old_s, old_s - self.stop_s, 1e-9)
+
 
 @dataclass(frozen=True, eq=False)
 class Lane:
