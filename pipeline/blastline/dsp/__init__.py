@@ -1,10 +1,11 @@
-"""Filters as zeros, poles and a gain, how they become digital, and fades between what they make."""
+"""Filters as zeros, poles and a gain, and how they become digital; fades; what a film stands on."""
 
 from .analogue import Analogue, band, butterworth, compensator, felt_response, half_band, inverse, settle_s
 from .digital import discretise, run_filter
 from .fades import cross_fade, fade
+from .offset import opening_frames, opening_level, without_offset
 from .phase import band_sections, compensator_sections, run_backwards, run_both_ways
-from .settled import Settling, opening_frames, opening_level, settled_state, settling, without_offset
+from .settled import Settling, settled_state, settling
 
 __all__ = [
     "Analogue",
