@@ -34,11 +34,10 @@ from .options import (
     RulesOption,
     StartTimecode,
     Stream,
-    listed,
-    timeline_file,
 )
 from .progress import shown_progress
 from .summary import say_checks, say_found, say_summary, say_warnings
+from .values import items_of, timeline_file
 
 if TYPE_CHECKING:
     from ..run import Allowance, RenderOptions
@@ -85,7 +84,7 @@ def render(
         mix=mix,
         stream=parse_streams(stream),
         timebase=parse_timebase(start_timecode, frame_rate),
-        formats=tuple(dict.fromkeys(("json", *listed(formats)))),  # `check`, `export` and `conform` read it
+        formats=tuple(dict.fromkeys(("json", *items_of(formats)))),  # `check`, `export` and `conform` read it
         report=report,
         overwrite=overwrite,
         timeline=timeline,

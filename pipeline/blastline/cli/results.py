@@ -18,10 +18,10 @@ from .options import (
     ResultFolder,
     RulesOption,
     StartTimecode,
-    listed,
 )
 from .progress import shown_progress
 from .summary import say_checks
+from .values import items_of
 
 _NAME_WIDTH, _FILES_WIDTH = 9, 24  # columns of `blastline formats`; longer lists of files have a line of their own
 
@@ -119,7 +119,7 @@ def export(
     files = run.export(
         timeline,
         folder,
-        formats=listed(formats),
+        formats=items_of(formats),
         timebase=parse_timebase(start_timecode, frame_rate),
         drive=drive,
         actuator=actuator,

@@ -6,7 +6,8 @@ from typing import Annotated
 import typer
 
 from ..ruleset import load_conform, load_haptics, load_measuring, load_rules, toml_lines
-from .options import QualityOption, RulesOption, rules_folder
+from .options import QualityOption, RulesOption
+from .values import rules_folder
 
 group = typer.Typer(help="The numbers that blastline works with, and yours in their place.")
 
