@@ -27,8 +27,7 @@ class FitTarget:
     """Felt levels in dB over frequency, shape (points,) each, from the first to the last that the inverse may reach.
 
     `target_db` is actuator times skin, with notches filled up to the bound of the inverse. `error_db` is the standard
-    error of what was measured; `weights` are the shares of the octaves that the points stand
-    for, of sum 1.
+    error of what was measured; `weights` are the shares of the octaves that the points stand for, of sum 1.
     """
 
     frequencies_hz: Values

@@ -22,8 +22,8 @@ _FINAL_CUTS = frozenset({24, 25, 30, 50, 60})
 def rounding(timeline: Timeline, formats: Iterable[str]) -> tuple[str, ...]:
     """Return a line for each way in which some of the formats round the times of this timeline's events.
 
-    Formats that hold every event at its sample have no line. A shift is positive where the
-    format has the event later than it is.
+    Formats that hold every event at its sample have no line. A shift is positive where the format has the event later
+    than it is.
     """
     ways: dict[str, tuple[list[str], Shift]] = {}
     for name in dict.fromkeys(formats):

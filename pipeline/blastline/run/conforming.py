@@ -83,9 +83,9 @@ def conform(
 ) -> Conformed:
     """Re-time a timeline from the film that it was made from to a new cut and write the result to `folder`.
 
-    The timeline is given as its file or as its result's folder.
-    `mix`, `stream` and `timebase` are the new film's; without a mix it is the timeline's. Raises BlastlineError for a
-    timeline, film or folder that cannot be used; nothing is written then.
+    The timeline is given as its file or as its result's folder. `mix`, `stream` and `timebase` are the new film's;
+    without a mix it is the timeline's. Raises BlastlineError for a timeline, film or folder that cannot be used;
+    nothing is written then.
     """
     timeline = names.timeline_of(timeline)
     read = read_timeline(timeline)
