@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from blastline.soundtrack.corrections import correction_warnings
 from blastline.soundtrack.first_stamp import origin_by_others
 from blastline.soundtrack.placement import Gap, Overlap, Placement
 
@@ -175,3 +176,13 @@ def test_the_first_stamps_are_overruled_by_most(time_base: Fraction, wild: int, 
     assert abs(found - 1) <= time_base
     assert origin_by_others([*first, *frames[wild : 2 * wild]], RATE_HZ) is None  # one against one
     assert origin_by_others(unstamped([*first, *frames[wild:]], [20]), RATE_HZ) is None
+
+
+@pytest.mark.parametrize(
+    ("jumps", "more"),
+    [(1, ""), (2, ", and once more, by +2.000 s in all"), (3, ", and 2 times more, by +3.000 s in all")],
+)
+def test_stamps_that_were_overruled_again_are_told_with_how_often(jumps: int, more: str) -> None:
+    placement: Placement[Frame] = Placement(RATE_HZ, FOREVER, jumps=[(n * RATE_HZ, RATE_HZ) for n in range(jumps)])
+    (line,) = correction_warnings(placement, 0.0, is_stamped=True)
+    assert line.startswith(f"the time stamps jump by +1.000 s at 0.000 s{more}; ")

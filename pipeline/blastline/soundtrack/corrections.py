@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from ..plurals import times
 from .placement import Placement
 
 
@@ -35,7 +36,7 @@ def _told(what: str, done: str, found: Sequence[tuple[int, int]], rate_hz: int) 
 def _jumps_told(jumps: Sequence[tuple[int, int]], rate_hz: int) -> str:
     (position, jump), rest = jumps[0], jumps[1:]
     total = sum(jump for _, jump in jumps)
-    more = f", and {len(rest)} times more, by {total / rate_hz:+.3f} s in all" if rest else ""
+    more = f", and {times(len(rest))} more, by {total / rate_hz:+.3f} s in all" if rest else ""
     return (
         f"the time stamps jump by {jump / rate_hz:+.3f} s at {position / rate_hz:.3f} s{more}; "
         "the sound was kept in one piece, so what follows may play beside its picture"

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from ..plurals import times
 from .track import Samples, Stored
 
 SHORTEST_S, LONGEST_S = 0.005, 3.0
@@ -72,10 +73,10 @@ class Dropouts:
     def warnings(self) -> Iterator[str]:
         """Yield what a user has to know, a line each, once all samples have been seen."""
         if self.count:
-            times, first_s = "once" if self.count == 1 else f"{self.count} times", self.first / self._rate_hz
+            first_s, lost_s = self.first / self._rate_hz, self.frames / self._rate_hz
             yield (
-                f"the sound breaks off into zeros {times} and comes back as abruptly, first at {first_s:.3f} s: "
-                f"a part of the file may be lost, {self.frames / self._rate_hz:.3f} s in all"
+                f"the sound breaks off into zeros {times(self.count)} and comes back as abruptly, first at "
+                f"{first_s:.3f} s: a part of the file may be lost, {lost_s:.3f} s in all"
             )
         last = self._stretch
         if last is not None and last.is_by_block and self._frames - last.start >= self._shortest:

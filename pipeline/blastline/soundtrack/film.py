@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import SoundtrackError
+from ..plurals import times
 from .appended import Appended, appended_warning, find_appended
 from .boxes import ends_before_its_index
 from .chunks import ChunkTable, overflow_warning
@@ -140,8 +141,7 @@ class FilmTrack:
                 f"{played_s:.3f} s on"
             )
         if tally.resumed:
-            times = "once" if tally.resumed == 1 else f"{tally.resumed} times"
-            lines.append(f"reading broke off {times} and went on behind the damage")
+            lines.append(f"reading broke off {times(tally.resumed)} and went on behind the damage")
         if tally.stopped:
             lines.append(f"reading stopped early: {tally.stopped}")
         return lines + picture_warnings(self.facts) + stamp_warnings(self.facts)
