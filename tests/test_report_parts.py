@@ -13,11 +13,12 @@ from blastline.report.choice import MAX_FIGURES, pictured
 from blastline.report.figures import ShotPictures
 from blastline.report.overview import Overview
 from blastline.report.sounds import envelope, event_sound, spectrum_db
-from blastline.report.summary import heading, verdict
+from blastline.report.summary import heading, verdict, warnings
 from blastline.report.tables import origin_list, rejections_table
 from blastline.report.track import film_track
 from blastline.report.words import allowed, duration, measured
 from blastline.timecode import timecode_at
+from timelines import timeline
 
 
 def figures_in(text: str) -> list[float]:
@@ -291,3 +292,12 @@ def test_a_duration_is_the_nearest_of_its_kind(seconds: float) -> None:
         assert abs(3600 * hours + 60 * minutes + whole - seconds) <= 0.5
         assert minutes < 60
         assert whole < 60
+
+
+def test_what_had_to_be_mended_is_told_and_nothing_is_where_nothing_was() -> None:
+    film = timeline()
+    assert (film.source.warnings, warnings(film)) == ((), "")
+    lost = ("2 packets lost", "3 samples were not numbers")
+    told = warnings(msgspec.structs.replace(film, source=msgspec.structs.replace(film.source, warnings=lost)))
+    assert re.findall("<li>(.*?)</li>", told) == [*lost]
+    assert "The film was not read without trouble." in told

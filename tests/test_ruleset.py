@@ -196,6 +196,16 @@ def test_a_rule_that_does_not_fit_is_named(tmp_path: Path, file: str, text: str,
     assert "\n" not in str(raised.value)
 
 
+@pytest.mark.parametrize(
+    "file",
+    sorted(p.relative_to(BUILTIN).as_posix() for each in ("*", "quality/*") for p in BUILTIN.glob(f"{each}.toml")),
+)
+def test_the_check_reads_each_rule_file_that_there_is(tmp_path: Path, file: str) -> None:
+    written(tmp_path, file, "nothing_reads_this = 1\n")
+    with pytest.raises(RuleError, match=re.escape(f"{tmp_path / file}: nothing_reads_this: no such key")):
+        list(check_rules(tmp_path))
+
+
 def test_a_missing_key_is_named(tmp_path: Path) -> None:
     profile = (BUILTIN / "actuators/crowson-t108sm.toml").read_text(encoding="utf-8")
     file = written(tmp_path, "own.toml", profile.replace("corner_hz = 5.0\n", "")) / "own.toml"

@@ -215,6 +215,13 @@ def test_a_tier_without_a_level_looks_for_no_reflections() -> None:
     assert decisions(shot, tier, rate_hz=RATE_HZ)[0].choice == "none looked for"
 
 
+@pytest.mark.parametrize(("copies", "told"), [(1, "what copies it is a later shot"), (3, "are later shots")])
+def test_what_copies_a_shot_but_is_a_later_one_is_no_reflection_and_told_by_its_number(copies: int, told: str) -> None:
+    measured = ShotEvidence(0.9, 1, 12.0, "last reflection", copies=copies)
+    said = next(each for each in decisions(shot_of(measured, []), TIER, rate_hz=RATE_HZ) if each.about == "reflections")
+    assert (said.choice, told in said.reason) == ("none", True)
+
+
 @pytest.mark.parametrize(("looks", "room_db"), [(False, None), (True, -80.0)])
 def test_a_reflection_that_was_found_as_a_sound_is_told_where_none_was_looked_for(
     looks: bool, room_db: float | None

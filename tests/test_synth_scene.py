@@ -2,6 +2,7 @@
 
 import itertools
 import re
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import soundfile
 from blastline.errors import OutputError, RuleError
 from blastline.model import Span
 from blastline.synth import (
+    NEGATIVE_KINDS,
     Scene,
     SceneAudio,
     decode_truth,
@@ -28,6 +30,7 @@ from blastline.synth.files import BLOCK_S
 from blastline.synth.layouts import mains
 from blastline.synth.master import limited, quantised
 from blastline.synth.scene import Master
+from blastline.synth.spread import expanded
 from blastline.synth.tone import peak, rms
 from blastline.units import db_from_gain, gain_from_db
 
@@ -185,6 +188,15 @@ def test_another_rate_keeps_the_times() -> None:
         assert (one.weapon, one.rise_ms, one.distance_m) == (two.weapon, two.rise_ms, two.distance_m)
 
 
+def test_a_reflection_comes_its_delay_behind_the_onset_and_is_as_long_as_the_blast() -> None:
+    truth = truth_of(render_scene(scene_of(shots=[shot(1.0), shot(3.0, burst={"shots": 3, "rpm": 600})])))
+    assert sum(len(item.reflections) for item in truth.shots) > 12
+    for item in truth.shots:
+        for echo in item.reflections:
+            assert echo.start - item.onset_sample == pytest.approx(echo.delay_ms * RATE_HZ / 1000.0, abs=0.5)
+            assert echo.stop - echo.start == item.blast.stop - item.blast.start
+
+
 def test_shots_at_both_ends_stay_inside_the_scene() -> None:
     scene = scene_of(beds=[BED], shots=[shot(0.0), shot(5.9999), shot(5.99, burst={"shots": 5, "rpm": 600})])
     audio = render_scene(scene)
@@ -249,6 +261,14 @@ def test_a_film_has_what_was_asked_for_without_collisions() -> None:
     short = audio.read(0, 10 * RATE_HZ)
     assert np.isfinite(short).all()
     assert peak(short) <= 1.0
+
+
+def test_random_negatives_are_of_every_kind_before_any_comes_again_where_none_is_asked_for() -> None:
+    every = len(NEGATIVE_KINDS)
+    for count in (every, every + 3):
+        random = {"shots": 0, "negatives": count, "spacing_s": 0.5}
+        counts = Counter(item.kind for item in expanded(scene_of(random=random, duration_s=60.0)).negatives)
+        assert (set(counts), max(counts.values())) == (set(NEGATIVE_KINDS), 1 if count == every else 2)
 
 
 def test_random_tables_add_to_what_is_written() -> None:
