@@ -156,6 +156,21 @@ def test_a_notch_is_filled_and_the_compensator_bounded(largest_gain_db: float) -
     assert np.max(drive_db) + np.max(felt_db) <= largest_gain_db + 1.0
 
 
+@pytest.mark.parametrize("corner_hz", [8.0, 30.0, 90.0])
+def test_what_an_inverse_gains_is_what_the_written_profile_drives_at_most(corner_hz: float) -> None:
+    """The compensator of the profile is built of filters, in another module, and is asked at its own frequencies."""
+    seat = Seat(resonance_hz=150.0, damping=0.3, corner_hz=corner_hz)
+    measured = measured_as(seat.level_db)
+    target = fit_target(measured, None, rules=RULES, name="seat.csv")
+    found = fit(target, rules=RULES, name="seat.csv")
+    profile = fitted_profile(found, name="seat", source="a test", origin="a test", rules=RULES)
+    low_hz, high_hz = target.band_hz
+    drive = np.abs(compensator(profile).at(np.geomspace(0.1 * low_hz, 10.0 * high_hz, 9_999)))
+    felt = np.abs(felt_response(profile).at(np.geomspace(low_hz, high_hz, 9_999)))
+    gains_db = 20.0 * math.log10(np.max(drive) * np.max(felt))
+    assert inversion_db(found.best.model, target, rules=RULES) == pytest.approx(gains_db, abs=0.05)
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_whatever_was_measured_the_model_and_its_inverse_are_stable(seed: int) -> None:
     random = np.random.default_rng(seed)

@@ -1,5 +1,6 @@
 """What a row says of an event beside its time: gains in labels, and what stays where nothing is said."""
 
+import json
 from decimal import ROUND_HALF_UP, Decimal
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -11,8 +12,8 @@ from hypothesis import strategies as st
 
 from blastline.errors import TimelineError
 from blastline.export.edits import Wanted, match, read_edits
-from blastline.model import Event
-from timelines import RATE_HZ, SHOT
+from blastline.model import Event, Span, Window, encode
+from timelines import RATE_HZ, SHOT, timeline
 
 EVENT = msgspec.structs.replace(SHOT, id="shot-0001")
 
@@ -28,6 +29,20 @@ def table(folder: Path, text: str, *events: Event) -> Wanted:
     """Return what a table wants of a film in which these events were found."""
     (folder / "edited.csv").write_text(text)
     return match(read_edits(folder / "edited.csv"), {event.id: event for event in events}, rate_hz=RATE_HZ)
+
+
+@pytest.mark.parametrize("at", [0, 1])
+def test_a_shot_at_the_very_beginning_of_a_film_has_a_past_as_any_other(tmp_path: Path, at: int) -> None:
+    shot = msgspec.structs.replace(
+        EVENT, onset_sample=at, onset_s=at / RATE_HZ, blast=Span(at, at + 400), window=Window(0, 9_600, 0, 1920)
+    )
+    document = json.loads(encode(timeline(shot)))
+    for onset in (at, 2_400):
+        document["events"][0]["onset_sample"] = onset
+        (tmp_path / "edited.json").write_text(json.dumps(document))
+        [wish] = match(read_edits(tmp_path / "edited.json"), None, rate_hz=RATE_HZ).wishes
+        assert (wish.id, wish.onset, wish.unmoved) == (shot.id, onset, onset == at)
+        assert wish.origin == ("found" if onset == at else "moved")
 
 
 @pytest.mark.parametrize(
