@@ -245,6 +245,10 @@ def test_a_drive_that_is_not_the_timelines_is_told(tmp_path: Path, made: Path) -
     assert blastline(*found).code == 0
     ended = blastline("check", folder, "--audio", made / "film.wav")
     assert f"not checked: {folder / 'drive.wav'}" in ended.err
+    seat = ("--drive", made / "out" / "drive.wav", "--actuator", "crowson-t108sm")
+    given = blastline("check", folder, "--audio", made / "film.wav", *seat)
+    assert "drive" in given.out
+    assert "not checked" not in given.err
     (folder / "drive.wav").unlink()
     ended = blastline("check", folder, "--audio", made / "film.wav")
     assert ended.code == 0

@@ -259,10 +259,12 @@ def test_a_generous_budget_takes_the_most_accurate_and_says_so(film: Path, tmp_p
 
 def test_the_report_says_how_the_quality_was_chosen(film: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    assert blastline("render", film, "-o", out, "--max-cost", "100", "--quiet").code in (0, 1)
+    ended = blastline("render", film, "-o", out, "--max-cost", "100", "--quiet")
+    assert ended.code in (0, 1)
     made = msgspec.json.decode((out / "timeline.json").read_bytes(), type=Timeline)
     assert made.budget is not None
     assert made.budget.note in (out / "report.html").read_text(encoding="utf-8")
+    assert made.budget.note not in ended.err
 
 
 def test_what_was_given_up_is_named() -> None:

@@ -301,3 +301,19 @@ def test_what_had_to_be_mended_is_told_and_nothing_is_where_nothing_was() -> Non
     told = warnings(msgspec.structs.replace(film, source=msgspec.structs.replace(film.source, warnings=lost)))
     assert re.findall("<li>(.*?)</li>", told) == [*lost]
     assert "The film was not read without trouble." in told
+
+
+def seconds_in(said: str) -> float:
+    return sum(float(part) * 60**n for n, part in enumerate(reversed(said.removesuffix(" s").split(":"))))
+
+
+@pytest.mark.parametrize("length_s", [0.5, 4.0, 47.0, 600.0, 7200.0, 20_000.0])
+def test_times_below_the_film_are_few_and_stand_where_they_are(length_s: float) -> None:
+    source = msgspec.structs.replace(timeline().source, frames=round(length_s * 48_000), start_timecode=None)
+    film = msgspec.structs.replace(timeline(), source=source, events=())
+    svg = film_track(film, Overview(960, np.zeros(0, np.float32)), failed=(), linked=())
+    left, right = (float(edge) for edge in re.findall(r'<line x1="([\d.]+)" x2="([\d.]+)"', svg)[0])
+    times = re.findall(r'<text x="([\d.]+)"[^>]*text-anchor="(?:start|middle)"[^>]*>([^<]*)', svg)
+    assert 3 <= len(times) <= 11
+    for place, said in times:
+        assert float(place) == pytest.approx(left + (right - left) * seconds_in(said) / length_s, abs=0.06)
