@@ -6,7 +6,7 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -180,6 +180,30 @@ def test_what_a_library_makes_of_an_interruption_is_one(monkeypatch: pytest.Monk
         signal.signal(signal.SIGTERM, before)
     assert (ended.code, ended.err) == (130, "blastline: interrupted; nothing was written\n")
     assert blastline("rules", "show").code == 0
+
+
+@pytest.mark.parametrize("options", [(), ("--quiet",)])
+def test_an_interruption_that_was_swallowed_ends_the_run_at_its_next_step(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...]
+) -> None:
+    """As Python swallows one that comes while an object is destroyed."""
+
+    def go_on(*_: object, progress: Callable[[str, int, int | None], None], **__: object) -> tuple[Path, ...]:
+        progress("first", 0, None)
+        with contextlib.suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+        progress("second", 0, None)
+        return (Path("made"),)
+
+    before = signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    try:
+        with monkeypatch.context() as patched:
+            patched.setattr("blastline.run.synthesise", go_on)
+            ended = blastline("synth", "scene.toml", "-o", tmp_path, *options)
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert (ended.code, ended.out, "second" in ended.err) == (130, "", False)
+    assert ended.err.endswith("blastline: interrupted; nothing was written\n")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="processes are ended otherwise there")
