@@ -130,6 +130,16 @@ def test_what_a_seat_that_rings_on_still_feels_of_earlier_sound_is_shown(resonan
         assert shown == pytest.approx(whole, abs=1e-6 * np.max(np.abs(whole)))
 
 
+def test_equal_ratios_of_frequency_are_equally_far_apart_below_a_spectrum() -> None:
+    film = make_film(onsets_s=(0.1,), peaks=(0.5,), seconds=0.5)
+    sound = event_sound(film.timeline.events[0], film.timeline, audio=film.audio, drive=film.drive, profile=PROFILE)
+    ticks = re.findall(r'<text[^>]* x="([\d.]+)"[^>]*>(10|100|1k)</text>', ShotPictures().drawn(sound))[-3:]
+    assert [said for _, said in ticks] == ["10", "100", "1k"]
+    low, middle, high = (float(x) for x, _ in ticks)
+    assert middle - low == pytest.approx(high - middle, abs=0.01)
+    assert middle > low
+
+
 def test_a_picture_does_not_depend_on_those_before_it() -> None:
     """All shots are drawn on one set of axes: nothing of a louder, longer or more crowded one may be left on it."""
     film = make_film(onsets_s=(0.6, 0.68, 1.4), peaks=(0.05, 0.9, 0.2), seconds=2.5)

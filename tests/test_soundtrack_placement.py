@@ -1,5 +1,6 @@
 """Frames are placed by counting; what the stamps say is missing is filled, and nothing else."""
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -136,6 +137,19 @@ def test_stamps_that_step_back_or_leave_the_film_are_overruled_once(shift: int, 
     assert places == {number: number * FRAME for number in range(40)}
     assert placement.jumps == [(10 * FRAME, shift)]
     assert not placement.gaps
+
+
+@pytest.mark.parametrize("count", [1, 2, 4])
+def test_all_jumps_are_told_in_a_line_with_their_sum(count: int) -> None:
+    frames = [
+        Frame(f.number, (f.pts or 0) - 5 * RATE_HZ * min(f.number // 100, count))
+        for f in stamped(range(100 * (count + 2)))
+    ]
+    [told] = correction_warnings(placed(frames)[1], 0.0, is_stamped=True)
+    assert told.startswith(f"the time stamps jump by -5.000 s at {100 * FRAME / RATE_HZ:.3f} s")
+    assert re.findall(r", and (\d+) times more, by (\S+) s in all", told) == (
+        [] if count == 1 else [(str(count - 1), f"{-5.0 * count:+.3f}")]
+    )
 
 
 def test_what_was_lost_before_the_first_frame_is_filled_too() -> None:

@@ -234,7 +234,11 @@ def test_the_limiter_leaves_the_quiet_alone_and_holds_the_ceiling() -> None:
     quiet = np.abs(ramp) <= gain_from_db(-5.0)
     assert np.array_equal(out[quiet], ramp[quiet])
     assert peak(out) <= gain_from_db(-1.0)
-    assert np.all(np.diff(out[:, 0]) >= 0.0)
+    slope = np.diff(out[:, 0]) / np.diff(ramp[:, 0])
+    assert np.all((slope >= 0.0) & (slope <= 1.0 + 1e-9))
+    beyond = slope[ramp[:-1, 0] > gain_from_db(-5.0)]
+    assert beyond[0] == pytest.approx(1.0, abs=1e-3), "the knee is smooth"
+    assert np.all(np.diff(beyond) <= 1e-9)
     assert np.array_equal(limited(-ramp, master), -out)
 
 
