@@ -6,7 +6,9 @@ import pytest
 
 from align_films import RATE_HZ, Film, Samples, checks_of, failed, make_film, weights_of
 from blastline import dsp
-from blastline.model import Background, DriveModel, Event, Window
+from blastline.align.hearing import _fallen, _risen
+from blastline.model import Background, DriveModel, Event, Origin, Span, Window
+from timelines import SHOT
 
 EARLIER = round(0.3 * RATE_HZ)
 
@@ -91,3 +93,24 @@ def test_a_drive_that_was_raised_against_the_limit_fails(raised_db: float) -> No
     drive = np.clip(right.drive.samples * 10.0 ** (raised_db / 20.0), -1.0, 1.0)
     broken = [check for check in checks_of(right.with_drive(drive)) if not check.passed]
     assert {check.event for check in broken if check.name == "level_as_rendered"} >= {"shot-0002", "shot-0004"}
+
+
+@pytest.mark.parametrize("origin", ["added", "moved"])
+def test_a_shot_that_was_set_by_hand_where_a_sound_begins_is_measured_as_one_that_was_found(origin: Origin) -> None:
+    right = make_film()
+    late = right.with_drive(np.roll(right.drive.samples, 480))
+    by_hand = late.with_events(*(msgspec.structs.replace(event, origin=origin) for event in late.timeline.events))
+    found, told = checks_of(late), checks_of(by_hand)
+    assert "felt_lag" in failed(found)
+    assert [check for check in told if check.name == "felt_lag"] == [
+        check for check in found if check.name == "felt_lag"
+    ]
+
+
+@pytest.mark.parametrize(("fade_in", "fade_out"), [(0, 0), (240, 1_920), (1, 1)])
+@pytest.mark.parametrize("beyond", [0, 1, 500])
+def test_a_shot_is_weighed_as_its_window_weighs_it_and_not_beside_it(fade_in: int, fade_out: int, beyond: int) -> None:
+    event = msgspec.structs.replace(SHOT, window=Window(10_000, 20_000, fade_in, fade_out))
+    span = Span(10_000 - beyond, 20_000 + beyond)
+    expected = np.pad(weights_of(event.window), beyond)
+    assert _risen(event, span) * _fallen(event, span) == pytest.approx(expected, abs=1e-12)

@@ -51,6 +51,13 @@ def test_two_sounds_are_less_alike_than_a_copy_in_half_as_much_noise(seed: int) 
     assert like(bang(1), bang(seed)) < RULES.copy_likeness < like(bang(seed), bang(seed, gain=0.5) + noise)
 
 
+@pytest.mark.parametrize("lead", [48, 100, 240, 1_000])
+def test_an_attack_is_the_same_however_much_of_the_film_lies_before_it(lead: int) -> None:
+    here, there = (attack(samples, at, RATE_HZ) for samples, at in ((bang(1), ONSET), (bang(1)[-lead - ONSET :], lead)))
+    assert len(here) == len(there) == 2 * 18 * RATE_HZ // 1000, "16 ms and 1 ms at either side, in 16 bits"
+    assert likeness(there, [here])[0] > 0.99
+
+
 def test_several_are_compared_as_each_is() -> None:
     attacks = [attack(bang(seed), ONSET, RATE_HZ) for seed in range(5)]
     together = likeness(attacks[2], attacks)

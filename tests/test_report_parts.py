@@ -82,6 +82,10 @@ def test_an_envelope_keeps_ends_and_extremes(length: int, late: float) -> None:
     assert kept.max() == values.max()
     if length >= 50:
         assert kept.min() == values.min()
+    width = -(-length // 100)
+    for first in range(0, length, width):
+        seen, column = kept[(index >= first) & (index < first + width)], values[first : first + width]
+        assert (seen.min(), seen.max()) == (column.min(), column.max()), "it looks the same in each column"
     assert (index[0], index[-1]) == (0, length - 1)
     assert len(kept) <= max(2 * 100 + 2, length if length <= 200 else 0)
 
