@@ -287,3 +287,11 @@ def test_a_time_stamp_is_read_in_its_byte_order_and_none_is_a_week_late(
     else:
         assert source.start_timecode == clock(reference, 48_000, decimals=6)
         assert source.warnings == ()
+
+
+@pytest.mark.parametrize("frames", [1, 2])
+@pytest.mark.parametrize("name", ["film.wav", "film.flac"])
+def test_the_shortest_films_are_films(tmp_path: Path, frames: int, name: str) -> None:
+    soundfile.write(tmp_path / name, np.full(frames, 0.25), RATE_HZ)
+    samples, source = read(tmp_path / name)
+    assert (samples.tolist(), source.frames) == ([[0.25]] * frames, frames)

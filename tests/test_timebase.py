@@ -197,12 +197,16 @@ def test_what_was_said_of_a_film_is_known_from_the_timeline_made_of_it(
     assert with_timebase(filmed, recalled(AS_FILMED, earlier, unread)) == earlier
 
 
-def test_a_clock_that_was_made_a_drop_frame_timecode_is_said_again() -> None:
-    earlier = with_timebase(SOUND, parse_timebase("01:00:00.250", "29.97df"))
-    assert (earlier.start_timecode, earlier.start_offset_s < 0.0) == ("01:00:00;08", True)
-    assert recalled(AS_FILMED, earlier, SOUND) == Timebase("01:00:00.25", Fraction(30_000, 1001), drop_frame=True)
+@pytest.mark.parametrize(
+    ("clock", "numbered"),
+    [("01:00:00.25", "01:00:00;08"), ("01:00:00.5", "01:00:00;15"), ("01:00:00.125", "01:00:00;04")],
+)
+def test_a_clock_that_was_made_a_drop_frame_timecode_is_said_again(clock: str, numbered: str) -> None:
+    earlier = with_timebase(SOUND, parse_timebase(f"{clock}0", "29.97df"))
+    assert (earlier.start_timecode, earlier.start_offset_s != 0.0) == (numbered, True)
+    assert recalled(AS_FILMED, earlier, SOUND) == Timebase(clock, Fraction(30_000, 1001), drop_frame=True)
     # said anew at another rate, the clock still stands
-    assert with_timebase(SOUND, recalled(parse_timebase(None, "25"), earlier, SOUND)).start_timecode == "01:00:00.25"
+    assert with_timebase(SOUND, recalled(parse_timebase(None, "25"), earlier, SOUND)).start_timecode == clock
     own = with_timebase(BROADCAST, parse_timebase(None, "29.97df"))
     assert recalled(AS_FILMED, own, BROADCAST).start_timecode is None
 
