@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from blastline.conform import Placed, find_courses, place
-from blastline.conform.courses import Anchored, through_anchors
+from blastline.conform.anchors import _fitted
+from blastline.conform.courses import Anchored, Course, joined, through_anchors
 from blastline.conform.fingerprint import FRAME_HZ
 from blastline.conform.lines import Line, find_lines
 from blastline.conform.segments import MatchedSegment
@@ -60,3 +61,23 @@ def test_short_scenes_in_another_order_keep_their_shots_beside_a_long_one_that_s
     found = place(onsets_s, find_courses(one, other), one, other, load_conform())
     expected_s = [5.0, 15.0, *(20.0 + 3.6 * order.index(number) + 1.8 for number in range(5))]
     assert [each.new_s if isinstance(each, Placed) else None for each in found] == pytest.approx(expected_s, abs=1e-4)
+
+
+@pytest.mark.parametrize("shift", [0.0, 3_600.0])
+def test_a_line_through_anchors_on_a_line_is_that_line_wherever_in_the_film_they_are(shift: float) -> None:
+    x = shift + np.array([0.0, 7.0, 11.0, 30.0])
+    slope, level = _fitted(x, 2e-5 * x - 0.25, np.array([1.0, 0.5, 2.0, 1.0]))
+    assert (slope, level) == (pytest.approx(2e-5, abs=1e-12), pytest.approx(-0.25, abs=1e-8))
+
+
+@pytest.mark.parametrize("anchors", [(30, 4), (4, 30)])
+def test_of_two_stretches_on_one_line_the_one_that_more_anchors_tell_of_has_the_say(anchors: tuple[int, int]) -> None:
+    one, other = (
+        Course(
+            MatchedSegment(Line(1.0, 2.0 + late_s, start_s, start_s + 50.0), start_s, start_s + 50.0, 0.5), 1.0, 0.0, n
+        )
+        for start_s, late_s, n in zip((0.0, 50.0), (0.0, 4e-4), anchors, strict=True)
+    )
+    [whole] = joined([one, other])
+    assert whole.segment.line == max(one, other, key=lambda course: course.anchors).segment.line
+    assert (whole.segment.start_s, whole.segment.stop_s, whole.anchors) == (0.0, 100.0, 34)

@@ -8,7 +8,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from blastline.misfits import misfit
+from blastline.misfits import listed, misfit
 from blastline.model import Timeline, encode
 from blastline.ruleset.aligning import AlignRules
 from timelines import timeline
@@ -93,3 +93,12 @@ def test_a_key_that_is_not_known_is_told_with_the_one_that_may_be_meant(name: st
     told = refusal({name: 1}, AlignRules)
     assert told is not None
     assert told.startswith(f"{name}: no such key; expected {meant}")
+
+
+@pytest.mark.parametrize("count", range(1, 14))
+def test_names_are_listed_whole_or_with_the_number_of_the_others(count: int) -> None:
+    names = [f"name-{n}" for n in range(count)]
+    said, _, more = listed(names).partition(" and ")
+    shown = said.split(", ")
+    assert (shown, len(shown)) == (names[: len(shown)], min(count, 10))
+    assert more == (f"{count - len(shown)} more" if count > len(shown) else "")

@@ -52,6 +52,13 @@ def test_a_constant_changes_nothing_where_a_film_begins(
         np.testing.assert_allclose(shifted, plain, rtol=0.0, atol=1e-7 + 0.3 * bed)  # as well as noise lets it be known
 
 
+@pytest.mark.parametrize("rate_hz", [8_000, 48_000, 192_000])
+def test_what_a_film_stands_on_is_told_by_as_long_a_beginning_at_any_rate(rate_hz: int) -> None:
+    seconds = dsp.opening_frames(10**9, rate_hz) / rate_hz
+    assert seconds == dsp.opening_frames(10**9, RATE_HZ) / RATE_HZ > 0.5
+    assert dsp.opening_frames(rate_hz // 10, rate_hz) == rate_hz // 10
+
+
 def test_a_boom_that_a_short_film_begins_with_is_no_constant() -> None:
     boom = np.sin(2.0 * np.pi * 4.0 * np.arange(RATE_HZ // 5) / RATE_HZ + 0.1)
     assert dsp.opening_level(boom, RATE_HZ) == 0.0

@@ -10,11 +10,11 @@ from align_films import PROFILE, make_film
 from blastline import dsp
 from blastline.model import Check, Event, Phase, Rejection, Window
 from blastline.report.choice import MAX_FIGURES, pictured
-from blastline.report.figures import ShotPictures
+from blastline.report.figures import ShotPictures, _bands_hz, _centres
 from blastline.report.overview import Overview
 from blastline.report.sounds import envelope, event_sound, spectrum_db
 from blastline.report.summary import heading, verdict, warnings
-from blastline.report.tables import origin_list, rejections_table
+from blastline.report.tables import origin_list, rejections_table, shots_table
 from blastline.report.track import film_track
 from blastline.report.words import allowed, duration, measured
 from blastline.timecode import timecode_at
@@ -132,6 +132,11 @@ def test_what_a_seat_that_rings_on_still_feels_of_earlier_sound_is_shown(resonan
     for shown, played in ((sound.felt_drive, drive.samples), (sound.felt_direct, film.audio.samples)):
         whole = dsp.run_filter(felt, np.clip(played, -1.0, 1.0))[sound.span.start : sound.span.stop]
         assert shown == pytest.approx(whole, abs=1e-6 * np.max(np.abs(whole)))
+
+
+def test_a_spectrum_is_drawn_where_its_bands_are() -> None:
+    edges_hz, centres_hz = _bands_hz(), _centres()
+    assert np.all((edges_hz[:-1] < centres_hz) & (centres_hz < edges_hz[1:]))
 
 
 def test_equal_ratios_of_frequency_are_equally_far_apart_below_a_spectrum() -> None:
@@ -317,6 +322,17 @@ def test_what_had_to_be_mended_is_told_and_nothing_is_where_nothing_was() -> Non
     assert "The film was not read without trouble." in told
 
 
+def test_a_table_of_shots_has_a_column_for_where_they_come_from_where_any_tells() -> None:
+    shot, other = timeline().events
+    assert (shot.azimuth_deg, other.azimuth_deg) == (-29.7, None)
+    for events, told in (((shot, other), ["\u221230", "–"]), ((other,), [])):
+        table = shots_table(events, failed={}, linked=())
+        heads = re.findall(r"<th [^>]*>(.*?)</th>", table)
+        rows = [re.findall(r"<td [^>]*>(.*?)</td>", row) for row in table.split("<tr ")[1:]]
+        assert [len(row) for row in rows] == [len(heads)] * len(events)
+        assert [row[heads.index("Azimuth,&nbsp;°")] for row in rows if told] == told
+
+
 def seconds_in(said: str) -> float:
     return sum(float(part) * 60**n for n, part in enumerate(reversed(said.removesuffix(" s").split(":"))))
 
@@ -329,5 +345,8 @@ def test_times_below_the_film_are_few_and_stand_where_they_are(length_s: float) 
     left, right = (float(edge) for edge in re.findall(r'<line x1="([\d.]+)" x2="([\d.]+)"', svg)[0])
     times = re.findall(r'<text x="([\d.]+)"[^>]*text-anchor="(?:start|middle)"[^>]*>([^<]*)', svg)
     assert 3 <= len(times) <= 11
+    assert {place for place, _ in times} <= {
+        x for x, end in re.findall(r'<line x1="([\d.]+)" x2="([\d.]+)"', svg) if x == end
+    }
     for place, said in times:
         assert float(place) == pytest.approx(left + (right - left) * seconds_in(said) / length_s, abs=0.06)

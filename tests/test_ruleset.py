@@ -13,6 +13,7 @@ import pytest
 from blastline.errors import RuleError
 from blastline.model import Quality
 from blastline.ruleset import Rules, actuator_names, check_rules, load_actuator, load_rules, rules_path
+from blastline.ruleset.folder import require_folder
 
 BUILTIN = Path(rules_path("scenes.toml")).parent
 QUALITIES: tuple[Quality, ...] = get_args(Quality)
@@ -244,6 +245,11 @@ def test_a_folder_without_any_rule_file_is_named(tmp_path: Path, name: str | Non
     for read in (lambda: load_rules("standard", tmp_path), lambda: [*check_rules(tmp_path)]):
         with pytest.raises(RuleError, match=re.escape(complaint)):
             read()
+
+
+@pytest.mark.parametrize("file", ["actuators/seat.toml", "perception/skin.toml", "verifier/shots.json", "haptics.toml"])
+def test_one_file_of_any_kind_that_is_read_makes_a_folder_of_rules(tmp_path: Path, file: str) -> None:
+    require_folder(written(tmp_path, file, ""))
 
 
 @pytest.mark.parametrize("name", ["Scenes.toml", "quality/standart.toml"])

@@ -229,6 +229,9 @@ def test_a_rate_without_drop_frame_names_the_start_that_was_said_earlier() -> No
     with pytest.raises(RuleError, match=r"--frame-rate 25: .* the start '10:00:00;00' of the timeline that was edited"):
         recalled(parse_timebase(None, "25"), earlier, SOUND)
     assert recalled(parse_timebase("10:00:00:00", "25"), earlier, SOUND).start_timecode == "10:00:00:00"
+    whole = with_timebase(SOUND, parse_timebase("10:00:00:00", "24"))
+    again = with_timebase(SOUND, recalled(parse_timebase(None, "25"), whole, SOUND))
+    assert (again.start_timecode, again.frame_rate) == ("10:00:00:00", "25")
 
 
 @pytest.mark.parametrize("text", ["01:00:00", "10:75:00.5", "1:99:99", "１０:00:00:00", "100:00:00.5", "01:00:00."])
