@@ -57,6 +57,7 @@ def test_dry_sound_is_compared_to_one_step_of_the_drives_own(bits: int) -> None:
     assert strays(written) == 0
     written[[5, 1500]] += np.where(written[[5, 1500]] > 0, -3, 3) / steps
     assert strays(written) == 2
+    assert strays(np.zeros(2000)) == np.count_nonzero(np.abs(sound) > 1.5 / steps), "rest is no sound either"
 
 
 @pytest.mark.parametrize("block", [1, 13, 10_000])

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from blastline.detect.direction import direction, with_azimuths
 from blastline.model import Channels, Shot, Span
 from blastline.ruleset import load_rules
-from blastline.soundtrack.loudspeakers import azimuths
+from blastline.soundtrack.loudspeakers import _FIXED_DEG, _ONE_PAIR_DEG, _TWO_PAIRS_DEG, azimuths
 
 RATE_HZ = 48_000
 ONSET = 480
@@ -52,6 +52,14 @@ def told(samples: NDArray[np.float64], there: tuple[float | None, ...], rise_db:
     found = direction(samples, ONSET, there, rate_hz=RATE_HZ, rise_db=rise_db)
     assert found is not None
     return found
+
+
+def test_loudspeakers_stand_as_mirrored_as_their_names_are() -> None:
+    for places in (_FIXED_DEG, _ONE_PAIR_DEG, _TWO_PAIRS_DEG):
+        for name, angle in places.items():
+            mirrored = places[name.translate(str.maketrans("LR", "RL"))]
+            assert (mirrored + angle) % 360.0 == 0.0
+            assert angle < 0.0 if "L" in name else angle > 0.0 if "R" in name else angle in (0.0, 180.0)
 
 
 @pytest.mark.parametrize("layout", ["5.1", "7.1"])

@@ -2,6 +2,7 @@
 
 import csv
 from pathlib import Path
+from xml.etree import ElementTree
 
 import msgspec
 import pandas
@@ -120,3 +121,14 @@ def test_an_unknown_format_is_refused_before_anything_is_written(tmp_path: Path)
     with pytest.raises(RuleError, match=r"--format 'xls': no such format; expected some of: json, schema, csv"):
         export_timeline(timeline(), tmp_path, formats=["json", "xls"])
     assert [*tmp_path.iterdir()] == []
+
+
+@pytest.mark.parametrize("has_picture", [True, False])
+def test_final_cut_is_told_of_a_picture_where_there_is_one_and_of_no_other(tmp_path: Path, has_picture: bool) -> None:
+    film = timeline()
+    film = msgspec.structs.replace(film, source=msgspec.structs.replace(film.source, has_picture=has_picture))
+    [file] = export_timeline(film, tmp_path, formats=["fcpxml"])
+    asset = ElementTree.parse(file).find("resources/asset")
+    assert asset is not None
+    assert (asset.get("hasAudio"), asset.get("hasVideo")) == ("1", "1" if has_picture else None)
+    assert (asset.get("format") is not None) == has_picture

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 
 from blastline.errors import TimelineError
-from blastline.export import read_timeline
+from blastline.export import export_timeline, read_timeline
 from blastline.model import Timeline, encode
 from timelines import any_timeline, timeline
 
@@ -215,3 +215,11 @@ def test_a_key_of_a_later_minor_version_is_let_pass(tmp_path: Path) -> None:
     file = tmp_path / "timeline.json"
     file.write_text(json.dumps(plain))
     assert read_timeline(file) == timeline()
+
+
+@pytest.mark.parametrize("start", ["01:00:00:00", "01:00:00;02", "01:00:00.5", "23:59:59.999", None])
+def test_a_start_is_read_as_it_can_be_said(tmp_path: Path, start: str | None) -> None:
+    film = timeline()
+    source = msgspec.structs.replace(film.source, start_timecode=start, frame_rate="30000/1001")
+    [file] = export_timeline(msgspec.structs.replace(film, source=source), tmp_path, formats=["json"])
+    assert read_timeline(file).source.start_timecode == start

@@ -176,7 +176,9 @@ def test_marks_lie_where_the_shots_are() -> None:
     assert svg.count("<a ") == len(film.timeline.events)
     assert 'href="#shot-shot-0001"' in svg
     assert 'href="#row-shot-0002"' in svg
-    assert svg.count("a check failed") == 1
+    [failed] = [mark for mark in svg.split("<a ")[1:] if "a check failed" in mark]
+    assert ("shot-0002" in failed, "l10 10m0 -10l-10 10" in failed, "<circle" in failed) == (True, True, False)
+    assert svg.count("<circle") == len(film.timeline.events) - 1, "all others are discs"
     assert "01:00:05" in svg
 
 

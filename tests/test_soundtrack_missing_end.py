@@ -1,6 +1,7 @@
 """Films that break off: noticed in every container."""
 
 import re
+import struct
 from fractions import Fraction
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import soundfile
 
 from blastline.errors import SoundtrackError
 from blastline.soundtrack import open_soundtrack
+from blastline.soundtrack.boxes import ends_before_its_index
 from blastline.soundtrack.ending import stops_early
 from coded_films import FILM_RATE, FRAMES, LONG, LONG_SHOTS, SHOTS, is_broken_off, read
 from media import RATE_HZ, impulses, onsets, write_media
@@ -200,3 +202,16 @@ def test_a_film_cut_before_its_index_is_refused(tmp_path: Path, extension: str) 
     path.write_bytes(b"\0" * 4_000)
     with pytest.raises(SoundtrackError, match="is not a sound file or film that can be read"):
         open_soundtrack(path)
+
+
+@pytest.mark.parametrize("wide", [False, True])
+@pytest.mark.parametrize("moov", [False, True])
+def test_a_film_lacks_its_index_where_no_box_leads_to_it_however_sizes_are_written(
+    tmp_path: Path, wide: bool, moov: bool
+) -> None:
+    """Of more than 4 GB a box has its size in 64 bits behind its name."""
+    sound = bytes(3_000)
+    head = struct.pack(">I4sQ", 1, b"mdat", 16 + len(sound)) if wide else struct.pack(">I4s", 8 + len(sound), b"mdat")
+    film = struct.pack(">I4s4sI", 16, b"ftyp", b"qt  ", 0) + head + sound
+    (tmp_path / "film.mov").write_bytes(film + struct.pack(">I4s", 8, b"moov") * moov)
+    assert ends_before_its_index(tmp_path / "film.mov") != moov
