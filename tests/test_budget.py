@@ -24,7 +24,7 @@ from blastline.run.listening import HeardFilm, listen
 from blastline.run.options import RenderOptions
 from blastline.run.rendering import write_report_of
 from blastline.run.sampling import EXCERPT_FRAMES, counted_s, sample_film, timed_s
-from blastline.soundtrack import open_soundtrack
+from blastline.soundtrack import Soundtrack, open_soundtrack
 from blastline.study.codecs import encode
 from commands import RATE_HZ, blastline, write_film
 from render_signals import shot_at
@@ -316,6 +316,25 @@ def test_a_sample_is_taken_from_all_over_the_film(tmp_path: Path) -> None:
     assert taken.size == round(sample.seconds * RATE_HZ)
     assert sample.seconds == pytest.approx(timed_s(100.0), rel=0.3)
     assert 0.1 < np.mean(np.abs(taken) > 0.1) < 0.6
+
+
+@pytest.mark.parametrize("length_s", [20, 100])
+def test_what_decoding_takes_is_told_for_a_second_of_film(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, length_s: int
+) -> None:
+    film, used_s = tmp_path / "film.wav", [0.0]
+    soundfile.write(film, np.full(length_s * RATE_HZ, 0.25, np.float32), RATE_HZ, subtype="PCM_16")
+    plain = Soundtrack.read_approximately
+
+    def half_as_long(track: Soundtrack, start_s: float, seconds: float, **how: bool) -> Any:
+        used_s[0] += 0.5 * seconds
+        return plain(track, start_s, seconds, **how)
+
+    monkeypatch.setattr(Soundtrack, "read_approximately", half_as_long)
+    monkeypatch.setattr(sampling, "process_time", lambda: used_s[0])
+    with open_soundtrack(film) as track:
+        sample = sample_film(film, track, tmp_path / "sample.wav", counted=False)
+    assert sample.decode_per_s == pytest.approx(0.5, rel=0.01)
 
 
 def test_a_sample_joins_without_a_step_and_knows_its_loudest_frame(tmp_path: Path) -> None:

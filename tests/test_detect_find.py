@@ -15,13 +15,15 @@ from blastline.detect import Detection, find_shots, load_verifier, verifier_of
 from blastline.detect.candidates import CandidateFeatures, describe_candidates, let_all_pass, well_apart
 from blastline.detect.chunks import CORE_PIECES, Chunk, chunks
 from blastline.detect.features import feature_names
-from blastline.detect.find import search_chunks
+from blastline.detect.find import _nearest, search_chunks
+from blastline.detect.fire import ScoredCandidates
 from blastline.detect.forest import ForestFile, forest_from, probabilities
 from blastline.detect.spectrogram import Spectrograms, spectrograms
 from blastline.detect.tracks import Grid, pieces
 from blastline.detect.verify import (
     CONFIDENT_LOG_ODDS,
     SCHEMA,
+    LogOdds,
     Look,
     ModelFile,
     Sieve,
@@ -393,3 +395,10 @@ def test_a_gun_may_fire_for_as_long_as_its_belt_lasts(rounds: int) -> None:
     assert (np.abs(late).min(axis=1) < RATE_HZ // 1000).all(), "nothing else is"
     assert np.count_nonzero(np.abs(late).min(axis=0) < RATE_HZ // 1000) >= 0.9 * rounds
     assert np.diff(found).max() < 0.8 * RATE_HZ
+
+
+@pytest.mark.parametrize("onset", [1_000, 1_004, 1_011, 1_030])
+def test_a_shot_is_the_candidate_that_is_nearest_to_its_onset(onset: int) -> None:
+    onsets, none = np.array([400, 1_000, 1_010, 1_024]), np.zeros(4)
+    scored = ScoredCandidates(onsets, none, LogOdds(none, none, none), np.zeros((4, 1), np.int16))
+    assert _nearest(scored, onset, 48) == np.argmin(np.abs(onsets - onset))
