@@ -336,7 +336,7 @@ def test_a_table_of_shots_has_a_column_for_where_they_come_from_where_any_tells(
 
 
 def seconds_in(said: str) -> float:
-    return sum(float(part) * 60**n for n, part in enumerate(reversed(said.removesuffix(" s").split(":"))))
+    return sum(float(part) * 60.0**n for n, part in enumerate(reversed(said.removesuffix(" s").split(":"))))
 
 
 @pytest.mark.parametrize("length_s", [0.5, 4.0, 47.0, 600.0, 7200.0, 20_000.0])
