@@ -13,7 +13,7 @@ from blastline.report.choice import MAX_FIGURES, pictured
 from blastline.report.figures import ShotPictures, _bands_hz, _centres
 from blastline.report.overview import Overview
 from blastline.report.sounds import envelope, event_sound, spectrum_db
-from blastline.report.summary import heading, verdict, warnings
+from blastline.report.summary import heading, tiles, verdict, warnings
 from blastline.report.tables import origin_list, rejections_table, shots_table
 from blastline.report.track import film_track
 from blastline.report.words import allowed, duration, measured
@@ -352,3 +352,23 @@ def test_times_below_the_film_are_few_and_stand_where_they_are(length_s: float) 
     }
     for place, said in times:
         assert float(place) == pytest.approx(left + (right - left) * seconds_in(said) / length_s, abs=0.06)
+
+
+def test_what_has_no_figure_is_said_to_be_missing_where_that_fails_and_not_needed_where_it_passes() -> None:
+    failed, passed = (measured(Check("felt_lag", "shot-0001", good, None, 0.5, "ms")) for good in (False, True))
+    assert (failed, passed) == ("could not be measured", "nothing to measure")
+
+
+@pytest.mark.parametrize("singles", [0, 1, 3])
+@pytest.mark.parametrize("bursts", [0, 1, 2])
+def test_the_key_figures_count_shots_alone_and_bursts(singles: int, bursts: int) -> None:
+    numbers = [None] * singles + [number for number in range(1, bursts + 1) for _ in range(3)]
+    events = tuple(
+        msgspec.structs.replace(timeline().events[1], id=f"s{n}", burst=burst) for n, burst in enumerate(numbers)
+    )
+    [(count, said)] = re.findall(
+        r"<dt>Shots</dt><dd>(\d+)<small>(.*?)</small>", tiles(msgspec.structs.replace(timeline(), events=events))
+    )
+    assert int(count) == singles + 3 * bursts
+    assert figures_in(said) == ([singles, bursts] if bursts else [])
+    assert ("bursts" in said) == (bursts > 1)
