@@ -359,6 +359,20 @@ def test_ratios_in_place_of_levels_are_doubted_and_no_flat_seat_is(
     assert bool(ended.err) == doubted
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_table_with_phase_tells_of_a_seat_that_moves_against_the_drive_and_of_no_other(
+    tmp_path: Path, sign: float
+) -> None:
+    frequencies_hz = np.geomspace(5.0, 2000.0, 80)
+    degrees = np.degrees(np.angle(sign * SEAT.at(frequencies_hz)))
+    rows = [f"{hz},{db},{d}" for hz, db, d in zip(frequencies_hz, SEAT.level_db(frequencies_hz), degrees, strict=True)]
+    (tmp_path / "seat.csv").write_text("\n".join(["frequency_hz,gain_db,phase_deg", *rows]))
+    said = blastline("actuator", "fit", tmp_path / "seat.csv", "-o", tmp_path / "seat.toml").out
+    assert re.findall(r"^polarity +(.*)$", said, flags=re.MULTILINE) == (
+        ["inverted: the seat moves against the drive"] if sign < 0.0 else []
+    )
+
+
 def test_a_large_table_without_phase_is_drawn_in_little_room(tmp_path: Path) -> None:
     frequencies_hz = np.linspace(5.0, 2000.0, 20_000)
     rows = [f"{hz:.4f},{level:.3f}" for hz, level in zip(frequencies_hz, SEAT.level_db(frequencies_hz), strict=True)]

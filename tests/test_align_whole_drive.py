@@ -6,6 +6,7 @@ import pytest
 from align_films import Held, make_film, weights_of
 from blastline import dsp
 from blastline.align.sanity import order_faults
+from blastline.align.sounds import Sound, TimeMap, drive_at
 from blastline.align.whole_drive import fades_of, gaps, moving_spans, scan
 from blastline.model import Event, Span, Window
 
@@ -36,6 +37,15 @@ def test_block_size_changes_nothing(block: int) -> None:
     assert moving_spans(Held(samples, 8000, block).blocks(), still=30) == moving_spans(
         Held(samples, 8000).blocks(), still=30
     )
+
+
+@pytest.mark.parametrize("late", [0, 1, -7, 300])
+def test_a_drive_that_is_late_by_whole_samples_is_read_there_as_between_samples(late: int) -> None:
+    drive, span = Sound(Held(np.random.default_rng(6).standard_normal(2_000), 8_000), 2_000), Span(500, 900)
+    whole, _ = drive_at(drive, span, rate_hz=8_000, time_map=TimeMap(1.0, late))
+    between, _ = drive_at(drive, span, rate_hz=8_000, time_map=TimeMap(1.0, late + 1e-9))
+    assert whole == pytest.approx(between, abs=1e-6)
+    assert len(whole) == len(span)
 
 
 def test_movements_are_separated_by_rest() -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from blastline.detect import find_shots, verifier_of
 from blastline.model import Channels, Clip, Span
-from blastline.ruleset import QualityRules, SceneRules, load_rules
+from blastline.ruleset import QualityRules, SceneRules, load_measuring, load_rules
 from blastline.ruleset.table import Table
 from blastline.ruleset.tables import SegmentRules
 
@@ -100,3 +100,22 @@ def test_a_film_is_searched_to_its_end_by_rules_at_their_ends(tier: QualityRules
     channels = Channels((-30.0, 30.0), None, two_channels)
     found = find_shots([clip], rate_hz=rate_hz, tier=tier, verifier=VERIFIER, channels=channels)
     assert [shot.onset for shot in found.shots] == sorted(shot.onset for shot in found.shots)
+
+
+@pytest.mark.parametrize(
+    ("low", "high"),
+    [
+        ("shortest_gap_ms", "longest_gap_ms"),
+        ("shortest_ms", "longest_ms"),
+        ("earliest_reflection_ms", "latest_reflection_ms"),
+        ("rumble_hz", "band_hz"),
+        ("rumble_hz", "highest_hz"),
+    ],
+)
+def test_a_range_that_ends_where_it_begins_is_refused_in_every_table(low: str, high: str) -> None:
+    fields = [getattr(TIER, field.name) for field in msgspec.structs.fields(TIER)]
+    tables = [table for table in (*fields, load_measuring().fit) if hasattr(table, low) and hasattr(table, high)]
+    assert tables
+    for table in tables:
+        with pytest.raises(ValueError, match=f"{low} = .* expected less than {high}"):
+            msgspec.structs.replace(table, **{high: getattr(table, low)})
