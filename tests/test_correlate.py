@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from align_films import Samples
-from blastline.correlate import lag_of_product, lag_uncertainty, match_template, parabolic_offsets
+from blastline.correlate import (
+    lag_of_product,
+    lag_uncertainty,
+    match_template,
+    normalised_product,
+    parabolic_offsets,
+)
 
 
 def rumble(seed: int, samples: int) -> Samples:
@@ -141,3 +147,11 @@ def test_less_than_half_a_period_tells_no_lag() -> None:
     for length, known in ((250, False), (2000, True)):
         match = match_template(tone[100 : 100 + length], tone[80 : 120 + length])
         assert np.isfinite(lag_uncertainty(tone[100 : 100 + length], match, length + 40)) == known
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "alike"), [(0.0, 0.0, 1.0), (0.0, 0.3, 0.0), (0.3, 0.0, 0.0), (1e-9, 0.3, 1.0)]
+)
+def test_silence_is_like_silence_and_like_nothing_else(one: float, other: float, alike: float) -> None:
+    sound = np.random.default_rng(8).standard_normal(300)
+    assert normalised_product(one * sound, other * sound) == pytest.approx(alike, abs=1e-12)
