@@ -249,8 +249,9 @@ def test_a_picture_is_the_same_twice_and_needs_no_measurement(tmp_path: Path) ->
     assert (tmp_path / "one.svg").read_bytes() == (tmp_path / "two.svg").read_bytes()
     wrong = blastline("actuator", "show", "crowson-t108sm", "--picture", tmp_path / "one.gif").complaint
     assert wrong == f"{tmp_path / 'one.gif'}: expected a name that ends in .png, .svg, .pdf"
-    alone = blastline("actuator", "show", "crowson-t108sm", "--perception", "iso-2631-wk").complaint
-    assert "expected --picture FILE as well" in alone
+    for drawn in (("--perception", "iso-2631-wk"), ("--measured", tmp_path / "seat.csv")):
+        alone = blastline("actuator", "show", "crowson-t108sm", *drawn).complaint
+        assert "expected --picture FILE as well" in alone
 
 
 def test_a_level_that_is_asked_for_is_that_of_the_table(run: Path, tmp_path: Path) -> None:
