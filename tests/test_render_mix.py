@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from blastline.model import Background, Clip, DriveModel
 from blastline.render import RenderedWindow, compose, hear_window, plan_windows, render_window
+from blastline.render.made_of import _OnsetEnergy
 from render_signals import CAUSAL, RENDER, WINDOWS, film_with_shot, shot_at
 
 Samples = NDArray[np.float64]
@@ -134,3 +135,12 @@ def test_film_that_ends_before_its_windows_is_an_error() -> None:
     film, done = two_shots()
     with pytest.raises(ValueError, match=r"a window reaches to sample \d+, the film only to 9000"):
         list(compose(blocks(film[:9000], 3000), done, "direct"))
+
+
+@pytest.mark.parametrize("level", [0.0, 0.25])
+def test_a_shot_that_a_film_begins_with_brings_as_much_as_after_a_rest_at_the_films_first_level(level: float) -> None:
+    shot = level + np.concatenate([[0.0], np.exp(-np.arange(9_600) / 500.0)])
+    alone = _OnsetEnergy.around(shot, 0, 48_000)
+    rested = _OnsetEnergy.around(np.concatenate([np.full(48_000, level), shot]), 48_000, 48_000)
+    assert alone.brought == pytest.approx(rested.brought, rel=1e-9)
+    assert alone.brought > 0.0

@@ -346,6 +346,7 @@ def test_times_below_the_film_are_few_and_stand_where_they_are(length_s: float) 
     svg = film_track(film, Overview(960, np.zeros(0, np.float32)), failed=(), linked=())
     left, right = (float(edge) for edge in re.findall(r'<line x1="([\d.]+)" x2="([\d.]+)"', svg)[0])
     times = re.findall(r'<text x="([\d.]+)"[^>]*text-anchor="(?:start|middle)"[^>]*>([^<]*)', svg)
+    assert re.findall(r'text-anchor="end"[^>]*>([^<]*)', svg) == ["0 dB", "−20", "−40", "−60"]
     assert 3 <= len(times) <= 11
     assert {place for place, _ in times} <= {
         x for x, end in re.findall(r'<line x1="([\d.]+)" x2="([\d.]+)"', svg) if x == end

@@ -242,6 +242,19 @@ def test_the_limiter_leaves_the_quiet_alone_and_holds_the_ceiling() -> None:
     assert np.array_equal(limited(-ramp, master), -out)
 
 
+@pytest.mark.parametrize("bits", [16, 24])
+def test_steps_are_the_nearest_without_dither_and_with_it_wander_as_two_throws_do(bits: int) -> None:
+    """Triangular dither has a sixth of a step squared, and rounding then a twelfth, whatever the sound is."""
+    samples = np.full((100_000, 1), 0.3 / 2 ** (bits - 1))
+    errors = {
+        dither: quantised(samples, 0, master=Master(bits=bits, dither=dither), seed=7) / 2.0 ** (32 - bits) - 0.3
+        for dither in (False, True)
+    }
+    assert np.all(errors[False] == -0.3)
+    assert np.mean(errors[True]) == pytest.approx(0.0, abs=0.01)
+    assert np.var(errors[True]) == pytest.approx(1 / 6 + 1 / 12, rel=0.02)
+
+
 def test_in_5_1_the_picture_is_in_front_and_the_lfe_has_only_the_bottom() -> None:
     scene = scene_of(beds=[{"kind": "dialogue", "level_dbfs": -30.0}], shots=[shot(3.0)], layout="5.1", rate_hz=48_000)
     audio = render_scene(scene)
