@@ -227,6 +227,13 @@ def test_a_file_that_is_no_utf_8_is_named(tmp_path: Path) -> None:
         load_rules("standard", tmp_path)
 
 
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "utf-16-be"])
+def test_a_file_in_utf_16_is_told_to_be_one(tmp_path: Path, encoding: str) -> None:
+    (tmp_path / "scenes.toml").write_bytes("source = 'mine'\n".encode(encoding))
+    with pytest.raises(RuleError, match=r"scenes\.toml: line 1: begins as UTF-16 does; expected a TOML file in UTF-8"):
+        load_rules("standard", tmp_path)
+
+
 def test_a_folder_and_a_verifier_that_do_not_exist_are_named(tmp_path: Path) -> None:
     with pytest.raises(RuleError, match=r"none: not a folder; expected one with rule files"):
         load_rules("standard", tmp_path / "none")

@@ -110,6 +110,11 @@ def test_a_sample_rate_beyond_reason_is_refused(tmp_path: Path, rate_hz: int) ->
         open_soundtrack(wav(tmp_path / "film.wav", noise(10), rate_hz=rate_hz))
 
 
+@pytest.mark.parametrize("rate_hz", [8_000, 384_000])
+def test_the_slowest_and_the_fastest_sound_are_read(tmp_path: Path, rate_hz: int) -> None:
+    assert read(wav(tmp_path / "film.wav", noise(10), rate_hz=rate_hz))[1].sample_rate_hz == rate_hz
+
+
 def test_streams_and_channels_that_are_not_there_are_refused(tmp_path: Path) -> None:
     path = wav(tmp_path / "film.wav", noise(10, 2))
     with pytest.raises(SoundtrackError, match=r"film\.wav: has no sound stream 1; it has 0 \(2 channels\)"):

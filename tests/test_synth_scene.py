@@ -265,6 +265,16 @@ def test_in_5_1_the_picture_is_in_front_and_the_lfe_has_only_the_bottom() -> Non
     assert spectrum[:200].max() > 100.0 * spectrum[3_000:].max() > 0.0
 
 
+def test_the_truth_that_is_written_with_the_sound_is_that_of_the_scene(tmp_path: Path) -> None:
+    """The sound is written in blocks, and items lie in each, at their edges, and across them."""
+    doors = [{"at_s": at_s, "kind": "door", "peak_dbfs": -20.0} for at_s in (0.5, BLOCK_S - 0.1, BLOCK_S + 3.0)]
+    scene = scene_of(shots=[shot(1.0), shot(float(BLOCK_S)), shot(9.0)], negatives=doors, duration_s=2.0 * BLOCK_S)
+    written = write_scene(scene, tmp_path)
+    assert (len(written.shots), len(written.negatives)) == (3, 3)
+    assert written == truth_of(render_scene(scene))
+    assert written == decode_truth((tmp_path / f"{scene.name}.truth.json").read_bytes())
+
+
 def test_a_film_has_what_was_asked_for_without_collisions() -> None:
     scene = film_scene(7, 300.0, 40, 60, rate_hz=RATE_HZ)
     audio = SceneAudio(scene)
