@@ -16,7 +16,7 @@ from blastline.report.sounds import envelope, event_sound, spectrum_db
 from blastline.report.summary import heading, tiles, verdict, warnings
 from blastline.report.tables import origin_list, rejections_table, shots_table
 from blastline.report.track import film_track
-from blastline.report.words import allowed, duration, measured
+from blastline.report.words import allowed, duration, figure, measured
 from blastline.timecode import timecode_at
 from timelines import timeline
 
@@ -373,3 +373,8 @@ def test_the_key_figures_count_shots_alone_and_bursts(singles: int, bursts: int)
     assert int(count) == singles + 3 * bursts
     assert figures_in(said) == ([singles, bursts] if bursts else [])
     assert ("bursts" in said) == (bursts > 1)
+
+
+@pytest.mark.parametrize("value", [None, float("nan"), float("inf"), -float("inf")])
+def test_what_is_no_number_is_a_dash(value: float | None) -> None:
+    assert figure(value) == "–"
