@@ -12,7 +12,9 @@ from blastline.synth.chance import generator
 from blastline.synth.colour import CLEAN, air, draw_colour, record
 from blastline.synth.echoes import with_acoustics
 from blastline.synth.images import SPEED_OF_SOUND_M_S, Axis, image_echoes
+from blastline.synth.layouts import LOUDSPEAKERS_DEG, sound_gains
 from blastline.synth.rooms import ENVIRONMENTS, Acoustics, Environment, draw_acoustics, tail_noise
+from blastline.synth.scene import Layout
 from blastline.synth.shots import fire, fire_apart
 from blastline.synth.tone import compress, highpass, lowpass, peak, tilt
 from blastline.synth.voices import draw_voice
@@ -196,3 +198,19 @@ def test_a_blast_ends_with_the_last_sample_of_it_that_is_within_20_db_of_its_pea
     fired = fire_apart(generator(seed, "fired"), 48_000, replace(voice, roars=(), second_pulse=None))
     blast, direct = len(fired.truth.blast), np.abs(fired.parts.direct)
     assert direct[blast - 1] >= 0.1 * direct.max() > direct[blast:].max()
+
+
+@pytest.mark.parametrize("layout", ["stereo", "5.1", "7.1"])
+@pytest.mark.parametrize("azimuth_deg", [-170.0, -100.0, -45.0, -30.0, -12.0, 0.0, 30.0, 70.0, 110.0])
+def test_a_sound_is_panned_to_where_it_comes_from_as_far_as_there_are_loudspeakers(
+    layout: Layout, azimuth_deg: float
+) -> None:
+    gains, there = sound_gains(np.random.default_rng(1), layout, azimuth_deg), LOUDSPEAKERS_DEG[layout]
+    mains = gains[list(there)]
+    assert np.all(gains >= 0.0)
+    assert np.mean(mains) == pytest.approx(1.0)
+    assert np.sum(gains) == pytest.approx(np.sum(mains)), "the LFE has none"
+    if layout == "5.1" and abs(azimuth_deg) > 110.0:  # half a circle and more lies between the surrounds
+        return
+    toward = np.angle(np.sum(mains * np.exp(1j * np.radians(list(there.values())))), deg=True)
+    assert toward == pytest.approx(np.clip(azimuth_deg, -30.0, 30.0) if layout == "stereo" else azimuth_deg, abs=1e-6)
