@@ -245,6 +245,7 @@ def test_a_drive_that_is_not_the_timelines_is_told(tmp_path: Path, made: Path) -
     assert blastline(*found).code == 0
     ended = blastline("check", folder, "--audio", made / "film.wav")
     assert f"not checked: {folder / 'drive.wav'}" in ended.err
+    assert blastline("check", folder, "--audio", made / "film.wav", "--quiet").err == ""
     seat = ("--drive", made / "out" / "drive.wav", "--actuator", "crowson-t108sm")
     given = blastline("check", folder, "--audio", made / "film.wav", *seat)
     assert "drive" in given.out
