@@ -374,6 +374,22 @@ def test_a_table_with_phase_tells_of_a_seat_that_moves_against_the_drive_and_of_
     )
 
 
+@pytest.mark.parametrize(
+    ("peak_db", "asked", "noted"), [(0.0, (), False), (40.0, (), True), (-40.0, (), True), (40.0, ("-7",), False)]
+)
+def test_a_level_that_no_calibration_would_give_is_doubted_where_none_was_asked_for(
+    tmp_path: Path, peak_db: float, asked: tuple[str, ...], noted: bool
+) -> None:
+    frequencies_hz = np.geomspace(5.0, 2000.0, 80)
+    levels_db = SEAT.level_db(frequencies_hz)
+    levels_db += peak_db - np.max(levels_db)
+    rows = [f"{hz},{level}" for hz, level in zip(frequencies_hz, levels_db, strict=True)]
+    (tmp_path / "seat.csv").write_text("\n".join(["frequency_hz,gain_db", *rows]))
+    more = [word for level in asked for word in ("--peak-db", level)]
+    said = blastline("actuator", "fit", tmp_path / "seat.csv", "-o", tmp_path / "seat.toml", *more).out
+    assert ("this level is the recorder's unless it was calibrated" in said) == noted
+
+
 def test_a_large_table_without_phase_is_drawn_in_little_room(tmp_path: Path) -> None:
     frequencies_hz = np.linspace(5.0, 2000.0, 20_000)
     rows = [f"{hz:.4f},{level:.3f}" for hz, level in zip(frequencies_hz, SEAT.level_db(frequencies_hz), strict=True)]
