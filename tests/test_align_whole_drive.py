@@ -41,11 +41,13 @@ def test_block_size_changes_nothing(block: int) -> None:
 
 @pytest.mark.parametrize("late", [0, 1, -7, 300])
 def test_a_drive_that_is_late_by_whole_samples_is_read_there_as_between_samples(late: int) -> None:
-    drive, span = Sound(Held(np.random.default_rng(6).standard_normal(2_000), 8_000), 2_000), Span(500, 900)
+    drive, span = Sound(Held(np.random.default_rng(6).standard_normal(3_000), 8_000), 3_000), Span(500, 900)
     whole, _ = drive_at(drive, span, rate_hz=8_000, time_map=TimeMap(1.0, late))
     between, _ = drive_at(drive, span, rate_hz=8_000, time_map=TimeMap(1.0, late + 1e-9))
     assert whole == pytest.approx(between, abs=1e-6)
     assert len(whole) == len(span)
+    twice, _ = drive_at(drive, span, rate_hz=8_000, time_map=TimeMap(2.0, late))
+    assert twice == pytest.approx(drive.file.read(Span(1_000 + late, 1_800 + late)).heard[::2], abs=1e-6)
 
 
 def test_movements_are_separated_by_rest() -> None:

@@ -378,3 +378,16 @@ def test_the_key_figures_count_shots_alone_and_bursts(singles: int, bursts: int)
 @pytest.mark.parametrize("value", [None, float("nan"), float("inf"), -float("inf")])
 def test_what_is_no_number_is_a_dash(value: float | None) -> None:
     assert figure(value) == "–"
+
+
+def test_what_was_nearly_a_shot_stands_beside_the_reason_that_it_was_turned_down_for() -> None:
+    reasons = ("below the threshold", "an echo", "below the threshold", "in a loop", "an echo", "an echo")
+    rejections = [Rejection(48_000 * n, reason, {"probability": 0.1 * n}) for n, reason in enumerate(reasons)]
+    table = rejections_table(rejections, timeline().source)
+    rows = re.findall(r"<tr><td>(.*?)</td><td[^>]*>(\d+)</td><td[^>]*>(.*?)</td>", table)
+    assert {why: int(count) for why, count, _ in rows} == {why: reasons.count(why) for why in reasons}
+    for why, _, shown in rows:
+        places = [float(at_s) for at_s in re.findall(r"([\d.]+) s \(", shown)]
+        own = [n for n, reason in enumerate(reasons) if reason == why]
+        assert places == sorted(own, reverse=True)[: len(places)]
+        assert len(places) >= min(3, len(own))

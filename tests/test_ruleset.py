@@ -207,6 +207,17 @@ def test_the_check_reads_each_rule_file_that_there_is(tmp_path: Path, file: str)
         list(check_rules(tmp_path))
 
 
+@pytest.mark.parametrize("kind", ["perception", "actuators"])
+def test_the_check_reads_what_else_is_in_a_folder_of_rules(tmp_path: Path, kind: str) -> None:
+    shipped = min((BUILTIN / kind).glob("*.toml"))
+    file = f"{kind}/{shipped.name}"
+    written(tmp_path, file, shipped.read_text(encoding="utf-8"))
+    assert list(check_rules(tmp_path)) == [file]
+    written(tmp_path, file, "nothing_reads_this = 1\n" + shipped.read_text(encoding="utf-8"))
+    with pytest.raises(RuleError, match=re.escape(f"{tmp_path / file}: nothing_reads_this: no such key")):
+        list(check_rules(tmp_path))
+
+
 def test_a_missing_key_is_named(tmp_path: Path) -> None:
     profile = (BUILTIN / "actuators/crowson-t108sm.toml").read_text(encoding="utf-8")
     file = written(tmp_path, "own.toml", profile.replace("corner_hz = 5.0\n", "")) / "own.toml"

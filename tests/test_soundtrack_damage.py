@@ -1,7 +1,10 @@
 """Damage inside a film: what follows it is not shifted, and what is lost is told."""
 
 import re
+from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -9,6 +12,7 @@ import soundfile
 
 from blastline.errors import SoundtrackError
 from blastline.soundtrack import open_soundtrack
+from blastline.soundtrack.decode import Tally, _frames
 from blastline.soundtrack.dropouts import Dropouts
 from coded_films import FILM_RATE, LONG, LONG_SHOTS, damaged, read, shots_in_film
 from media import RATE_HZ, impulses, onsets, write_media
@@ -247,3 +251,14 @@ def test_silence_that_a_film_means_is_no_loss(tmp_path: Path) -> None:
     noise[5 * RATE_HZ :] = 0.0
     soundfile.write(tmp_path / "film.wav", noise, RATE_HZ, subtype="PCM_16")
     assert not read(tmp_path / "film.wav")[1].warnings
+
+
+def test_sound_that_its_decoder_knows_to_be_wrong_is_no_sound() -> None:
+    """A decoder that conceals an error plays on and marks the frame; what is placed instead is silence."""
+    stereo = SimpleNamespace(name="stereo")
+    frames = [SimpleNamespace(is_corrupt=corrupt, layout=stereo) for corrupt in (False, True, False)]
+    tally = Tally(packets=len(frames))
+    for packet in ([frames[0]], [frames[1]], [frames[2]]):
+        kept = _frames(cast("Any", SimpleNamespace(decode=lambda packet=packet: packet)), tally, Fraction(3, 2))
+        assert kept == [frame for frame in packet if not frame.is_corrupt]
+    assert (tally.failed, tally.last_error, tally.first_failed_time) == (1, "damaged", Fraction(3, 2))
