@@ -8,10 +8,10 @@ import pytest
 
 from align_films import PROFILE, make_film
 from blastline import dsp
-from blastline.model import Check, Event, Phase, Rejection, Window
+from blastline.model import Check, Clip, Event, Phase, Rejection, Window
 from blastline.report.choice import MAX_FIGURES, pictured
 from blastline.report.figures import ShotPictures, _bands_hz, _centres
-from blastline.report.overview import Overview
+from blastline.report.overview import Overview, OverviewMeter
 from blastline.report.sounds import envelope, event_sound, spectrum_db
 from blastline.report.summary import heading, tiles, verdict, warnings
 from blastline.report.tables import origin_list, rejections_table, shots_table
@@ -333,6 +333,18 @@ def test_a_table_of_shots_has_a_column_for_where_they_come_from_where_any_tells(
         rows = [re.findall(r"<td [^>]*>(.*?)</td>", row) for row in table.split("<tr ")[1:]]
         assert [len(row) for row in rows] == [len(heads)] * len(events)
         assert [row[heads.index("Azimuth,&nbsp;°")] for row in rows if told] == told
+
+
+@pytest.mark.parametrize("rate_hz", [8_000, 48_000])
+@pytest.mark.parametrize("block", [1_000, 100_000])
+def test_the_level_of_a_film_is_kept_for_every_20_ms_whatever_its_rate_and_its_blocks(rate_hz: int, block: int) -> None:
+    samples = np.random.default_rng(2).uniform(-1.0, 1.0, 2 * rate_hz).astype(np.float32)
+    meter = OverviewMeter(rate_hz)
+    for _ in meter.watch(Clip(samples[at : at + block, None], rate_hz, at) for at in range(0, len(samples), block)):
+        pass
+    assert meter.overview().columns(100) == pytest.approx(np.abs(samples).reshape(100, -1).max(axis=1))
+    assert meter.overview().step == rate_hz // 50
+    assert len(meter.overview().peaks) == 100
 
 
 def seconds_in(said: str) -> float:
