@@ -2,18 +2,21 @@
 
 import re
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import msgspec
 import pytest
 
 from blastline import run
+from blastline.cli.conform import _say_lost
 from blastline.cli.progress import shown_progress
+from blastline.conform.place import Loss, Lost
 from blastline.model import Check, Edits, Rejection, Timeline, encode
 from blastline.report import CHECKS
 from blastline.timebase import parse_timebase
 from commands import Ended, blastline
-from timelines import timeline
+from timelines import SHOT, timeline
 
 
 def checked_by(monkeypatch: pytest.MonkeyPatch, *checks: Check) -> Timeline:
@@ -249,3 +252,15 @@ def test_progress_on_a_terminal_is_a_bar_with_the_time_left(
     assert out == ""
     assert re.search(r"listening.* 50 %.*left", err)
     assert "checking" in err
+
+
+@pytest.mark.parametrize("count", [1, 20, 21, 300])
+def test_of_many_shots_that_have_no_place_some_are_named_and_the_others_counted(
+    count: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lost = [(SHOT, Lost(Loss.REMOVED, 1.0, 0.2), "01:00:02:00")] * count
+    _say_lost(cast("Any", SimpleNamespace(lost=lost)))
+    lines = capsys.readouterr().err.splitlines()
+    named = [line for line in lines if line.startswith(f"not placed: {SHOT.id}: ")]
+    assert len(named) == min(count, 20)
+    assert lines[len(named) :] == ([f"not placed: {count - 20} more, in conform.csv"] if count > 20 else [])

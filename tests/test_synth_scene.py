@@ -4,7 +4,7 @@ import itertools
 import re
 from collections import Counter
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import msgspec
 import numpy as np
@@ -243,7 +243,7 @@ def test_the_limiter_leaves_the_quiet_alone_and_holds_the_ceiling() -> None:
 
 
 @pytest.mark.parametrize("bits", [16, 24])
-def test_steps_are_the_nearest_without_dither_and_with_it_wander_as_two_throws_do(bits: int) -> None:
+def test_steps_are_the_nearest_without_dither_and_with_it_wander_as_two_throws_do(bits: Literal[16, 24]) -> None:
     """Triangular dither has a sixth of a step squared, and rounding then a twelfth, whatever the sound is."""
     samples = np.full((100_000, 1), 0.3 / 2 ** (bits - 1))
     errors = {
