@@ -388,6 +388,7 @@ def test_a_level_that_no_calibration_would_give_is_doubted_where_none_was_asked_
     more = [word for level in asked for word in ("--peak-db", level)]
     said = blastline("actuator", "fit", tmp_path / "seat.csv", "-o", tmp_path / "seat.toml", *more).out
     assert ("this level is the recorder's unless it was calibrated" in said) == noted
+    assert "the model is far from the measurement" not in said
 
 
 def test_a_large_table_without_phase_is_drawn_in_little_room(tmp_path: Path) -> None:

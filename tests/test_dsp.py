@@ -162,3 +162,10 @@ def test_fading_a_signal_into_itself_changes_nothing(seed: int) -> None:
     other = random.standard_normal(64) * 1e30
     assert np.array_equal(dsp.cross_fade(samples, other, np.zeros(64)), samples)
     assert np.array_equal(dsp.cross_fade(samples, other, np.ones(64)), other)
+
+
+@pytest.mark.parametrize("slowest", [3.0, 40.0, 4_000.0])
+def test_filters_settle_until_nothing_of_their_slowest_ring_is_left(slowest: float) -> None:
+    fast = dsp.Analogue(np.zeros(0, np.complex128), np.array([-5_000.0 + 0j]), 5_000.0)
+    slow = dsp.Analogue(np.zeros(0, np.complex128), np.array([-slowest + 0j]), slowest)
+    assert math.exp(-slowest * dsp.settle_s(fast, slow)) < 1e-6

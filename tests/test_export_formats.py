@@ -1,6 +1,7 @@
 """Exported files say what the timeline says, to the sample and to the last bit."""
 
 import csv
+from fractions import Fraction
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -12,7 +13,9 @@ from hypothesis import HealthCheck, given, settings
 from blastline.errors import RuleError
 from blastline.export import FORMATS, export_timeline, known_formats, read_timeline
 from blastline.export.table import COLUMNS
+from blastline.export.words import note
 from blastline.model import Timeline
+from blastline.run.export_rows import export_rows
 from timelines import BURST_SHOT, RATE_HZ, SHOT, any_timeline, timeline
 
 SHARED_FOLDER = settings(
@@ -132,3 +135,20 @@ def test_final_cut_is_told_of_a_picture_where_there_is_one_and_of_no_other(tmp_p
     assert asset is not None
     assert (asset.get("hasAudio"), asset.get("hasVideo")) == ("1", "1" if has_picture else None)
     assert (asset.get("format") is not None) == has_picture
+
+
+def test_a_note_tells_a_burst_of_shots_in_one_and_of_no_others() -> None:
+    assert "burst" not in note(SHOT, Fraction(0))
+    assert f"burst {BURST_SHOT.burst} shot {BURST_SHOT.shot_in_burst}" in note(BURST_SHOT, Fraction(0)).split(", ")
+
+
+def test_what_was_written_is_listed_by_its_own_names_and_what_was_not_by_those_it_would_have() -> None:
+    plain = {row.name: row for row in export_rows()}
+    assert not any(row.written for row in plain.values())
+    [csv_name] = plain["csv"].files
+    several = next(row for row in plain.values() if any("*" in name for name in row.files))
+    made = [name.replace("*", "1") for name in several.files]
+    rows = {row.name: row for row in export_rows(written=[csv_name, *made])}
+    assert (rows["csv"].files, rows["csv"].written) == ((csv_name,), True)
+    assert (rows[several.name].files, rows[several.name].written) == (tuple(made), True)
+    assert rows["otio"] == plain["otio"]

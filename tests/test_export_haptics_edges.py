@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from blastline.export import HAPTIC_FORMATS, HapticTrack, haptic_track
+from blastline.export.haptics.envelope import amplitudes
 from haptic_films import PROFILE, RATE_HZ, RULES, bang, drive_of, event, film, played, track_of, write
 from haptic_rules import hjif_played, strict_json
 
@@ -130,3 +131,10 @@ def test_no_pulse_is_lost_however_soft_the_drive_is(tmp_path: Path, peak: float)
     for channel in hjif_played(tmp_path / "timeline.hjif"):
         assert len(channel.pulses) == 3
         assert min(round(255.0 * strength) for _, strength in channel.pulses) >= 1
+
+
+@pytest.mark.parametrize("level", [0.25, 0.5])
+def test_a_steady_drive_is_as_strong_at_a_films_beginning_as_anywhere(level: float) -> None:
+    points = np.array([0, 10, 48, 500, 990])
+    found = amplitudes(np.full(1_000, level), points, [0], average=48)
+    assert found == pytest.approx(np.full(len(points), math.sqrt(2.0) * level))

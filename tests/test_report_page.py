@@ -184,12 +184,13 @@ def test_a_lag_that_could_not_be_measured_is_counted_beside_those_that_were(tmp_
 def test_a_shot_tells_where_it_was_heard_and_from_where_it_came_and_no_other_does(tmp_path: Path) -> None:
     timeline = film().timeline
     plain = timeline.events[0]
-    beside = msgspec.structs.replace(plain, azimuth_deg=-112.0, azimuth_focus=0.875, heard_in="sides")
+    beside = msgspec.structs.replace(plain, azimuth_deg=-112.0, azimuth_focus=0.875, heard_in="sides", gain_db=-3.0)
     told = [
         Page(written(tmp_path, film(), msgspec.structs.replace(timeline, events=(event,)))).text
         for event in (plain, beside)
     ]
-    assert [("Azimuth" in text, "Heard in" in text) for text in told] == [(False, False), (True, True)]
+    facts = ("Azimuth", "Heard in", "By hand")
+    assert [[fact in text for fact in facts] for text in told] == [[False] * 3, [True] * 3]
     assert re.search(r"Azimuth\s+[−-]112°, focus 0\.8[78]\s+Heard in\s+the sides", told[1])
 
 
