@@ -143,6 +143,13 @@ def departure(shared: Comparison, heard: Heard, felt: Felt, dues: tuple[DueDrive
     return min((float(shares.max()) for shares in found if shares.size), default=None)
 
 
+def away_from_due(shared: Comparison, heard: Heard, felt: Felt) -> float:
+    """Return how far a drive without a solver is from what is due, from its onset on, as the energy between them."""
+    own = slice(heard.core.start, max(heard.core.stop, heard.stop))
+    due = heard.fading * unsolved_drive(shared, heard, felt).drive
+    return _energy((_own_drive(heard, felt) - due)[own])
+
+
 def _departures(shared: Comparison, heard: Heard, felt: Felt, due: DueDrive) -> Samples:
     """Return by which share of it a drive is not what is due in each of a shot's stretches; shape (stretches,).
 
@@ -224,12 +231,13 @@ def _rest(shared: Comparison, heard: Heard) -> slice:
 def _gain_of_wet(heard: Heard, felt: Felt) -> float:
     """Return the gain that most of a drive without a solver has where the limit does not hold it down.
 
-    Most by energy: what is missing of it, at its beginning or its end, does not count.
+    Most by energy: what is missing of it, at its beginning or its end, does not count. The one that was asked for where
+    the limit holds all of it down.
     """
     wet, free = heard.wet[heard.core], felt.free[heard.core]
     loud = np.flatnonzero(free & (np.abs(wet) > _LOUD * np.max(np.abs(wet), where=free, initial=0.0)))
     if not loud.size:
-        return 1.0
+        return heard.gain
     return weighted_median(felt.drive[heard.core][loud] / wet[loud], wet[loud] ** 2)
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from ..correlate import Match, lag_uncertainty, match_template, normalised_product
 from ..model import Event, Span
 from .comparison import Comparison
-from .due import Adjoints, adjoints_of, departure, unsolved_drive
+from .due import Adjoints, adjoints_of, away_from_due, departure, unsolved_drive
 from .feeling import Felt, feel
 from .hearing import Heard, Part, coarseness, hear, is_direct
 from .sounds import TimeMap
@@ -78,8 +78,8 @@ def find_shot(
 
     What the actuator's limit cannot bend counts before likeness: over a boom that rises on from the shot's own place,
     and where a seat rings the next shot may be more like this one than itself. Where the match is too poor to be
-    believed, or where the limit alone may have bent it aside, the drive is read from the shot's own place. None where
-    soundtrack or drive are silent.
+    believed, or where the limit alone may have bent it aside, the drive is read from the shot's own place. So is one
+    without a solver that is nearer there to what is due. None where soundtrack or drive are silent.
     """
     lead = shared.samples(shared.lead_ms)
     piece = slice(heard.core.start - lead, part.driven.stop - heard.span.start)
@@ -91,11 +91,15 @@ def find_shot(
 
     own = read(0)
     unbent = None if is_direct(event) else _unbent(shared, own, pattern)
-    if unbent is None or unbent.uncertainty > sharp(shared, event):
-        return _by_likeness(shared, event, heard, own, unbent, pattern=pattern, read=read)
     nearby = _match_within(event, heard, own.felt, pattern, reach(shared))
-    found = read(round(unbent.lag)) if round(unbent.lag) else own
-    return replace(found, match=Match(unbent.lag, nearby.correlation), uncertainty=unbent.uncertainty)
+    if unbent is None or unbent.uncertainty > sharp(shared, event):
+        found = _by_likeness(shared, event, heard, own, unbent, pattern=pattern, read=read)
+    else:
+        found = read(round(unbent.lag)) if round(unbent.lag) else own
+        found = replace(found, match=Match(unbent.lag, nearby.correlation), uncertainty=unbent.uncertainty)
+    if found is None or found.felt is own.felt or not _is_nearer_to_due(shared, heard, own.felt, found.felt):
+        return found
+    return replace(own, match=Match(0.0, nearby.correlation), uncertainty=0.0)
 
 
 def _by_likeness(
@@ -166,6 +170,16 @@ def _is_due(shared: Comparison, heard: Heard, felt: Felt) -> bool:
     """
     apart = None if heard.solved else departure(shared, heard, felt, (unsolved_drive(shared, heard, felt),))
     return apart is not None and apart <= shared.rules.departure
+
+
+def _is_nearer_to_due(shared: Comparison, heard: Heard, own: Felt, elsewhere: Felt) -> bool:
+    """Return whether a drive without a solver is as near to what is due in its own place as elsewhere, or nearer.
+
+    What is felt of one that was scaled down far lies beneath what a seat still rings with, and is found anywhere.
+    """
+    if heard.solved:
+        return False
+    return away_from_due(shared, heard, own) <= away_from_due(shared, heard, elsewhere)
 
 
 def _unbent(shared: Comparison, read: FoundShot, pattern: slice) -> _Unbent | None:
