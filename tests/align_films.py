@@ -193,7 +193,7 @@ def make_drive(
     roll = round(0.5 * rate_hz)
     start, stop = max(0, window.start - roll), min(len(audio), window.stop + roll)
     inside = slice(window.start - start, window.stop - start)
-    piece = audio[start:stop]
+    piece = _off_nothing(audio, rate_hz)[start:stop]
     if phase == "causal":
         target = dsp.run_filter(dsp.discretise(dsp.band(PROFILE), rate_hz), piece)[inside]
         wet = dsp.run_filter(dsp.compensator_sections(PROFILE, rate_hz, phase, lean=True), piece)[inside]
@@ -208,6 +208,11 @@ def make_drive(
     if level * np.abs(wet).max() <= 1.0:
         return level * wet, "filter"
     return limited(level * target, onset - round(1e-3 * rate_hz) - window.start, rate_hz), "constrained"
+
+
+def _off_nothing(audio: Samples, rate_hz: int) -> Samples:
+    """Return a film's sound without the constant on which it stands, which no drive follows."""
+    return audio - dsp.opening_level(audio[:rate_hz], rate_hz)
 
 
 def limited(target: Samples, first: int, rate_hz: int, *, stop: int | None = None, iterations: int = 150) -> Samples:
@@ -253,7 +258,8 @@ def event_of(
     core = slice(onset - window.start, (stop or window.stop - window.fade_out_samples) - window.start)
     felt_sections = dsp.discretise(dsp.felt_response(PROFILE), rate_hz)
     felt, plain = (dsp.run_filter(felt_sections, s[window.start : window.stop])[core] for s in (drive, audio))
-    band = dsp.run_filter(dsp.discretise(dsp.band(PROFILE), rate_hz), audio[window.start : window.stop])[core]
+    sound = _off_nothing(audio, rate_hz)[window.start : window.stop]
+    band = dsp.run_filter(dsp.discretise(dsp.band(PROFILE), rate_hz), sound)[core]
     gain_db = 20.0 * np.log10(np.linalg.norm(felt) / np.linalg.norm(plain))
     fidelity = float(np.dot(felt, band) / (np.linalg.norm(felt) * np.linalg.norm(band)))
     peak = float(np.abs(drive[window.start : window.stop]).max())

@@ -125,10 +125,11 @@ def _checks_by_shots(timeline: Timeline, shared: Comparison) -> Iterator[Check]:
     placing = [each and can_lead(shared, event) for event, each in zip(events, comparable, strict=True)]
     timing = time_film(shared, events, parts, placing)
     yield from _timing_checks(shared, [e for e, places in zip(events, placing, strict=True) if places], timing)
-    for event, compared, figures, lag in zip(events, comparable, timing.figures, timing.lags, strict=True):
+    measured = zip(events, parts, comparable, timing.figures, timing.lags, strict=True)
+    for event, part, compared, figures, lag in measured:
         yield from _window_checks(event, shared.rate_hz)
         yield from _edit_checks(event, timeline.level_db, shared.rate_hz)
-        yield from shot_checks(shared, event, figures, lag) if compared else noted(shared, event, figures, lag)
+        yield from shot_checks(shared, event, figures, lag) if compared else noted(shared, event, part, figures, lag)
 
 
 def _timing_checks(shared: Comparison, events: Sequence[Event], timing: Timing | None) -> Iterator[Check]:

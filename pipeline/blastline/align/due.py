@@ -122,6 +122,14 @@ def unsolved_drive(shared: Comparison, heard: Heard, felt: Felt) -> DueDrive:
     return min(dues, key=strays)
 
 
+def upright(heard: Heard, dues: tuple[DueDrive, ...]) -> tuple[DueDrive, ...]:
+    """Return those of the drives that may be due which move as they are meant to, not the other way.
+
+    An inverted drive is known for one by the sign of its gain, but is not due.
+    """
+    return tuple(due for due in dues if due.gain > 0.0) or (DueDrive(heard.gain, _unsolved(heard, heard.gain)),)
+
+
 def borne_out(shared: Comparison, heard: Heard, felt: Felt, dues: tuple[DueDrive, ...]) -> tuple[DueDrive, ...]:
     """Return those of the drives that may be due which a solved one follows after the attack; perhaps none."""
     rest = _rest(shared, heard)

@@ -7,9 +7,11 @@ import msgspec
 from ..model import Check, Event
 from ..units import db_from_gain, ms_from_samples
 from .comparison import Comparison
+from .feeling import peak_in
 from .found import likeness_limit, reach
-from .hearing import coarseness, is_direct, is_solved
+from .hearing import Part, coarseness, is_direct, is_solved
 from .shots import ShotFigures
+from .sounds import TimeMap
 
 _STEP = 2.0**-15
 
@@ -88,15 +90,22 @@ def can_lead(shared: Comparison, event: Event) -> bool:
     return not is_solved(event) or event.onset_sample >= shared.samples(shared.lead_ms)
 
 
-def noted(shared: Comparison, event: Event, figures: ShotFigures | None, lag: float | None) -> Iterator[Check]:
+def noted(
+    shared: Comparison, event: Event, part: Part, figures: ShotFigures | None, lag: float | None
+) -> Iterator[Check]:
     """Yield the same checks of a shot that cannot be compared, without holding it to them.
 
-    But for the actuator's limit: that holds for every drive.
+    But for what needs no attack to tell: the actuator's limit, what is due of its drive in its place, and its peak. Of
+    a shot that is over when the drive of the next begins, none of that peak is its own.
     """
+    has_own_peak = len(part.span) > 1 or part.driven.stop == event.window.stop
+    held = ["peak", "drive_as_rendered", *(["peak_as_rendered"] if has_own_peak else [])]
     for check in shot_checks(shared, event, figures, lag):
         measured = check.measured if figures else None
         free = msgspec.structs.replace(check, passed=True, measured=measured, limit=None)
-        yield check if check.name == "peak" else free
+        yield check if check.name in held else free
+    if figures is None and has_own_peak:
+        yield from _own_peak_check(shared, event, peak_in(shared, part.driven, time_map=TimeMap()))
 
 
 def _onset_check(shared: Comparison, event: Event, figures: ShotFigures, lag: float | None) -> Check:
@@ -131,9 +140,14 @@ def _level_check(shared: Comparison, event: Event, figures: ShotFigures) -> Iter
     yield Check(
         "level_as_rendered", event.id, abs(error_db) <= rules.level_error_db, error_db, rules.level_error_db, "dB"
     )
-    # what is clipped keeps most of its level; a step of 16 bits is no difference
-    error_db = db_from_gain((figures.own_peak + _STEP) / (event.drive.peak + _STEP))
-    yield Check("peak_as_rendered", event.id, abs(error_db) <= rules.peak_error_db, error_db, rules.peak_error_db, "dB")
+    yield from _own_peak_check(shared, event, figures.own_peak)
+
+
+def _own_peak_check(shared: Comparison, event: Event, own_peak: float) -> Iterator[Check]:
+    """Yield the check of the peak: what is clipped keeps most of its level; a step of 16 bits is no difference."""
+    if event.drive is not None:
+        error_db, limit_db = db_from_gain((own_peak + _STEP) / (event.drive.peak + _STEP)), shared.rules.peak_error_db
+        yield Check("peak_as_rendered", event.id, abs(error_db) <= limit_db, error_db, limit_db, "dB")
 
 
 def within(figure: float | None, limit: float) -> bool:

@@ -13,7 +13,7 @@ from ..units import db_from_gain
 from .above import added_above_band
 from .attack import PreEcho, late_start, pre_echo
 from .comparison import Comparison, Samples
-from .due import borne_out, departure, possible_drives
+from .due import borne_out, departure, possible_drives, upright
 from .feeling import peak_in
 from .found import find_shot, likeness_to_sound
 from .hearing import Part, hear, is_direct
@@ -99,7 +99,7 @@ def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap) 
         late_start=late_start(shared, heard, felt, due),
         level_db=db_from_gain(_rms(felt.own[core])) - db_from_gain(_rms(heard.direct[core])),
         pre_echo=pre_echo(shared, event, part, heard, felt, due),
-        departure=departure(shared, heard, felt, possible) if as_written else None,
+        departure=departure(shared, heard, felt, upright(heard, possible)) if as_written else None,
         above_band=added_above_band(shared, heard, felt) if as_written else None,
     )
 
