@@ -11,6 +11,7 @@ whether they begin at the same place. But what the drive has to do at each momen
 H remembers no more than a few milliseconds, so the last of these holds for each moment by itself.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,7 +67,8 @@ class DueDrive:
 class _Known:
     """A drive that ends, what was wanted of it and what is felt of it; shape (frames,) each, over the span of `Heard`.
 
-    A solver does not know what comes after: it expects its drive to ring on as the compensator's would.
+    A solver does not know what comes after: it expects its drive to ring on as the compensator's would within the
+    limit, if it were felt no more strongly than what is wanted.
     """
 
     drive: Samples
@@ -207,7 +209,11 @@ def _known(shared: Comparison, heard: Heard, felt: Felt, *, gain: float, since: 
     rings = dsp.run_filter(shared.felt, np.clip(first_guess, -limit, limit))
     drive = np.where(early, np.where(heard.fading < 1.0, _whole(shared, heard, felt), felt.drive), 0.0)
     vibration = felt.own - dsp.run_filter(shared.felt, felt.drive - drive)
-    return _Known(drive, np.where(early, gain * heard.intended, rings), vibration)
+    before = dsp.run_filter(shared.felt, np.where((at < since) & (heard.weights == 1.0), drive, 0.0))
+    piece = slice(max(0, since), max(0, stop))
+    asked, guessed = _energy((gain * heard.intended - before)[piece]), _energy(rings[piece])
+    share = math.sqrt(asked / guessed) if asked < guessed else 1.0
+    return _Known(drive, np.where(early, gain * heard.intended, share * rings), vibration)
 
 
 def _own_drive(heard: Heard, felt: Felt) -> Samples:

@@ -77,7 +77,8 @@ def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap) 
     """
     search = shared.samples(shared.rules.search_ms)
     margin = max(search, shared.memory, shared.samples(shared.lead_ms))
-    opened = max(min(part.span.start, part.driven.start), part.span.start - shared.samples(_EARLIEST_MS))
+    since = min(part.span.start, part.driven.start, part.since)  # how a shot before was solved tells what follows it
+    opened = max(since, part.span.start - shared.samples(_EARLIEST_MS))
     around = Span(opened - margin, max(part.span.stop, part.driven.stop) + margin)
     heard = hear(shared, event, part, around)
     core = heard.core

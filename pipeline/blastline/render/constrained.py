@@ -10,6 +10,7 @@ problem itself, by FFT: with N = H'H and b = H't, the gradient is N u - b.
 docs/rendering.md tells what else was tried.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -106,8 +107,8 @@ def constrained_drive(
     `impulse` is H's response, `recursion` H as the solver works with it, `warm_start` a first guess: the compensator's
     drive. `starts`, in order, are where the drive of each shot may begin: it is 0 before the first, and solved from
     start to start. Each piece follows on from what the drive before it still rings, and may ring on as its first guess
-    would; but no piece knows the next. Solved as one, the actuator would wind up for a shot up to 10 ms before it is
-    heard, and spoil the end of the shot before.
+    would if that were felt no more strongly than the sound; but no piece knows the next. Solved as one, the actuator
+    would wind up for a shot up to 10 ms before it is heard, and spoil the end of the shot before.
     """
     drive, summaries = np.zeros(len(target)), []
     warm_start = np.clip(warm_start, -1.0, 1.0)
@@ -115,9 +116,8 @@ def constrained_drive(
         if start >= stop:
             summaries.append(SolveSummary(0, 0.0))
             continue
-        wanted = np.concatenate([target[start:stop], _ringing(warm_start[start:stop], impulse)])
-        rings = _ringing(drive[starts[0] : start], impulse)[: len(wanted)]
-        wanted[: len(rings)] -= rings
+        rings = _ringing(drive[starts[0] : start], impulse)
+        wanted = _wanted(target[start:stop], warm_start[start:stop], impulse, rings=rings)
         problem = full_problem(wanted, impulse, frames=stop - start)
         energy = 0.5 * float(np.sum(wanted * wanted))
         drive[start:stop], summary = _piece(
@@ -125,6 +125,22 @@ def constrained_drive(
         )
         summaries.append(summary)
     return drive, tuple(summaries)
+
+
+def _wanted(target: Samples, guess: Samples, impulse: Samples, *, rings: Samples) -> Samples:
+    """Return what is to be felt of a piece, shape (frames + len(impulse) - 1,), where what was before still `rings`.
+
+    After it that is the guess's ringing, as if the guess were felt no more strongly than what is wanted: where the
+    limit cuts far into the guess, a seat with a slow resonance rings with that, not with the sound.
+    """
+    from scipy.signal import fftconvolve
+
+    frames, felt = len(target), np.asarray(fftconvolve(guess, impulse), dtype=np.float64)
+    wanted = np.concatenate([target, np.zeros(len(felt) - frames)])
+    wanted[: len(rings)] -= rings[: len(wanted)]
+    asked, guessed = (float(np.sum(each[:frames] ** 2)) for each in (wanted, felt))
+    wanted[frames:] += felt[frames:] * (math.sqrt(asked / guessed) if asked < guessed else 1.0)
+    return wanted
 
 
 def _ringing(drive: Samples, impulse: Samples) -> Samples:
