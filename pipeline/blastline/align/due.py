@@ -11,7 +11,6 @@ whether they begin at the same place. But what the drive has to do at each momen
 H remembers no more than a few milliseconds, so the last of these holds for each moment by itself.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +20,7 @@ from ..medians import weighted_median
 from .comparison import Comparison, Samples
 from .feeling import Felt
 from .hearing import Heard
+from .known import as_known, energy, own_drive, without_fade
 
 ATTACK_MS = 12.0
 """The longest blast of the segmentation: the attack's peak lies within."""
@@ -36,9 +36,6 @@ FAINT = 1e-3
 
 _LOUD = 0.1
 """A gain is told from samples of at least this share of the largest, which are few."""
-
-_FADED = 1e-3
-"""A drive that is faded out by more than this is no longer told from the rounding of its file."""
 
 _LONG = 16.0
 """A step so many times the safe one makes up at once for all that is missing where |H| is a quarter of its largest."""
@@ -63,19 +60,6 @@ class DueDrive:
     drive: Samples
 
 
-@dataclass(frozen=True, eq=False)
-class _Known:
-    """A drive that ends, what was wanted of it and what is felt of it; shape (frames,) each, over the span of `Heard`.
-
-    A solver does not know what comes after: it expects its drive to ring on as the compensator's would within the
-    limit, if it were felt no more strongly than what is wanted.
-    """
-
-    drive: Samples
-    wanted: Samples
-    vibration: Samples
-
-
 def adjoints_of(shared: Comparison, heard: Heard, felt: Felt, *, piece: slice) -> Adjoints:
     """Return the adjoints of a shot as its drive was made for: `piece` is where in the span that is the shot's own.
 
@@ -84,7 +68,7 @@ def adjoints_of(shared: Comparison, heard: Heard, felt: Felt, *, piece: slice) -
     """
     wet = _unsolved(heard, 1.0 if heard.solved else _gain_of_wet(heard, felt))
     left = np.where(heard.weights > 0.0, _opening(heard, wet), 0.0) - wet  # `own` is at rest until the window opens
-    known = _known(shared, heard, felt, gain=heard.gain, since=piece.start, stop=piece.stop)
+    known = as_known(shared, heard, felt, gain=heard.gain, since=piece.start, stop=piece.stop)
     vibration = known.vibration - dsp.run_filter(shared.felt, left) if left.any() else known.vibration
     return Adjoints(shared.adjoint(known.wanted / heard.gain), shared.adjoint(vibration))
 
@@ -99,7 +83,7 @@ def possible_drives(shared: Comparison, heard: Heard, felt: Felt, adjoints: Adjo
         return (unsolved_drive(shared, heard, felt),)
     rest = _rest(shared, heard)
     free = np.flatnonzero(felt.free[rest]) + rest.start
-    limit, whole, found = shared.rules.peak, _whole(shared, heard, felt), []
+    limit, whole, found = shared.rules.peak, without_fade(shared, heard, felt), []
     for gain in (heard.gain, _gain(adjoints.intended[free], adjoints.felt[free])):
         descent = gain * adjoints.intended - adjoints.felt
         found.append(DueDrive(gain, np.clip(whole + _LONG * shared.step * descent, -limit, limit)))
@@ -138,7 +122,7 @@ def borne_out(shared: Comparison, heard: Heard, felt: Felt, dues: tuple[DueDrive
     return tuple(
         due
         for due in dues
-        if not heard.solved or _energy((due.drive - felt.drive)[rest]) <= MISSING**2 * _energy(due.drive[rest])
+        if not heard.solved or energy((due.drive - felt.drive)[rest]) <= MISSING**2 * energy(due.drive[rest])
     )
 
 
@@ -157,7 +141,7 @@ def away_from_due(shared: Comparison, heard: Heard, felt: Felt) -> float:
     """Return how far a drive without a solver is from what is due, from its onset on, as the energy between them."""
     own = slice(heard.core.start, max(heard.core.stop, heard.stop))
     due = heard.fading * unsolved_drive(shared, heard, felt).drive
-    return _energy((_own_drive(heard, felt) - due)[own])
+    return energy((own_drive(heard, felt) - due)[own])
 
 
 def _departures(shared: Comparison, heard: Heard, felt: Felt, due: DueDrive) -> Samples:
@@ -169,7 +153,7 @@ def _departures(shared: Comparison, heard: Heard, felt: Felt, due: DueDrive) -> 
     length = shared.samples(STRETCH_MS)
     where = slice(heard.core.start, max(heard.core.start, heard.stop - (shared.memory if heard.solved else 0)))
     faded = heard.fading * due.drive
-    apart, asked = (rms_of(in_stretches(each[where], length)) for each in (_own_drive(heard, felt) - faded, faded))
+    apart, asked = (rms_of(in_stretches(each[where], length)) for each in (own_drive(heard, felt) - faded, faded))
     return np.asarray(apart / (asked + FAINT), dtype=np.float64)
 
 
@@ -196,35 +180,9 @@ def due_before_next(shared: Comparison, heard: Heard, felt: Felt, due: DueDrive,
     """
     if not heard.solved:
         return due.drive
-    known = _known(shared, heard, felt, gain=due.gain, since=since, stop=stop)
+    known = as_known(shared, heard, felt, gain=due.gain, since=since, stop=stop)
     limit = shared.rules.peak
     return np.clip(known.drive + shared.step * shared.adjoint(known.wanted - known.vibration), -limit, limit)
-
-
-def _known(shared: Comparison, heard: Heard, felt: Felt, *, gain: float, since: int, stop: int) -> _Known:
-    """Return a drive as what made it knew it, which began at `since` and had an end at `stop`, samples of the span."""
-    at = np.arange(len(heard.span))
-    limit, early = shared.rules.peak, at < stop
-    first_guess = np.where(early & (at >= since), gain * heard.wet, 0.0)
-    rings = dsp.run_filter(shared.felt, np.clip(first_guess, -limit, limit))
-    drive = np.where(early, np.where(heard.fading < 1.0, _whole(shared, heard, felt), felt.drive), 0.0)
-    vibration = felt.own - dsp.run_filter(shared.felt, felt.drive - drive)
-    before = dsp.run_filter(shared.felt, np.where((at < since) & (heard.weights == 1.0), drive, 0.0))
-    piece = slice(max(0, since), max(0, stop))
-    asked, guessed = _energy((gain * heard.intended - before)[piece]), _energy(rings[piece])
-    share = math.sqrt(asked / guessed) if asked < guessed else 1.0
-    return _Known(drive, np.where(early, gain * heard.intended, share * rings), vibration)
-
-
-def _own_drive(heard: Heard, felt: Felt) -> Samples:
-    """Return the drive without the background that fades in over a window's end."""
-    return felt.drive - (1.0 - heard.fading) * heard.background
-
-
-def _whole(shared: Comparison, heard: Heard, felt: Felt) -> Samples:
-    """Return the drive as if its window's end did not fade it, within the limit."""
-    limit = shared.rules.peak
-    return np.clip(_own_drive(heard, felt) / np.maximum(heard.fading, _FADED), -limit, limit)
 
 
 def _unsolved(heard: Heard, gain: float) -> Samples:
@@ -257,9 +215,5 @@ def _gain_of_wet(heard: Heard, felt: Felt) -> float:
 
 def _gain(intended: Samples, given: Samples) -> float:
     """Return the factor that brings a signal nearest to another; 1 where there is nothing of it."""
-    own = _energy(intended)
+    own = energy(intended)
     return float(np.sum(intended * given)) / own if own > 0.0 else 1.0
-
-
-def _energy(samples: Samples) -> float:
-    return float(np.sum(samples**2))
