@@ -17,7 +17,7 @@ from blastline.study.bootstrap import f1_gain, intervals
 from blastline.study.cases import Case, near_each_other, recordings
 from blastline.study.corpus import read_corpus
 from blastline.study.cost import Heard
-from blastline.study.events import EXCERPT_BEFORE_S, excerpt, scored_events, write_events
+from blastline.study.events import EXCERPT_BEFORE_S, ScoredEvent, excerpt, scored_events, write_events
 from blastline.study.front import on_front, shortfall
 from blastline.study.matching import Counts
 from blastline.study.settings import CHANGES, changed, settings
@@ -217,6 +217,17 @@ def test_the_folder_has_a_row_and_a_sound_for_each_error(tmp_path: Path) -> None
         sound, rate_hz = soundfile.read(tmp_path / "wrong" / row["excerpt"])
         assert rate_hz == RATE_HZ
         assert sound[round(EXCERPT_BEFORE_S * RATE_HZ)] == pytest.approx(level)
+
+
+@pytest.mark.parametrize("name", ["film " * 40, "銃声" * 60])
+def test_the_name_of_an_excerpt_is_one_that_a_file_can_have(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "film.wav"
+    soundfile.write(path, np.zeros(RATE_HZ), RATE_HZ, subtype="PCM_16")
+    (tmp_path / "wrong").mkdir()
+    write_events(tmp_path / "wrong", [(path, [ScoredEvent(name, "missed", 0.5, None, None, "")])])
+    (written,) = (tmp_path / "wrong").glob("missed-*.wav")
+    assert len(written.name.encode()) <= 255
+    assert name[-2:].strip() in written.name
 
 
 def test_a_change_is_one_key_of_a_tier() -> None:

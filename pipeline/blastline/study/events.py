@@ -20,8 +20,8 @@ from .tally import SCORED_MS, TIMED_MS, matched
 EXCERPT_BEFORE_S, EXCERPT_AFTER_S = 0.5, 1.0
 EVENTS, EXCERPTS = "events.csv", ("missed-*.wav", "false-*.wav")
 _NEAR_MS = 20.0
-_LONGEST_STEM = 80
-"""Of a film's name in that of an excerpt: file names end at 255 bytes."""
+_LONGEST_STEM, _LONGEST_STEM_BYTES = 80, 200
+"""Letters and bytes of a film's name in that of an excerpt: file names end at 255 bytes, and a letter may have four."""
 
 
 class ScoredEvent(msgspec.Struct, frozen=True):
@@ -58,8 +58,7 @@ def write_events(folder: Path, films: Sequence[tuple[Path, Sequence[ScoredEvent]
             names = []
             for event in events:
                 number += 1
-                stem = re.sub(r"[^\w.-]+", "_", event.film)[-_LONGEST_STEM:]
-                names.append(f"{event.kind}-{number:04d}-{stem}-{event.at_s:.3f}s.wav")
+                names.append(f"{event.kind}-{number:04d}-{_stem(event.film)}-{event.at_s:.3f}s.wav")
                 row = msgspec.structs.astuple(event)
                 table.writerow([*("" if cell is None else cell for cell in row), names[-1]])
             if events:
@@ -77,6 +76,12 @@ def excerpt(samples: NDArray[np.float32], at: int, *, start: int, rate_hz: int) 
     inside = samples[max(0, first) : max(0, first + cut.size)]
     cut[max(0, -first) : max(0, -first) + inside.size] = inside
     return cut
+
+
+def _stem(film: str) -> str:
+    """Return the end of a film's name, as much of it as fits into that of an excerpt."""
+    end = re.sub(r"[^\w.-]+", "_", film)[-_LONGEST_STEM:]
+    return end.encode()[-_LONGEST_STEM_BYTES:].decode(errors="ignore")
 
 
 def _missed(case: Case, heard: Heard, unused_ms: NDArray[np.float64], hit: set[int]) -> Iterator[ScoredEvent]:
