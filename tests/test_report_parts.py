@@ -190,6 +190,14 @@ def test_the_overview_is_read_out_with_its_shots_counted(shots: int, told: str) 
     assert f'aria-label="The film from start to end: its level, and {told}"' in svg
 
 
+def test_a_burst_of_which_one_shot_is_left_has_one_shot() -> None:
+    timeline = make_film().timeline
+    event = msgspec.structs.replace(timeline.events[0], burst=3, shot_in_burst=0)
+    timeline = msgspec.structs.replace(timeline, events=(event,))
+    svg = film_track(timeline, Overview(960, np.full(300, 0.1, np.float32)), failed=(), linked=())
+    assert "<title>Burst 3: 1 shot</title>" in svg
+
+
 def test_a_film_without_shots_is_not_said_to_rest_where_its_sound_plays_on() -> None:
     timeline = msgspec.structs.replace(make_film(onsets_s=(0.1,), peaks=(0.01,), seconds=0.5).timeline, events=())
     for name, said in (

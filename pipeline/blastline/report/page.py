@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Final
 
 from ..model import Check, Event, MadeOf, RandomAccessSound, Timeline
+from ..plurals import counted
 from ..ruleset import ActuatorProfile
 from .choice import MAX_FIGURES, failures, pictured, reasons, rule
 from .drawing import ready_to_draw
@@ -171,7 +172,8 @@ def _badge(checks: Sequence[Check]) -> str:
     if not checks:
         return ""
     decided = sum(map(is_decided, checks))
-    kind, text = ("bad", f"{failed} of {decided} checks failed") if failed else ("good", f"{decided} checks passed")
+    failing, passing = f"{failed} of {counted(decided, 'check')} failed", f"{counted(decided, 'check')} passed"
+    kind, text = ("bad", failing) if failed else ("good", passing)
     return f'<span class="badge {kind}">{text}</span>'
 
 
