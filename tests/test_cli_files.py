@@ -580,6 +580,14 @@ def test_a_folder_for_results_needs_a_name(command: str, tmp_path: Path, monkeyp
     assert "'': expected the name of a folder for the results" in blastline(*command.split(), "-o", "").complaint
 
 
+def test_a_folder_for_excerpts_needs_a_name_and_is_not_the_current_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    ended = blastline("study", "detection", "--fixtures", "fixtures", "--excerpts", "")
+    assert "--excerpts '': expected the name of a folder for the results" in ended.complaint
+
+
 def test_a_check_without_a_name_does_not_check_the_result_in_the_current_folder(
     monkeypatch: pytest.MonkeyPatch, result: Path
 ) -> None:

@@ -26,6 +26,7 @@ from .study_options import (
     source_of,
 )
 from .study_tables import detection_table
+from .values import results_folder
 
 
 def detection(
@@ -43,7 +44,10 @@ def detection(
     excerpts: Annotated[
         Path | None,
         typer.Option(
-            "--excerpts", metavar="DIR", help="Write what was missed and what was false: events.csv, and a WAV of each."
+            "--excerpts",
+            metavar="DIR",
+            parser=results_folder,
+            help="Write what was missed and what was false: events.csv, and a WAV of each.",
         ),
     ] = None,
     jobs: Jobs = CORES,
