@@ -30,13 +30,13 @@ _LONGEST_SHOWN = 60
 _MOST_LISTED = 10
 
 
-def misfit(plain: Any, error: Exception, table: type | None = None) -> str:
+def misfit(plain: Any, error: Exception, table: type) -> str:
     """Return which key of plain data does not fit, its value and what was expected, from msgspec's complaint.
 
     Which words a key takes msgspec does not tell; `table`, what the data was to become, does.
 
-    >>> misfit({"scan": {"window_ms": 0}}, ValueError("Expected `float` > 0.0 - at `$.scan.window_ms`"))
-    'scan.window_ms = 0: expected a number, more than 0'
+    >>> misfit({"rate": 0}, ValueError("Expected `float` > 0.0 - at `$.rate`"), dict[str, float])
+    'rate = 0: expected a number, more than 0'
     """
     complaint, _, place = str(error).partition(" - at `$")
     key = place.strip(".`")
@@ -47,7 +47,7 @@ def misfit(plain: Any, error: Exception, table: type | None = None) -> str:
     key = _with_key(plain, key, complaint)
     value = _value_at(plain, key)
     said = "" if isinstance(value, dict | list) else f" = {shown(value)}"
-    words = _words_at(table, key) if table and complaint.startswith("Invalid enum value") else ()
+    words = _words_at(table, key) if complaint.startswith("Invalid enum value") else ()
     if words:
         complaint = f"expected {'one of: ' * (len(words) > 1)}{', '.join(words)}"
     return f"{key or 'top level'}{said}: {_said(complaint)}"
@@ -88,20 +88,17 @@ def _joined(key: str, name: str) -> str:
     return f"{key}.{name}" if key else name
 
 
-def _meant(table: type | None, key: str, name: str) -> str:
+def _meant(table: type, key: str, name: str) -> str:
     """Return which key may have been meant by one that is unknown, or else those that there are."""
-    if table is None:
-        return ""
     known = [field.encode_name for kind in _kinds_at(table, key) for field in getattr(kind, "fields", ())]
     names = get_close_matches(name, known, n=1) or known
     return f"; expected {'one of: ' * (len(names) > 1)}{', '.join(names)}" if names else ""
 
 
-def _absent(plain: Any, table: type | None, key: str, name: str) -> str:
+def _absent(plain: Any, table: type, key: str, name: str) -> str:
     """Return which keys a group lacks: the one that was complained of, what it takes, and all others."""
     there = _value_at(plain, key)
-    needed = [] if table is None else _required(_kinds_at(table, key))
-    others = [each for each in needed if each not in there and each != name]
+    others = [each for each in _required(_kinds_at(table, key)) if each not in there and each != name]
     too = f"; missing, too: {listed(others)}" if others else ""
     return f"{_joined(key, name)}: is missing{_wanted(table, _joined(key, name))}{too}"
 
@@ -112,7 +109,7 @@ def _required(kinds: Sequence[Any]) -> list[str]:
     return [field.encode_name for field in fields if field.required]
 
 
-def _wanted(table: type | None, key: str) -> str:
+def _wanted(table: type, key: str) -> str:
     """Return what a key that is missing takes, where the table tells; nothing where it takes one of many things."""
     names = {
         "IntType": "int",
@@ -125,8 +122,6 @@ def _wanted(table: type | None, key: str) -> str:
         "TupleType": "array",
         "ListType": "array",
     }
-    if table is None:
-        return ""
     words = _words_at(table, key)
     inner = _required(_kinds_at(table, key))
     if inner:
