@@ -20,7 +20,7 @@ from film import BENCH, encoded, made, made_of, measured
 START_S = 4.0
 QUALITIES = ("draft", "standard", "reference")
 GAUGE = """
-import shutil, tempfile, time
+import tempfile, time
 from dataclasses import replace
 from pathlib import Path
 from blastline import run

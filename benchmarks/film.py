@@ -19,14 +19,14 @@ from blastline.model import Quality
 BENCH = Path("build/bench")
 SYNTH = Path(__file__).parents[1] / "pipeline" / "blastline" / "synth"
 READ = """
-import sys, time, soundfile
+import time, soundfile
 def read(path):
     with soundfile.SoundFile(path) as file:
         for block in file.blocks(65536, dtype="float32"):
             pass
 """
 RENDER = """
-import sys, time, shutil
+import time
 from pathlib import Path
 from blastline import run
 def render(path, report):
@@ -35,7 +35,7 @@ def render(path, report):
     return run.render(Path(path), out, options)
 """
 DETECT = """
-import sys, time
+import time
 from pathlib import Path
 from blastline import run
 def detect(path, rules=None):

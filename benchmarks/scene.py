@@ -35,14 +35,14 @@ from blastline.detect.segment import segment
 from blastline.detect.spectrogram import spectrograms
 from blastline.detect.tracks import Grid, pieces
 from blastline.detect.verify import Sieve, Verdicts, combined_log_odds, log_odds_in
-from blastline.model import DriveChoice, DriveModel, Shot, ShotEvidence, Span
+from blastline.model import FIRE, DriveChoice, DriveModel, Shot, ShotEvidence, Span
 from blastline.render import drive_filters, hear_window, measure, needed_audio, plan_windows, render_window
 from blastline.render.filters import felt
 from blastline.ruleset import Rules, load_actuator, load_rules
 from blastline.soundtrack import Soundtrack, open_soundtrack
 from blastline.study.matching import Counts, count
 from blastline.study.truth import synthesised
-from blastline.synth import Truth
+from blastline.synth import Truth, decode_truth
 
 BLOCK = 65_536
 LOOK_FROM = (0.0, 0.02, 0.03, 0.04, 0.06, 0.08, 0.1, 0.15)
@@ -131,7 +131,7 @@ def believed(film: SeenFilm, probability: NDArray[np.float64], rules: Rules) -> 
             evidence=ShotEvidence(None, 0, None, "background", even_row=row),
         )
         for place, row in zip(seen, rows, strict=True)
-        if probability[place] >= tier.verify.round_threshold or row == "fire"
+        if probability[place] >= tier.verify.round_threshold or row in FIRE
     ]
     return select_shots(enough, (), rate_hz=rate_hz, tier=tier).shots
 
@@ -245,7 +245,7 @@ def main() -> None:
     options = parser.parse_args()
     rules = load_rules(options.quality)
     film = made_of(f"mixed{options.minutes:g}", mixed_film(options.minutes))
-    truth = msgspec.json.decode(film.with_suffix(".truth.json").read_bytes(), type=Truth)
+    truth = decode_truth(film.with_suffix(".truth.json").read_bytes())
     fixtures = ((path, truth) for _, path, truth in synthesised(sorted(options.fixtures.glob("*.toml"))))
     print("| films | way | detection, CPU s | rendering | both | F1 | ratio | correlation |\n" + "| --- " * 8 + "|")
     seen: list[SeenFilm] = []
