@@ -29,7 +29,7 @@ from .units import nearest
 _RATE = re.compile(r"(\d{1,9}(?:\.\d{1,99})?|\d{1,18}/0*[1-9]\d{0,17})(df|ndf)?", re.IGNORECASE)
 
 _MOST_DECIMALS = 24
-"""A clock of so many tells any two floats below a frame's length apart, but for the very least."""
+"""With so many, a clock tells apart any two floats that are less than a frame, but for the very smallest."""
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,6 @@ from ..ruleset import IdentifyRules
 from .identify import INDEPENDENT, RELATED, Identified, common
 from .recording import Recording
 
-Values = NDArray[np.float64]
-
 _LIKELY = 4.0
 """Standard errors that chance exceeds once in 30000 runs."""
 

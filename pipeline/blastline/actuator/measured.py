@@ -116,7 +116,6 @@ def read_measured(path: Path) -> MeasuredResponse:
     _require_within(path, read, "gain_db", -_LEVEL_LIMIT_DB, _LEVEL_LIMIT_DB)
     _require_within(path, read, "coherence", 0.0, 1.0)
     phase_deg = read.values.get("phase_deg")
-    low_hz, high_hz = _band(path, read)
     return MeasuredResponse(
         frequencies_hz,
         gains_from_db(gain_db),
@@ -124,7 +123,7 @@ def read_measured(path: Path) -> MeasuredResponse:
         read.values.get("coherence"),
         _note(path, read, "averages", least=2.0),
         _note(path, read, "delay_s", least=-math.inf) or 0.0,
-        (low_hz, high_hz),
+        _band(path, read),
     )
 
 

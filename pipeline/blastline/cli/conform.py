@@ -115,9 +115,8 @@ def _say_lost(done: "Conformed") -> None:
 def _say_stretches(done: "Conformed") -> None:
     for number, course in enumerate(done.courses, start=1):
         segment = course.segment
-        start_s, stop_s = segment.new_span_s
-        ours, theirs = (segment.start_s, segment.stop_s), (start_s, stop_s)
-        spans = " -> ".join(f"{_clock(low)} to {_clock(high)}" for low, high in (ours, theirs))
+        both = (segment.start_s, segment.stop_s), segment.new_span_s
+        spans = " -> ".join(f"{_clock(low)} to {_clock(high)}" for low, high in both)
         kept = ", pitch kept" if course.keeps_pitch else ""
         typer.echo(f"stretch {number}: {spans}, speed {1.0 / segment.line.scale:.6f}{kept}")
     residuals = [abs(each.residual_ms) for each in done.placed]

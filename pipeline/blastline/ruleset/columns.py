@@ -24,7 +24,7 @@ class Columns:
 
 
 def read_columns(path: Path, *, needed: Sequence[str], optional: Sequence[str] = ()) -> Columns:
-    """Return the columns of a CSV file whose first line names them; the first is `frequency_hz`, ascending.
+    """Return the columns of a CSV file whose first line names them, in any order; `frequency_hz` is one, and ascends.
 
     Raises RuleError with one line that names the file, the line, the value and what was expected.
     """

@@ -137,8 +137,8 @@ def _start_timecode(container: "InputContainer") -> str | None:
     for metadata in (*tags, container.metadata):
         match = SHAPE.fullmatch(metadata.get("timecode") or metadata.get("TIMECODE", ""))
         if match:
-            clock, mark, frame = match.groups()
-            return f"{clock}{':' if mark == ':' else ';'}{frame}"
+            seconds, mark, frame = match.groups()
+            return f"{seconds}{':' if mark == ':' else ';'}{frame}"
     return None
 
 
@@ -168,12 +168,12 @@ def _declared(
     has_picture: bool,
 ) -> tuple[int | None, Length]:
     """Return how many frames the container says the stream has, None where it does not say, and how it says so."""
-    counted = header_frames(container, stream, rate_hz)
-    if counted is not None and (is_cut or _is_pcm(stream)):
-        return counted, "counted" if _is_pcm(stream) else "packets"
+    in_header = header_frames(container, stream, rate_hz)
+    if in_header is not None and (is_cut or _is_pcm(stream)):
+        return in_header, "counted" if _is_pcm(stream) else "packets"
     if container.format.name in _ESTIMATED or _is_guessed(container):
         return None, "rounded"
-    own: Length = "rounded" if counted is None else "packets"
+    own: Length = "rounded" if in_header is None else "packets"
     if _is_pcm(stream) and (container.format.name == "mxf" or _is_mp4(container)):
         own = "counted"
     of_all: Length = "shared" if has_picture else own

@@ -41,9 +41,9 @@ class Copy:
     rate_hz: int = RATE_HZ
 
 
-def _cut_up(old: OldFilm, speed: float = 25.0 / 24.0) -> list[Piece]:
+def _cut_up(old: OldFilm) -> list[Piece]:
     """Return three removals, two insertions and one change of speed."""
-    at = old.duration_s
+    at, speed = old.duration_s, 25.0 / 24.0
     return [
         Piece(0.0, 0.15 * at),
         Piece(0.02 * at, 0.08 * at, inserted=True),

@@ -20,8 +20,6 @@ from .stability_signals import RATE_HZ, shot_at, shot_film
 BLOCKS = (1, 7, 4_096)
 _FRAMES = 48_000
 
-Samples = NDArray[np.float64]
-
 
 def window_rows(folder: Path) -> Iterator[Bar]:
     """Yield the rows about windows and blocks; writes one short film into the folder."""

@@ -54,7 +54,7 @@ def draw_speaker(rng: np.random.Generator) -> Speaker:
 
 
 def dialogue(rng: np.random.Generator, rate_hz: int, seconds: float) -> Samples:
-    """Return two speakers in turn, with an rms of 1 over the whole, pauses included."""
+    """Return phrases of one to three speakers, with an rms of 1 over the whole, pauses included."""
     count = round(seconds * rate_hz)
     speakers = [draw_speaker(rng) for _ in range(int(rng.integers(1, 4)))]
     pause_s = (0.1, log_between(rng, (0.4, 2.5)))
