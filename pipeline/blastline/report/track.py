@@ -88,7 +88,7 @@ def _bursts(events: Iterable[Event], source: Source) -> Iterable[str]:
         left, right = (_x(event.onset_sample, source.frames) for event in (shots[0], shots[-1]))
         left, right = left - 3, max(right, left + 6) + 3
         yield (
-            f'<g><title>Burst {number}: {counted(len(shots), "shot")}</title>'
+            f"<g><title>Burst {number}: {counted(len(shots), 'shot')}</title>"
             f'<path d="M{left:.1f} {_MIDDLE + 4}v5H{right:.1f}v-5" '
             'fill="none" stroke="var(--drive)" stroke-width="1.6"/></g>'
         )
