@@ -16,7 +16,7 @@ from blastline.dsp import felt_response
 from blastline.report import BodeCurve
 from blastline.ruleset import ActuatorProfile, load_actuator, load_perception, rules_path
 from blastline.run import draw_bode
-from commands import BELIEVE, Ended, blastline, write_film
+from commands import BELIEVE, Ended, blastline, blastline_alone, write_film
 
 RATE_HZ = 16_000
 SEAT = Seat(delay_s=0.0123)
@@ -307,6 +307,31 @@ def test_a_seat_may_have_any_name_in_its_picture(run: Path, tmp_path: Path, name
     assert blastline(*asked).code == 0
     ended = blastline("actuator", "show", tmp_path / "seat.toml", "--picture", tmp_path / "seat.png")
     assert (ended.code, ended.err) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["--name", "a seat\nin row 7"], "seat.toml: name = 'a seat\\nin row 7': expected printable characters alone"),
+        (["--name", "Sitz \udcfc"], "seat.toml: name = 'Sitz \\udcfc': expected printable characters alone"),
+        (["-o", "Sitz \udcfc.toml"], "name = 'Sitz \\udcfc': expected printable characters alone"),
+        (["--perception", "Haut \udcfc.csv"], "the name is not valid UTF-8; rename the file"),
+    ],
+)
+def test_a_name_that_no_profile_can_hold_is_refused_before_anything_is_heard(
+    run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, options: list[str], told: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    sent = ("--excitation", run / "sent.wav", "--response", run / "none.wav", "-o", tmp_path / "seat.toml")
+    assert told in blastline_alone("actuator", "identify", *sent, "-q", *options).complaint
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_table_whose_name_no_profile_can_hold_is_refused(run: Path, tmp_path: Path) -> None:
+    table = tmp_path / "Sitz \udcfc.csv"
+    table.write_bytes((run / "seat.csv").read_bytes())
+    told = blastline_alone("actuator", "fit", table, "-o", tmp_path / "seat.toml", "-q").complaint
+    assert "the name is not valid UTF-8; rename the file" in told
 
 
 def test_a_band_that_the_table_does_not_hold_is_refused(run: Path, tmp_path: Path) -> None:

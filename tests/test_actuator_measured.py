@@ -60,6 +60,18 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     assert (again.averages, again.delay_s, again.band_hz) == (37.9, 0.0123, (5.0, 40.0))
 
 
+def test_a_source_of_several_lines_leaves_the_table_readable(tmp_path: Path) -> None:
+    measured = MeasuredResponse(np.arange(1.0, 51.0), np.ones(50), band_hz=(1.0, 50.0))
+    again = read_measured(table(tmp_path, measured_csv(measured, "measured from seat\nin row 7.wav")))
+    np.testing.assert_allclose(again.gain, measured.gain)
+
+
+def test_the_columns_come_in_any_order(tmp_path: Path) -> None:
+    lines = [f"{-hz / 100:g},{hz:g}" for hz in range(20, 420, 20)]
+    read = read_measured(table(tmp_path, "\n".join(["gain_db,frequency_hz", *lines])))
+    assert (read.frequencies_hz[0], read.gain_db[-1]) == (20.0, pytest.approx(-4.0))
+
+
 def test_levels_alone_are_enough_and_spreadsheets_may_have_written_them(tmp_path: Path) -> None:
     rows = GOOD.replace("\n", "\r\n")
     measured = read_measured(

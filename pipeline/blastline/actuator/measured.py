@@ -168,7 +168,8 @@ def doubts_of_order(measured: MeasuredResponse, excitation: Path, response: Path
 def measured_csv(measured: MeasuredResponse, source: str) -> str:
     """Return the text of a CSV file that `read_measured` reads."""
     low_hz, high_hz = measured.band_hz
-    notes = {"source": source, "delay_s": f"{measured.delay_s:.9f}", "band_hz": f"{low_hz:.6g} {high_hz:.6g}"}
+    line = " ".join(source.splitlines())  # a file may be named over several
+    notes = {"source": line, "delay_s": f"{measured.delay_s:.9f}", "band_hz": f"{low_hz:.6g} {high_hz:.6g}"}
     if measured.averages is not None:
         notes["averages"] = f"{measured.averages:.6g}"
     columns = {FREQUENCY: (measured.frequencies_hz, ".8g"), "gain_db": (measured.gain_db, ".4f")}

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ..dsp import felt_response
 from ..plurals import counted
-from ..ruleset import ActuatorProfile, FitRules, Response, check_stable, convert, toml_lines
+from ..ruleset import ActuatorProfile, FitRules, Response, check_name, check_stable, convert, toml_lines
 from ..units import gain_from_db
 from .fit import FittedResponse
 from .inverse import band_filters, peak
@@ -19,6 +19,7 @@ def fitted_profile(
 
     Raises RuleError where it is one that `load_actuator` would not read.
     """
+    check_name(name, name)
     model = fitted.best.model
     felt = analogue(model)
     raised = 0.0 if peak_db is None else peak_db - peak(model, fitted.target.band_hz)[1]

@@ -23,7 +23,16 @@ from .files import (
 from .haptics import HapticRules
 from .measuring import FitRules, IdentifyRules, MeasuringRules, PerceptionCurve
 from .perceptions import load_perception, perception_names
-from .profiles import DEFAULT_ACTUATOR, SLOWEST_RAD_S, ActuatorProfile, HighPass, LowPass, Response, check_stable
+from .profiles import (
+    DEFAULT_ACTUATOR,
+    SLOWEST_RAD_S,
+    ActuatorProfile,
+    HighPass,
+    LowPass,
+    Response,
+    check_name,
+    check_stable,
+)
 from .row_tables import BeatRules, BurstRules, RowRules
 from .tables import (
     LARGEST_LEVEL_DB,
@@ -72,6 +81,7 @@ __all__ = [
     "VerifyRules",
     "WindowRules",
     "actuator_names",
+    "check_name",
     "check_rules",
     "check_stable",
     "convert",

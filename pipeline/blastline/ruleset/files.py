@@ -24,7 +24,7 @@ from .conforming import ConformRules
 from .folder import RULE_FILES, not_a_rule_file, require_folder
 from .haptics import HapticRules
 from .measuring import MeasuringRules, PerceptionCurve
-from .profiles import ActuatorProfile, check_stable
+from .profiles import ActuatorProfile, check_name, check_stable
 from .table import Table
 from .tables import QualityRules, SceneRules
 from .text import read_utf_8
@@ -120,8 +120,7 @@ def load_actuator(name: str, overlay: Path | None = None) -> tuple[ActuatorProfi
         known = ", ".join(actuator_names(overlay))
         raise RuleError(f"{name}: no such actuator profile; expected a .toml file or one of: {known}")
     profile = convert(read_toml(path), ActuatorProfile, path)
-    if not profile.name.isprintable():
-        raise RuleError(f"{path}: name = {profile.name!r}: expected printable characters alone")
+    check_name(profile.name, path)
     check_stable(profile, path)
     return profile, hashlib.sha256(msgspec.json.encode(profile)).hexdigest()
 

@@ -51,6 +51,12 @@ class ActuatorProfile(Table, frozen=True):
     highpass: HighPass
 
 
+def check_name(name: str, path: Path | str) -> None:
+    """Raise RuleError for a profile's name that is no line of text; `path` as for `check_stable`."""
+    if not name.isprintable():
+        raise RuleError(f"{path}: name = {name!r}: expected printable characters alone")
+
+
 def check_stable(profile: ActuatorProfile, path: Path | str) -> None:
     """Raise RuleError where a pole does not decay, a zero has no stable inverse, or no band is left.
 

@@ -20,9 +20,9 @@ from ..dsp import compensator, felt_response
 from ..errors import OutputError, SoundtrackError
 from ..plurals import counted
 from ..progress import Progress, no_progress
-from ..ruleset import ActuatorProfile, load_actuator, load_measuring
+from ..ruleset import ActuatorProfile, check_name, load_actuator, load_measuring
 from ..soundtrack import Soundtrack, open_soundtrack
-from ..staging import require_free
+from ..staging import require_free, require_utf_8
 from ..units import levels_db
 from .fitting import FitOptions, MadeProfile, fit_and_write
 from .options import require_seat
@@ -91,6 +91,7 @@ def fit_actuator(measured: Path, output: Path, *, options: FitOptions, progress:
     Raises BlastlineError for a measurement, rules or an output that cannot be used; nothing is written then.
     """
     _require_place(output, None, options)
+    require_utf_8(measured, advice="rename the file")  # the profile says what it comes from
     response = read_measured(measured)
     require_coherent(response, measured, least=load_measuring(options.rules).identify.least_coherence)
     made = fit_and_write(response, output, options, f"measured in {measured.name}", progress)
@@ -98,14 +99,16 @@ def fit_actuator(measured: Path, output: Path, *, options: FitOptions, progress:
 
 
 def _require_place(profile: Path, csv: Path | None, options: FitOptions) -> None:
-    """Raise OutputError, before anything is heard, where the files could not be written.
+    """Raise BlastlineError, before anything is heard, where the files could not be written.
 
-    And for names under which the commands that go on from here would not take them.
+    And for names under which the commands that go on from here would not take them, or that no profile can hold.
     """
     if profile.suffix != ".toml":
         raise OutputError(f"{profile}: expected a name that ends in .toml, so that --actuator takes it")
     if csv is not None and csv.suffix != ".csv":
         raise OutputError(f"{csv}: expected a name that ends in .csv, so that `actuator fit` takes it")
+    check_name(options.name or profile.stem, profile)
+    require_utf_8(Path(options.perception), advice="rename the file")
     for path in (profile, *([csv] if csv is not None else [])):
         require_free(path.parent, names=[path.name], overwrite=options.overwrite)
 
