@@ -119,6 +119,11 @@ def test_every_shipped_file_is_sound() -> None:
             "[windows]\nguard_ms = '1 ms'\n",
             "windows.guard_ms = '1 ms': expected a number, not",
         ),
+        (
+            "quality/standard.toml",
+            '[scan]\nband_jump_db = "off"\n',
+            "scan.band_jump_db = 'off': expected a number, not a text",  # TOML has no null
+        ),
         ("quality/standard.toml", "[windows]\nguard_ms = -1\n", "windows.guard_ms = -1: expected a number, 0 or more"),
         ("quality/standard.toml", "[windows]\nguard_ms = true\n", "windows.guard_ms = true: expected a number, not"),
         (

@@ -254,6 +254,7 @@ def test_a_change_is_one_key_of_a_tier() -> None:
         ("verify.networks", "expected TABLE.KEY=VALUE"),
         ("verify.networks=two", "expected a number"),
         ("verify.networks=off", "verify.networks"),
+        ("verify.row_from='x'", "verify.row_from = 'x': expected a number or off, not a text"),
     ],
 )
 def test_a_change_that_does_not_fit_is_refused(change: str, complaint: str) -> None:

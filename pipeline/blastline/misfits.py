@@ -30,10 +30,11 @@ _LONGEST_SHOWN = 60
 _MOST_LISTED = 10
 
 
-def misfit(plain: Any, error: Exception, table: type) -> str:
+def misfit(plain: Any, error: Exception, table: type, *, null: str = "null") -> str:
     """Return which key of plain data does not fit, its value and what was expected, from msgspec's complaint.
 
-    Which words a key takes msgspec does not tell; `table`, what the data was to become, does.
+    Which words a key takes msgspec does not tell; `table`, what the data was to become, does. `null` is the word for a
+    key that is left out, empty where there is none, as in TOML.
 
     >>> misfit({"rate": 0}, ValueError("Expected `float` > 0.0 - at `$.rate`"), dict[str, float])
     'rate = 0: expected a number, more than 0'
@@ -50,15 +51,15 @@ def misfit(plain: Any, error: Exception, table: type) -> str:
     words = _words_at(table, key) if complaint.startswith("Invalid enum value") else ()
     if words:
         complaint = f"expected {'one of: ' * (len(words) > 1)}{', '.join(words)}"
-    return f"{key or 'top level'}{said}: {_said(complaint)}"
+    return f"{key or 'top level'}{said}: {_said(complaint, null)}"
 
 
-def _said(complaint: str) -> str:
+def _said(complaint: str, null: str) -> str:
     """Return a complaint without the names of Python's types."""
     told = _EXPECTED.match(complaint)
     if told is None:
         return f"{complaint[:1].lower()}{complaint[1:]}"
-    what, sign, bound = _kinds(told["kinds"]), told["sign"], told["bound"]
+    what, sign, bound = _kinds(told["kinds"], null), told["sign"], told["bound"]
     if told["long"] and bound:
         parts = "characters" if "str" in told["kinds"] else "entries"
         least = "at least" if sign == ">=" else "at most"
@@ -71,9 +72,10 @@ def _said(complaint: str) -> str:
     return f"expected {what}{rest}"
 
 
-def _kinds(names: str) -> str:
+def _kinds(names: str, null: str) -> str:
     """Return types, as in `float | null`, in words."""
-    return " or ".join(_WORDS.get(name, name) for name in names.strip("`").split(" | "))
+    words = _WORDS | {"null": null}
+    return " or ".join(filter(None, (words.get(name, name) for name in names.strip("`").split(" | "))))
 
 
 def shown(value: Any) -> str:

@@ -166,7 +166,7 @@ def convert(plain: dict[str, Any], table: type[_T], path: Path) -> _T:
     try:
         table_read = msgspec.convert(plain, table)
     except msgspec.ValidationError as error:
-        raise RuleError(f"{path}: {misfit(plain, error, table)}") from error
+        raise RuleError(f"{path}: {misfit(plain, error, table, null='')}") from error
     for key, value in _numbers(plain):
         if not math.isfinite(value):
             raise RuleError(f"{path}: {key} = {value}: expected a finite number")

@@ -117,7 +117,7 @@ def changed(tier: QualityRules, change: str) -> QualityRules:
     try:
         return msgspec.convert(plain, QualityRules)
     except msgspec.ValidationError as error:
-        raise RuleError(f"{change}: {misfit(plain, error, QualityRules)}") from error
+        raise RuleError(f"{change}: {misfit(plain, error, QualityRules, null=OFF)}") from error
 
 
 def _value(change: str, text: str) -> Any:

@@ -147,7 +147,7 @@ def load_scene(path: Path) -> Scene:
     try:
         scene = msgspec.convert(plain, Scene)
     except msgspec.ValidationError as error:
-        raise RuleError(f"{path}: {misfit(plain, error, Scene)}") from error
+        raise RuleError(f"{path}: {misfit(plain, error, Scene, null='')}") from error
     _check_times(scene, path)
     return msgspec.structs.replace(scene, name=path.stem)
 
