@@ -68,7 +68,7 @@ def glass(rng: np.random.Generator, rate_hz: int) -> Samples:
     return normalised(overlaid(parts))
 
 
-def handling(rng: np.random.Generator, rate_hz: int) -> Samples:
+def weapon_handling(rng: np.random.Generator, rate_hz: int) -> Samples:
     """Return a weapon or a tool that is cocked, loaded or put down: clicks and slides, no shot."""
     parts = []
     at_s = 0.0

@@ -13,17 +13,7 @@ from .cries import bark, clipped_speech, cough, shout
 from .drums import applause, clap, cymbal, kick, roll, snare, tom
 from .echoes import with_acoustics
 from .impacts import MATERIALS, draw_body, struck
-from .knocks import (
-    door,
-    drop,
-    glass,
-    hammer,
-    hammering,
-    handling,
-    knock,
-    metal,
-    snap,
-)
+from .knocks import door, drop, glass, hammer, hammering, knock, metal, snap, weapon_handling
 from .machines import jackhammer, machine, mill, motor, nail_gun, ratchet, rotor, typewriter
 from .music import bell, stinger
 from .rooms import ENVIRONMENTS, draw_acoustics
@@ -78,7 +68,7 @@ _MAKERS: dict[NegativeKind, Callable[[np.random.Generator, int], Samples]] = {
     "glass": glass,
     "hammer": hammer,
     "hammering": hammering,
-    "handling": handling,
+    "handling": weapon_handling,
     "hooves": hooves,
     "impact": impact,
     "jackhammer": jackhammer,
