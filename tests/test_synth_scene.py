@@ -349,6 +349,7 @@ def test_a_shot_beside_the_edge_of_a_block_is_listed_once(tmp_path: Path) -> Non
         ('"rifle"', '"rifles"', r"shots\[0\]\.weapon = 'rifles': expected one of: lmg, pistol, rifle, "),
         ("at_s = 1.0", "at_s = 1.99998", r"shots\[0\]\.at_s = 1\.99998: expected less than .* by a sample or more"),
         ("seed = 5\n", "", r"seed: is missing"),
+        ("seed = 5\n", "seed = 5\nname = 'street'\n", r"name: no such key; a scene is named after its file$"),
         ("snr_db = 30.0", "snr_dB = 30.0", r"shots\[0\].snr_dB: no such key"),
         ("snr_db = 30.0", "snr_db = 30.0\npeak_dbfs = -3.0", r"shots\[0\]: expected one of snr_db and peak_dbfs"),
         ("snr_db = 30.0\n", "", r"shots\[0\]: expected one of snr_db and peak_dbfs"),

@@ -144,6 +144,8 @@ def load_scene(path: Path) -> Scene:
     Raises RuleError naming the file, the key, its value and what was expected.
     """
     plain = read_toml(path)
+    if "name" in plain:
+        raise RuleError(f"{path}: name: no such key; a scene is named after its file")
     try:
         scene = msgspec.convert(plain, Scene)
     except msgspec.ValidationError as error:
