@@ -370,6 +370,18 @@ def test_a_full_disk_is_told_by_detect_and_synth_with_the_name_that_was_asked_fo
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX limits")
+def test_a_full_disk_is_told_by_a_study_that_writes_excerpts(tmp_path: Path) -> None:
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(RATE_HZ)
+    soundfile.write(tmp_path / "missed.wav", noise, RATE_HZ, subtype="PCM_16")
+    rows = "path,source,label,sub_label,duration_s,onsets_s,notes", "missed.wav,here,gunshot,,1.0,0.5,"
+    (tmp_path / "annotations.csv").write_text("\n".join(rows))
+    asked = ("study", "detection", "--corpus", tmp_path, "--excerpts", tmp_path / "wrong", "-q", "-j", "1")
+    ended = blastline_alone(*asked, prepare=small_files_only)
+    assert ended.complaint.startswith(f"{tmp_path / 'wrong' / 'missed-0001-here_missed.wav-0.500s.wav'}: cannot write")
+    assert not (tmp_path / "wrong").exists()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX limits")
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 def test_a_timeline_that_standard_output_takes_in_part_is_told(tmp_path: Path, film: Path, unbuffered: str) -> None:
     whole = blastline("detect", film, "-q").out

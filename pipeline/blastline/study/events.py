@@ -10,6 +10,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import OutputError
 from ..model import Span
 from ..soundtrack import open_soundtrack
 from ..units import samples_from_s
@@ -49,7 +50,10 @@ def scored_events(case: Case, heard: Heard) -> tuple[ScoredEvent, ...]:
 
 
 def write_events(folder: Path, films: Sequence[tuple[Path, Sequence[ScoredEvent]]]) -> None:
-    """Write a table of what was missed and what was false into a folder, and what is heard there, one WAV each."""
+    """Write a table of what was missed and what was false into a folder, and what is heard there, one WAV each.
+
+    Raises OutputError where the disk refuses.
+    """
     with (folder / EVENTS).open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow([*ScoredEvent.__struct_fields__, "excerpt"])
@@ -134,4 +138,8 @@ def _write_excerpts(folder: Path, names: Sequence[str], path: Path, at_s: Sequen
             start = max(0, at - samples_from_s(EXCERPT_BEFORE_S, rate_hz))
             stop = min(frames, at + samples_from_s(EXCERPT_AFTER_S, rate_hz))
             heard = np.asarray(track.read(Span(start, stop)).heard, np.float32)
-            soundfile.write(folder / name, excerpt(heard, at, start=start, rate_hz=rate_hz), rate_hz, subtype="PCM_16")
+            cut = excerpt(heard, at, start=start, rate_hz=rate_hz)
+            try:
+                soundfile.write(folder / name, cut, rate_hz, subtype="PCM_16")
+            except soundfile.SoundFileError as error:
+                raise OutputError(f"{folder / name}: cannot write an excerpt: {error}") from error
