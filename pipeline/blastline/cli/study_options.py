@@ -80,7 +80,7 @@ Seed = Annotated[
 ]
 Peers = Annotated[
     bool,
-    typer.Option("--peers", "--peer", help="Score other onset detectors, those that are installed, on the same films."),
+    typer.Option("--peers", help="Score other onset detectors, those that are installed, on the same films."),
 ]
 Jobs = Annotated[
     int,
