@@ -102,7 +102,7 @@ def test_an_octave_is_enough(tmp_path: Path) -> None:
         (HEAD + "10,-inf\n" + GOOD, "line 2: gain_db = '-inf': expected a finite number"),
         (HEAD + "10,\n" + GOOD, "line 2: gain_db = '': expected a finite number"),
         (HEAD + "10,1;5\n" + GOOD, "line 2: gain_db = '1;5': expected a finite number"),
-        (HEAD + "10\n" + GOOD, "line 2: 1 cells; expected 2, as the first line names"),
+        (HEAD + "10\n" + GOOD, "line 2: 1 cell; expected 2, as the first line names"),
         (HEAD + "10,401\n" + GOOD, "gain_db = 401 at 10 Hz: expected -400 to 400"),
         (HEAD + rows(100.0, 108.0), "frequency_hz runs from 100 to 108 Hz; expected"),
         (HEAD + rows(100.0, 199.9), "frequency_hz runs from 100 to 199.9 Hz; expected at least an octave"),

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ..plurals import counted
 from ..ruleset import DEFAULT_ACTUATOR
 from .options import ActuatorOption, Overwrite, ResultFolder, RulesOption
 from .progress import shown_progress
@@ -102,7 +103,8 @@ def pareto_table(study: "ParetoStudy") -> str:
     """Return a row for each setting, peer and drive, with a star where it lies on the front, and the bars."""
     shots, minutes = study.detection[0].shots, study.detection[0].minutes
     lines = [
-        f"{study.protocol}: {shots} shots in {minutes:.1f} min; * nothing else beats it in both cost and F1 at 10 ms",
+        f"{study.protocol}: {counted(shots, 'shot')} in {minutes:.1f} min; "
+        "* nothing else beats it in both cost and F1 at 10 ms",
         "",
         f"{'detection':<40} {'read':>6} {'s/h':>7} {'2 ms':>6} {'10 ms':>6} {'50 ms':>6} {'95 %':>12} {'prec.':>6} "
         f"{'recall':>6} {'burst':>6} {'false/h':>8}",

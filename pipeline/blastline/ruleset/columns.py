@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RuleError
+from ..plurals import counted
 from .text import read_utf_8
 
 FREQUENCY = "frequency_hz"
@@ -65,7 +66,9 @@ def _lines(path: Path) -> tuple[dict[str, str], list[tuple[int, list[str]]]]:
 
 def _number(path: Path, line: int, cells: Sequence[str], names: Sequence[str], place: int) -> float:
     if len(cells) != len(names):
-        raise RuleError(f"{path}: line {line}: {len(cells)} cells; expected {len(names)}, as the first line names")
+        raise RuleError(
+            f"{path}: line {line}: {counted(len(cells), 'cell')}; expected {len(names)}, as the first line names"
+        )
     try:
         value = float(cells[place])
     except ValueError:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import SoundtrackError
+from ..plurals import counted
 from .layouts import keep_list
 from .placement import Gap, Overlap
 from .reach import Reach
@@ -205,6 +206,7 @@ def _require_same(frame: "AudioFrame", *, rate_hz: int, channels: int, position:
     found = frame.layout.nb_channels
     if (frame.sample_rate, found) != (rate_hz, channels):
         raise SoundtrackError(
-            f"the sound changes from {channels} channels at {rate_hz} Hz to {found} channels at {frame.sample_rate} Hz "
-            f"after {position / rate_hz:.3f} s; convert it to one format first, or the file is damaged there"
+            f"the sound changes from {counted(channels, 'channel')} at {rate_hz} Hz to {counted(found, 'channel')} at "
+            f"{frame.sample_rate} Hz after {position / rate_hz:.3f} s; convert it to one format first, or the file is "
+            "damaged there"
         )

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import RuleError
+from ..plurals import counted
 from ..soundtrack import open_soundtrack
 from ..units import samples_from_ms
 
@@ -124,7 +125,7 @@ class _Row:
         """Return what the line says; RuleError where a cell does not say what it should."""
         if len(self.cells) != len(self.names):
             raise RuleError(
-                f"{self.path}: line {self.line}: {len(self.cells)} cells; "
+                f"{self.path}: line {self.line}: {counted(len(self.cells), 'cell')}; "
                 f"expected {len(self.names)}, as the first line names"
             )
         cells = {name: cell.strip() for name, cell in zip(self.names, self.cells, strict=True)}

@@ -58,7 +58,8 @@ class StudySource:
             return every
         parts = by_fold(every, FOLDS, FOLD_SEED)
         if self.fold >= len(parts):
-            raise RuleError(f"study: --fold {self.fold}: the recordings have only {len(parts)} sources of a kind")
+            sources = counted(len(parts), "source")
+            raise RuleError(f"study: --fold {self.fold}: the recordings have only {sources} of a kind")
         return parts[self.fold]
 
     @property
@@ -66,8 +67,8 @@ class StudySource:
         """Return what is listened to, in a line."""
         if self.clips:
             return (
-                f"{self.films} clips of {CLIP_S:g} s, every other one with a single shot at -6, 0 or 6 dB rms, "
-                f"seed {self.seed}; as in DCASE 2017, no score of it{self._part}"
+                f"{counted(self.films, 'clip')} of {CLIP_S:g} s, every other one with a single shot at -6, 0 or 6 dB "
+                f"rms, seed {self.seed}; as in DCASE 2017, no score of it{self._part}"
             )
         if self.mix is not None:
             low, high, of = self.mix
