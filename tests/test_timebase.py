@@ -211,6 +211,13 @@ def test_a_clock_that_was_made_a_drop_frame_timecode_is_said_again(clock: str, n
     assert recalled(AS_FILMED, own, BROADCAST).start_timecode is None
 
 
+def test_a_clock_that_was_not_counted_drop_frame_stays_one_over_a_film_that_counts_so() -> None:
+    filmed = with_timebase(SOUND, parse_timebase("01:00:00;10", "29.97df"))
+    earlier = with_timebase(filmed, parse_timebase("10:00:00.5", "29.97ndf"))
+    assert earlier.start_timecode == "10:00:00.5"
+    assert with_timebase(filmed, recalled(AS_FILMED, earlier, filmed)) == earlier
+
+
 def test_a_clock_alone_is_counted_as_the_film_or_the_timeline_was() -> None:
     """Drop-frame is how a film counts, and not a part of where it starts: without it an hour is 3.6 s off."""
     said = parse_timebase("01:00:00.250", None)

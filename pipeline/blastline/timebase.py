@@ -165,7 +165,9 @@ def _said_before(earlier: Source, filmed: Source) -> Timebase:
     rate = Fraction(earlier.frame_rate) if earlier.frame_rate and earlier.frame_rate != filmed.frame_rate else None
     start = earlier.start_timecode if earlier.start_timecode != filmed.start_timecode else None
     if earlier.start_offset_s == filmed.start_offset_s:
-        return Timebase(start, rate)
+        # a clock that is one still was not counted drop-frame, whatever the film's own timecode does
+        still_clock = start is not None and CLOCK.fullmatch(start) is not None
+        return Timebase(start, rate, drop_frame=False if still_clock else None)
     for spoken in _clocks(earlier, filmed):
         said = Timebase(spoken, rate, drop_frame=True)
         if _told(with_timebase(filmed, said)) == _told(earlier):
