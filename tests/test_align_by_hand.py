@@ -19,9 +19,9 @@ Change = Callable[[Samples, Window], None]
 """What is done to a drive in a shot's window."""
 
 
-def roar(path: Path) -> Path:
+def roar(path: Path, rms: float = 0.1) -> Path:
     """Write noise as loud before a shot as after it: no place in it is an attack."""
-    samples = 0.1 * np.random.default_rng(3).standard_normal(70_000)
+    samples = rms * np.random.default_rng(3).standard_normal(70_000)
     soundfile.write(path, np.clip(samples, -1.0, 1.0 - 2.0**-23), RATE_HZ, subtype="PCM_24")
     return path
 
@@ -43,6 +43,11 @@ def inverted(drive: Samples, window: Window) -> None:
 def moved(drive: Samples, window: Window) -> None:
     own = slice(window.start + window.fade_in_samples, window.stop - window.fade_out_samples)
     drive[own] = np.roll(drive[own], RATE_HZ // 1000)
+
+
+def moved_whole(drive: Samples, window: Window) -> None:
+    late = RATE_HZ // 2000
+    drive[window.start : window.stop] = np.r_[np.zeros(late), drive[window.start : window.stop - late]]
 
 
 def turned_over(drive: Samples, window: Window) -> None:
@@ -96,6 +101,13 @@ def test_a_shot_where_nothing_begins_is_held_to_its_drive(
 ) -> None:
     path = roar(tmp_path / "film.wav")
     assert name in wrong_with(path, made_right(path, IN_A_ROAR, drive, phase), change)
+
+
+@pytest.mark.parametrize("drive", ["direct", "filter", "constrained"])
+def test_a_soft_shot_where_nothing_begins_is_held_to_its_place(tmp_path: Path, drive: DriveChoice) -> None:
+    """Within its limit a drive is as like the sound half a millisecond late, and no fade tells so soft a one."""
+    path = roar(tmp_path / "film.wav", 0.001)
+    assert "drive_as_rendered" in wrong_with(path, made_right(path, IN_A_ROAR, drive, "causal"), moved_whole)
 
 
 @pytest.mark.parametrize("drive", ["direct", "filter", "constrained"])

@@ -216,6 +216,17 @@ def test_a_json_without_its_original_says_that_deletions_cannot_be_told(
     assert ("missing in its burst: shot 1.2; give the original" in told) == said
 
 
+@pytest.mark.parametrize(("onset_s", "said"), [(1.1, False), (1.12, False), (0.9, True), (1.3, True), (3.1, True)])
+def test_an_event_that_says_no_more_than_its_onset_may_be_a_missing_one_only_where_that_would_be(
+    tmp_path: Path, film: Path, first: Path, onset_s: float, said: bool
+) -> None:
+    plain = json.loads((first / "timeline.json").read_text())
+    plain["events"][1] = {"onset_s": onset_s}
+    (tmp_path / "alone.json").write_text(json.dumps(plain))
+    told = rendered(film, tmp_path / "alone.json", tmp_path / "out")
+    assert ("missing in its burst: shot 1.2; give the original" in told) == said
+
+
 @pytest.mark.parametrize(("last", "more"), [(13, ""), (14, " and more"), (1_000_000_000, " and more")])
 def test_ten_shots_that_are_missing_in_a_burst_are_named_and_it_says_whether_there_are_more(
     tmp_path: Path, film: Path, first: Path, last: int, more: str

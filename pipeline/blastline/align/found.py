@@ -72,14 +72,15 @@ def locate(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap, s
 
 
 def find_shot(
-    shared: Comparison, event: Event, part: Part, heard: Heard, *, pattern: slice, time_map: TimeMap
+    shared: Comparison, event: Event, part: Part, heard: Heard, *, pattern: slice, time_map: TimeMap, in_place: bool
 ) -> FoundShot | None:
     """Return where the drive holds a shot, of which it is to follow `pattern`, around where `time_map` says.
 
     What the actuator's limit cannot bend counts before likeness: over a boom that rises on from the shot's own place,
     and where a seat rings the next shot may be more like this one than itself. Where the match is too poor to be
     believed, or where the limit alone may have bent it aside, the drive is read from the shot's own place. So is one
-    without a solver that is nearer there to what is due. None where soundtrack or drive are silent.
+    without a solver that is nearer there to what is due, and, `in_place`, that of a shot which no likeness can place:
+    the match is told all the same. None where soundtrack or drive are silent.
     """
     lead = shared.samples(shared.lead_ms)
     piece = slice(heard.core.start - lead, part.driven.stop - heard.span.start)
@@ -97,7 +98,11 @@ def find_shot(
     else:
         found = read(round(unbent.lag)) if round(unbent.lag) else own
         found = replace(found, match=Match(unbent.lag, nearby.correlation), uncertainty=unbent.uncertainty)
-    if found is None or found.felt is own.felt or not _is_nearer_to_due(shared, heard, own.felt, found.felt):
+    if found is None or found.felt is own.felt:
+        return found
+    if in_place:
+        return replace(own, match=found.match, uncertainty=found.uncertainty)
+    if not _is_nearer_to_due(shared, heard, own.felt, found.felt):
         return found
     return replace(own, match=Match(0.0, nearby.correlation), uncertainty=0.0)
 

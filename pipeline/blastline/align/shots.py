@@ -70,10 +70,10 @@ def parts_of(events: Sequence[Event], *, lead: int) -> tuple[Part, ...]:
     return tuple(parts)
 
 
-def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap) -> ShotFigures | None:
+def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap, in_place: bool) -> ShotFigures | None:
     """Return a shot's figures, with the drive read from where `time_map` says and searched for around there.
 
-    None where soundtrack or drive are silent.
+    `in_place` it is read nowhere else, wherever it seems to be. None where soundtrack or drive are silent.
     """
     search = shared.samples(shared.rules.search_ms)
     margin = max(search, shared.memory, shared.samples(shared.lead_ms))
@@ -83,7 +83,7 @@ def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap) 
     heard = hear(shared, event, part, around)
     core = heard.core
     pattern = slice(core.start, min(core.stop, core.start + shared.samples(shared.rules.longest_ms)))
-    found = find_shot(shared, event, part, heard, pattern=pattern, time_map=time_map)
+    found = find_shot(shared, event, part, heard, pattern=pattern, time_map=time_map, in_place=in_place)
     if found is None:
         return None
     felt = found.felt

@@ -71,8 +71,14 @@ def _whole(guess: TimeMap, events: Sequence[Event]) -> TimeMap:
 def _measure_all(
     shared: Comparison, events: Sequence[Event], parts: Sequence[Part], comparable: Sequence[bool], read: TimeMap
 ) -> Timing:
-    """Return the timing with the drive read from one place; the line goes through exact lags where there are enough."""
-    figures = tuple(measure(shared, event, part, time_map=read) for event, part in zip(events, parts, strict=True))
+    """Return the timing with the drive read from one place; the line goes through exact lags where there are enough.
+
+    Of shots that cannot be compared, what they have to do is told by their own place.
+    """
+    figures = tuple(
+        measure(shared, event, part, time_map=read, in_place=not compared)
+        for event, part, compared in zip(events, parts, comparable, strict=True)
+    )
     lags: list[float | None] = []
     found: list[ShotLag] = []
     exact: list[ShotLag] = []

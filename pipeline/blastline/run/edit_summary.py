@@ -1,5 +1,6 @@
 """What somebody has edited of a timeline, counted and in words."""
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
@@ -65,7 +66,7 @@ def summarise_edits(
             "which shots were moved; what was deleted cannot be known, and is still felt where it shared a window; "
             "changed gains, ends and confidences hold as they stand, and count as kept"
         )
-        notes += _gaps(edited)
+        notes += _gaps(edited, wanted)
     notes += wanted.notes
     notes += _unheeded(edited, wanted)
     starts, stops = _overruled(wanted.wishes, windows)
@@ -145,23 +146,38 @@ def _exported(plain: Mapping[str, Any], name: str) -> Any:
     return value_at(plain, "drive.model" if name == "drive_model" else name)
 
 
-def _gaps(edited: EditedFile) -> list[str]:
+def _gaps(edited: EditedFile, wanted: Wanted) -> list[str]:
     """Return a note for the shots that are missing in the bursts, which are numbered without gaps."""
-    if len(edited.own) < len(edited.edits):
-        return []  # what is missing may be one of the events that say no more than their onset
-    shots: dict[int, set[int]] = {}
+    bursts: dict[int, dict[int, int]] = {}
     for event in edited.own.values():
         if event.burst is not None and event.shot_in_burst is not None:
-            shots.setdefault(event.burst, set()).add(event.shot_in_burst)
+            bursts.setdefault(event.burst, {})[event.shot_in_burst] = event.onset_sample
+    known = sorted(event.onset_sample for event in edited.own.values())
+    bare = sorted(wish.onset for wish in wanted.wishes if wish.was is None)
     missing = [
         f"{burst}.{number}"
-        for burst, there in sorted(shots.items())
-        for number in islice((n for n in range(1, max(there)) if n not in there), _MOST_MISSING + 1)
+        for burst, there in sorted(bursts.items())
+        for number in islice(_missing(there, known, bare), _MOST_MISSING + 1)
     ]
     if not missing:
         return []
     more = " and more" if len(missing) > _MOST_MISSING else ""
     return [f"missing in its burst: shot {', '.join(missing[:_MOST_MISSING])}{more}; give the original with --original"]
+
+
+def _missing(there: Mapping[int, int], known: Sequence[int], bare: Sequence[int]) -> Iterator[int]:
+    """Yield the numbers that no shot of a burst has; `there` are the onsets of the others.
+
+    Events that say no more than their onset, `bare` ascending, may be those they lie between: as many are not missed.
+    `known` are the onsets of all others, ascending.
+    """
+    before = 0
+    for number, onset in sorted(there.items()):
+        after = bisect_left(known, onset)
+        since = known[after - 1] if after else -1
+        perhaps = bisect_left(bare, onset) - bisect_right(bare, since)
+        yield from range(before + 1 + perhaps, number)
+        before = number
 
 
 def _way(wish: Wish, *, known: bool, tells_onset: bool) -> str:
