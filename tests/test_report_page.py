@@ -119,6 +119,13 @@ def test_failures_come_first_and_in_words(tmp_path: Path) -> None:
     assert page.text.index("480 samples") < page.text.index("Every shot")
 
 
+def test_a_drive_that_is_in_its_place_but_unlike_the_sound_is_not_called_out_of_place(tmp_path: Path) -> None:
+    bad = Check("drive_correlation", "shot-0003", False, 0.72, 0.9, "")
+    page = Page(written(tmp_path, film(), msgspec.structs.replace(film().timeline, checks=(passing(), bad))))
+    assert "Not as it should be." in page.text
+    assert "ligned." not in page.text
+
+
 def test_what_was_set_by_hand_is_told_of_each_shot_in_its_card_and_in_the_table(tmp_path: Path) -> None:
     one, two, three = film().timeline.events
     moved, louder = (

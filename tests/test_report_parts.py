@@ -1,6 +1,7 @@
 """The parts of the report: which shots are shown, curves that look the same, spectra, and words."""
 
 import re
+from dataclasses import replace
 
 import msgspec
 import numpy as np
@@ -147,6 +148,18 @@ def test_equal_ratios_of_frequency_are_equally_far_apart_below_a_spectrum() -> N
     low, middle, high = (float(x) for x, _ in ticks)
     assert middle - low == pytest.approx(high - middle, abs=0.01)
     assert middle > low
+
+
+@pytest.mark.parametrize("raised", [0.5, 1.0, 10.0])
+def test_what_should_be_felt_fits_into_its_picture_however_far_it_is_raised(raised: float) -> None:
+    film = make_film(onsets_s=(0.1,), peaks=(0.5,), seconds=0.5)
+    sound = event_sound(film.timeline.events[0], film.timeline, audio=film.audio, drive=film.drive, profile=PROFILE)
+    pictures = ShotPictures()
+    pictures.drawn(replace(sound, target=raised * sound.audio))
+    for row in (0, 1, 3):
+        low, high = pictures._grid[row][0].get_ylim()
+        assert low < -raised * np.abs(sound.audio).max()
+        assert high > raised * np.abs(sound.audio).max()
 
 
 def test_a_picture_does_not_depend_on_those_before_it() -> None:

@@ -91,7 +91,7 @@ def _label(grid: Any) -> None:
 
 def _draw(grid: Any, sound: EventSound) -> list[Any]:
     """Draw a shot and return what was drawn."""
-    level = 1.08 * max(1e-9, *(float(np.abs(s).max()) for s in (sound.audio, sound.felt_drive)))
+    level = 1.08 * max(1e-9, *(float(np.abs(s).max()) for s in (sound.audio, sound.target, sound.felt_drive)))
     heard = _spectrum(sound, sound.target)
     rows = [
         ([("audio", sound.audio), ("band", sound.target)], level),

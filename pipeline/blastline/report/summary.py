@@ -12,6 +12,21 @@ from .words import allowed, by_name, claim, duration, figure, is_decided, measur
 
 _SHOWN_FAILURES = 6
 
+_OF_PLACES = {"sample_rate", "frames", "silence_outside_windows", "sound_outside_windows", "timeline_order"} | {
+    "drive_shift",
+    "drive_drift",
+    "drive_speed",
+    "felt_lag",
+    "felt_onset",
+    "drive_lag",
+    "drive_onset",
+    "lag_as_rendered",
+    "onset_as_rendered",
+    "fade_in_before_onset",
+    "audio_rise",
+}
+"""The checks of where film, drive and timeline are; the others tell what the drive is like there."""
+
 
 def heading(timeline: Timeline) -> str:
     """Return the film's name and what it is."""
@@ -58,9 +73,8 @@ def verdict(timeline: Timeline) -> str:
             text = f"{passed}: every vibration starts with its bang."
         return f'<div class="verdict good" role="status"><strong>Aligned.</strong> <span>{text}</span></div>'
     text = f"{len(failed)} of {decided} checks failed. Do not use this drive before you have looked at them."
-    return (
-        f'<div class="verdict bad" role="alert"><strong>Not aligned.</strong> <span>{text}</span>{_worst(failed)}</div>'
-    )
+    word = "Not aligned." if any(check.name in _OF_PLACES for check in failed) else "Not as it should be."
+    return f'<div class="verdict bad" role="alert"><strong>{word}</strong> <span>{text}</span>{_worst(failed)}</div>'
 
 
 def _worst(failed: Sequence[Check]) -> str:
