@@ -1,6 +1,7 @@
 """The Pareto fronts as a picture: what detection costs against F1, what a drive costs against what it loses."""
 
 import io
+import math
 from collections.abc import Collection, Sequence
 from typing import Any
 
@@ -56,12 +57,22 @@ def _draw_detection(axes: Any, study: ParetoStudy) -> None:
             # the middle tier's name below its interval: tiers may stand close
             above = score.name != "standard"
             _label(axes, score.name, (cost, sure.high if above else sure.low), (0, 3 if above else -11), align="center")
-    for number, peer in enumerate(sorted(study.peers, key=lambda each: each.cost.times_read)):
+    for peer in study.peers:
         _point(axes, peer.name, peer.cost.times_read, peer.f1, colour=_OTHER)
-        _label(axes, peer.name, (peer.cost.times_read, peer.f1), (6, -12 if number % 2 else 4))
+        below = peer.f1 < _nearest_in_cost(peer, study.peers).f1
+        _label(axes, peer.name, (peer.cost.times_read, peer.f1), (6, -12 if below else 4))
     axes.set_ylim(bottom=0.0, top=1.06)
     _ticks(axes.xaxis, _TIMES, "{:g}")
     axes.grid(color=INK["grid"], lw=0.6)
+
+
+def _nearest_in_cost(peer: PeerScore, peers: Sequence[PeerScore]) -> PeerScore:
+    """Return the other peer whose cost has the least ratio to a peer's, on whose side no name fits; itself if alone."""
+
+    def apart(other: PeerScore) -> float:
+        return abs(math.log(other.cost.times_read / peer.cost.times_read))
+
+    return min((other for other in peers if other is not peer), key=apart, default=peer)
 
 
 def _draw_rendering(axes: Any, rendering: RenderingSweep, on_front: Collection[str]) -> None:
