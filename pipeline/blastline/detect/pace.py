@@ -4,7 +4,8 @@
   .       .            what sounds between, an echo or something else, does not break the row
 """
 
-from bisect import bisect_left, bisect_right
+import math
+from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -131,12 +132,16 @@ def _row_on(
     """
     row, due, late = [first], at[second], 0.0
     while len(row) <= _MOST_IN_ROW:
-        earliest, latest = (at[row[-1]] + gap for gap in gaps)
-        near = range(bisect_left(at, max(due - late, earliest)), bisect_right(at, min(due + late, latest)))
-        alike = [place for place in near if abs(loud_db[place] - loud_db[first]) <= pace.within_db]
-        if not alike:
+        latest = min(due + late, at[row[-1]] + gaps[1])
+        place = bisect_left(at, max(due - late, at[row[-1]] + gaps[0]), row[-1])
+        nearest, distance = None, math.inf
+        while place < len(at) and at[place] <= latest:
+            if abs(loud_db[place] - loud_db[first]) <= pace.within_db and abs(at[place] - due) < distance:
+                nearest, distance = place, abs(at[place] - due)
+            place += 1
+        if nearest is None:
             break
-        row.append(min(alike, key=lambda place: abs(at[place] - due)))
+        row.append(nearest)
         gap = at[row[-1]] - at[row[-2]]
         due, late = at[row[-1]] + gap, pace.unevenness * gap
     return row

@@ -170,7 +170,7 @@ def _bands(samples: NDArray[np.float32], before: PieceBefore, grid: Grid) -> tup
     products = np.empty((hops.shape[0], 2 * BAND_POOLING.shape[0]), np.float32)
     for some in _parts(hops.shape[0]):
         np.matmul(hops[some], kernels(grid), out=products[some])
-    early, late = np.split(products, 2, axis=1)
+    early, late = products[:, : BAND_POOLING.shape[0]], products[:, BAND_POOLING.shape[0] :]
     parts = np.empty(late.shape, np.float32)
     np.add(late[1:], early[:-1], out=parts[1:])
     np.add(late[0], before.early, out=parts[0])

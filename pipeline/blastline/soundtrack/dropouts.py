@@ -98,7 +98,11 @@ class Dropouts:
         holds = self._holds
         still = np.asarray(~samples[holds:].any(axis=1), np.bool_)
         edges = np.flatnonzero(np.diff(np.concatenate([[not samples[holds - 1].any()], still])))
-        for edge in edges.tolist():
+        begins = still[edges]
+        # soft sound is full of short ones: they are none, but for one at the end, which may go on
+        lasting = begins & (np.diff(edges, append=len(still) + self._shortest) >= self._shortest)
+        ends = ~begins & np.concatenate([[True], lasting])[:-1]
+        for edge in edges[lasting | ends].tolist():
             frame, before, after = self._frames + edge, samples[edge : edge + holds], samples[edge + holds]
             if still[edge]:
                 self._stretch = self._begun(frame, before)
