@@ -79,19 +79,23 @@ def decoded(
     Raises SoundtrackError where hundreds of packets give no sound at all.
     """
     for packet in _packets(container, stream, tally):
-        time_s = None if packet.pts is None or not packet.time_base else Fraction(packet.pts * packet.time_base)
-        if packet.size and earliest_s is not None and time_s is not None and time_s < earliest_s:
-            continue
         if packet.size:  # the last one is empty and only empties the decoder
+            if earliest_s is not None and (time_s := _time(packet)) is not None and time_s < earliest_s:
+                continue
             if not tally.packets:
-                tally.first_time = time_s
+                tally.first_time = _time(packet)
             tally.packets += 1
             tally.reach.note(packet.pos, packet.size)
-        for frame in _frames(packet, tally, time_s):
+        for frame in _frames(packet, tally):
             tally.frames += 1
             yield frame
         if tally.packets >= _HOPELESS and not tally.frames:
             tally.require_readable()
+
+
+def _time(packet: "Packet[AudioStream]") -> Fraction | None:
+    """Return a packet's time stamp in seconds; to ask each for it costs a twentieth of decoding."""
+    return None if packet.pts is None or not packet.time_base else Fraction(packet.pts * packet.time_base)
 
 
 def _packets(container: "InputContainer", stream: "AudioStream", tally: Tally) -> Iterator["Packet[AudioStream]"]:
@@ -131,22 +135,22 @@ def check_sums(stream: "AudioStream") -> None:
         stream.codec_context.options = {"err_detect": "crccheck+explode"}
 
 
-def _frames(packet: "Packet[AudioStream]", tally: Tally, time_s: Fraction | None) -> list["AudioFrame"]:
+def _frames(packet: "Packet[AudioStream]", tally: Tally) -> list["AudioFrame"]:
     from av.error import FFmpegError
 
     try:
         frames = packet.decode()
     except FFmpegError as error:
-        tally.fail(str(error.strerror), time_s)
+        tally.fail(str(error.strerror), _time(packet))
         return []
     except ValueError as error:  # so PyAV from 19 on tells a codec that is unknown or has not been opened
-        tally.fail(str(error), time_s)
+        tally.fail(str(error), _time(packet))
         return []
     for frame in frames:
         keep_list(frame)
     sound = [frame for frame in frames if not frame.is_corrupt]
     if len(sound) < len(frames):
-        tally.fail("damaged", time_s)
+        tally.fail("damaged", _time(packet))
     return sound
 
 
