@@ -51,17 +51,24 @@ def different(frames: int = FRAMES, channels: int = 6) -> Samples:
 
 @dataclass(frozen=True)
 class Single:
-    """A stream of one channel as it is to be written; packets whose time lies in `lost_s` are left out."""
+    """A stream of one channel as it is to be written; packets whose time lies in `lost_s` are left out.
+
+    `channel` is what QuickTime is told that it is.
+    """
 
     samples: Samples
     rate_hz: int = RATE_HZ
     start_s: float = 0.0
     lost_s: tuple[float, float] = (0.0, 0.0)
+    channel: str = "FC"
 
 
 def write_singles(path: Path, *singles: Single) -> Path:
     with av.open(str(path), "w") as container:
-        streams: list[Any] = [container.add_stream("pcm_s16le", rate=each.rate_hz, layout="mono") for each in singles]
+        streams: list[Any] = [
+            container.add_stream("pcm_s16le", rate=each.rate_hz, layout=f"1 channels ({each.channel})")
+            for each in singles
+        ]
         for stream, each in zip(streams, singles, strict=True):
             start, (first_s, last_s) = round(each.start_s * each.rate_hz), each.lost_s
             for packet in encoded(stream, each.samples, rate_hz=each.rate_hz, start=start):
@@ -218,7 +225,27 @@ def test_a_file_that_names_its_channels_is_believed_and_others_are_in_the_usual_
     assert layout_of([mono] * 6) == ("FL", "FR", "FC", "LFE", "SL", "SR")
     assert layout_of([None] * 8) == ("FL", "FR", "FC", "LFE", "SL", "SR", "BL", "BR")
     assert layout_of([mono] * 2) == ("FL", "FR")
-    assert layout_of([mono] * 5) is None
+    assert layout_of([mono] * 5) == ()
+
+
+@pytest.mark.parametrize("streams", [(0, 1, 2), (0, 1, 2, 3), (0, 1, 2, 3, 4)])
+def test_some_streams_of_a_master_are_no_mains_unless_the_file_names_them(
+    tmp_path: Path, streams: tuple[int, ...]
+) -> None:
+    """The fourth of six is the low-frequency channel, the fourth of four may be a surround: neither is guessed."""
+    film = different()
+    unnamed = write_media(tmp_path / "unnamed.mov", apart(film), codec="pcm_s16le")
+    for mix in ("mains", "all", "lfe", "center"):
+        with pytest.raises(SoundtrackError, match=f"does not say what its {len(streams)} channels are; choose"):
+            open_soundtrack(unnamed, stream=streams, mix=mix)
+    mean, _ = heard(unnamed, stream=streams, mix=",".join(map(str, streams)))
+    np.testing.assert_allclose(mean[:, 0], film[:, : len(streams)].mean(axis=1), atol=1e-6)
+    names = ("FL", "FR", "FC", "LFE", "SL", "SR")
+    parts = zip(apart(film), names, strict=True)
+    named = write_singles(tmp_path / "named.mov", *(Single(samples, channel=name) for samples, name in parts))
+    silent = film * np.isin(np.arange(6), [each for each in streams if names[each] != "LFE"])
+    expected, _ = heard(write_media(tmp_path / "whole.mkv", [silent], codec="pcm_s16le"), stream=None)
+    assert np.array_equal(heard(named, stream=streams)[0], expected)
 
 
 @pytest.mark.parametrize(

@@ -50,8 +50,9 @@ _USUAL_ORDER = {
 def mix_matrix(layout: Sequence[str] | None, channels: int, mix: str) -> Matrix:
     """Return the weights, shape (channels, columns), with one column or two (heard, driving).
 
-    `layout` names the channels as FFmpeg does (FL, FR, FC, LFE, SL, ...); without it the usual order for that number
-    of channels is taken. Raises SoundtrackError where the mix asks for channels that are not there.
+    `layout` names the channels as FFmpeg does (FL, FR, FC, LFE, SL, ...); where it is None the usual order for that
+    number of channels is taken, where it is empty none is. Raises SoundtrackError where the mix asks for channels that
+    are not there, or not known.
     """
     if mix not in ("mains", "lfe", "center", "all"):
         return _mean_of(_indices(mix, channels), channels)
@@ -78,7 +79,7 @@ def heard_mix(mix: str) -> str:
 
 def names_of(layout: Sequence[str] | None, channels: int) -> tuple[str, ...]:
     """Return what the channels are called; those of the usual order where the file does not say, else nothing."""
-    names = tuple(layout) if layout else _USUAL_ORDER.get(channels, ())
+    names = _USUAL_ORDER.get(channels, ()) if layout is None else tuple(layout)
     return names if len(names) == channels else ()
 
 

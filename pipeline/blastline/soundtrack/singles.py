@@ -12,15 +12,15 @@ _LAYOUTS = {
 """The order in which masters are delivered, L R C LFE Ls Rs Lrs Rrs; of 7.1, WAV has the rear pair before the sides."""
 
 
-def layout_of(names: Sequence[Sequence[str] | None]) -> tuple[str, ...] | None:
+def layout_of(names: Sequence[Sequence[str] | None]) -> tuple[str, ...]:
     """Return what joined streams are, given what each calls its channel: that where all differ, else the usual order.
 
-    None where there is no usual order for so many.
+    Empty where there is no usual order for so many: the fourth of them may be the low-frequency channel.
     """
     said = tuple(name for each in names for name in each or ())
     if len(set(said)) == len(said) == len(names):
         return said
-    return _LAYOUTS[len(names)][1] if len(names) in _LAYOUTS else None
+    return _LAYOUTS[len(names)][1] if len(names) in _LAYOUTS else ()
 
 
 def joining_hint(heard: int, singles: Sequence[int]) -> str:

@@ -39,9 +39,10 @@ class Stored:
 class TrackFacts:
     """What is known of a track before it is decoded.
 
-    `layout` is None where the file does not name its channels; `declared_frames` is None where it does not say how
-    long the track is, and then `guessed_s` is what its size suggests, if anything; `length` tells how it says so, and
-    `unsure_frames` how many of these may be time in which no sound was ever meant to play.
+    `layout` is None where the file does not name its channels, empty where they may be in any order; `declared_frames`
+    is None where it does not say how long the track is, and then `guessed_s` is what its size suggests, if anything;
+    `length` tells how it says so, and `unsure_frames` how many of these may be time in which no sound was ever meant to
+    play.
     `is_integer` tells that no sample can be NaN, `is_pcm` that samples are stored as they are; `stored` is where, None
     where that is not known, and `lacking_bytes` how many of their bytes were lost by what the header says. `beside`
     names the file's other sound streams.
