@@ -104,11 +104,6 @@ def test_a_pair_with_equal_channels_is_mono_to_the_bit(layout: Sequence[str]) ->
     np.testing.assert_array_equal(mixed(pair, mix_matrix(layout, len(layout), "mains"))[:, 0], mono)
 
 
-def test_a_channel_that_is_named_twice_weighs_twice_in_the_mean() -> None:
-    np.testing.assert_array_equal(mix_matrix(None, 2, "1,1"), mix_matrix(None, 2, "1"))
-    np.testing.assert_allclose(mix_matrix(None, 2, "0,1,1")[:, 0], [1 / 3, 2 / 3], rtol=1e-6)
-
-
 def test_mono_is_taken_as_it_is() -> None:
     for mix in ("mains", "center", "all", "0"):
         assert is_identity(mix_matrix(None, 1, mix))
@@ -168,6 +163,8 @@ def test_a_stereo_version_beside_the_film_is_not_mixed_in() -> None:
         (None, 2, "center", "no FC channel among FL, FR"),
         (None, 2, "lfe", "no LFE channel among FL, FR"),
         (None, 12, "mains", "does not say what its 12 channels are"),
+        (None, 2, "0,0", "names channel 0 twice"),
+        (None, 3, "2,0,1, 02", "names channel 2 twice"),
         (("LFE",), 1, "mains", "no main channel"),
     ],
 )

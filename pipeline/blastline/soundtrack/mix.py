@@ -160,13 +160,15 @@ def _indices(mix: str, channels: int) -> list[int]:
         if index >= channels:
             there = f"the sound has {counted(channels, 'channel')}, counted from 0"
             raise SoundtrackError(f"mix {mix!r}: there is no channel {index}; {there}")
+        if indices.count(index) > 1:
+            raise SoundtrackError(f"mix {mix!r}: names channel {index} twice")
     return indices
 
 
 def _mean_of(indices: Sequence[int], channels: int) -> Matrix:
     matrix = np.zeros((channels, 1), dtype=np.float32)
     for index in indices:
-        matrix[index, 0] += 1.0 / len(indices)
+        matrix[index, 0] = 1.0 / len(indices)
     return matrix
 
 
