@@ -18,7 +18,7 @@ from blastline.report.summary import heading, tiles, verdict, warnings
 from blastline.report.tables import origin_list, rejections_table, shots_table
 from blastline.report.track import film_track
 from blastline.report.words import allowed, duration, figure, measured
-from blastline.timecode import timecode_at
+from blastline.timecode import frame_scale, frame_time, timecode_at
 from timelines import timeline
 
 
@@ -386,6 +386,42 @@ def test_times_below_the_film_are_few_and_stand_where_they_are(length_s: float) 
     }
     for place, said in times:
         assert float(place) == pytest.approx(left + (right - left) * seconds_in(said) / length_s, abs=0.06)
+
+
+@pytest.mark.parametrize("length_s", [12.0, 95.0, 1300.0])
+@pytest.mark.parametrize(
+    ("rate", "start", "offset_s"),
+    [
+        ("24000/1001", "01:00:00:00", 0.0),
+        ("24000/1001", "00:59:58:10", 0.015),
+        ("25", "23:59:53:00", -0.015),
+        ("30000/1001", "00:08:58;02", 0.0),
+        ("60000/1001", "23:59:00;00", 0.0),
+        ("30000/1001", "01:00:00:00", 0.0),
+    ],
+)
+def test_times_below_a_film_with_timecode_are_round_and_stand_at_their_first_frame(
+    rate: str, start: str, offset_s: float, length_s: float
+) -> None:
+    told = {"start_timecode": start, "frame_rate": rate, "start_offset_s": offset_s}
+    source = msgspec.structs.replace(timeline().source, frames=round(length_s * 48_000), **told)
+    film = msgspec.structs.replace(timeline(), source=source, events=())
+    svg = film_track(film, Overview(960, np.zeros(0, np.float32)), failed=(), linked=())
+    left, right = (float(edge) for edge in re.findall(r'<line x1="([\d.]+)" x2="([\d.]+)"', svg)[0])
+    times = re.findall(r'<text x="([\d.]+)"[^>]*text-anchor="(?:start|middle)"[^>]*>([^<]*)', svg)
+    step_s = (seconds_in(times[1][1]) - seconds_in(times[0][1])) % 86_400
+    assert 3 <= len(times) <= 11
+    # another way: the label of every frame of the film, and where its second is another than that before
+    scale = frame_scale(source)
+    assert scale is not None
+    first, last = (frame_time(source, sample, scale).frame for sample in (0, source.frames))
+    labels = {frame: scale.label(frame)[:8] for frame in range(first - 1, last + 1)}
+    starts = [n for n in range(first, last + 1) if labels[n] != labels[n - 1] and seconds_in(labels[n]) % step_s == 0]
+    assert [said for _, said in times] == [labels[frame] for frame in starts[: len(times)]]
+    assert len(starts) - len(times) <= 1  # that at the very end has no room
+    for (place, _), frame in zip(times, starts, strict=False):
+        elapsed_s = float((frame - scale.start) / scale.rate) - offset_s
+        assert float(place) == pytest.approx(left + (right - left) * max(0.0, elapsed_s) / length_s, abs=0.06)
 
 
 def test_what_has_no_figure_is_said_to_be_missing_where_that_fails_and_not_needed_where_it_passes() -> None:

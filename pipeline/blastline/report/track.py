@@ -1,13 +1,22 @@
 """The whole film at a glance: its level over time, every shot on it, and the bursts below."""
 
 import math
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
+from fractions import Fraction
 
 import numpy as np
 
 from ..model import Event, Source, Timeline
 from ..plurals import counted
-from ..timecode import frame_scale, timecode_at
+from ..timecode import (
+    FrameScale,
+    clock_text,
+    exact_offset,
+    frame_of,
+    frame_scale,
+    frame_time,
+    frames_per_day,
+)
 from ..units import levels_db
 from .overview import Overview
 from .words import duration, figure, link, safe
@@ -16,6 +25,7 @@ _WIDTH, _LEFT, _RIGHT = 1120, 34, 12
 _TOP, _MIDDLE, _BOTTOM = 12, 150, 196
 _FLOOR_DB = -60.0
 _COLUMNS = 1000
+_DAY_S = 86_400
 _TICKS_S = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400)
 
 
@@ -102,13 +112,11 @@ def _axes(source: Source) -> str:
         lines.append(_label(_LEFT - 6, y + 4, "0 dB" if level_db == 0 else f"−{-level_db}", "end"))
     length_s = source.frames / source.sample_rate_hz
     step_s = next((tick for tick in _TICKS_S if length_s / tick <= 10), _TICKS_S[-1])
-    for index in range(math.floor(length_s / step_s) + 1):
-        x = _x(index * step_s * source.sample_rate_hz, source.frames)
+    for sample, said in _round_times(source, step_s):
+        x = _x(sample, source.frames)
         lines.append(f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{_MIDDLE}" y2="{_BOTTOM - 16}" stroke="var(--ink-grid)"/>')
         if x < _WIDTH - 50:
-            lines.append(
-                _label(x, _BOTTOM, _clock(source, index * step_s, step_s), "start" if index == 0 else "middle")
-            )
+            lines.append(_label(x, _BOTTOM, said, "start" if x == _LEFT else "middle"))
     return "".join(lines)
 
 
@@ -117,8 +125,29 @@ def _label(x: float, y: float, text: str, anchor: str) -> str:
     return f'<text {place} font-size="11.5" fill="var(--ink-soft)">{safe(text)}</text>'
 
 
-def _clock(source: Source, elapsed_s: float, step_s: float) -> str:
-    """Return the timecode's hours, minutes and seconds; the time from the start where the film has none."""
-    if step_s < 1.0 or source.start_timecode is None or frame_scale(source) is None:
-        return duration(elapsed_s) if elapsed_s >= 60.0 else f"{figure(elapsed_s)} s"
-    return timecode_at(source, round(elapsed_s * source.sample_rate_hz))[: len("HH:MM:SS")]
+def _round_times(source: Source, step_s: float) -> Iterator[tuple[float, str]]:
+    """Yield the samples at which the film's timecode is a multiple of a step, and its hours, minutes and seconds there;
+    the time from the start where the film has no timecode, or the step is less than a second.
+    """
+    scale = frame_scale(source)
+    if step_s < 1.0 or source.start_timecode is None or scale is None:
+        for index in range(math.floor(source.frames / source.sample_rate_hz / step_s) + 1):
+            elapsed_s = index * step_s
+            said = duration(elapsed_s) if elapsed_s >= 60.0 else f"{figure(elapsed_s)} s"
+            yield elapsed_s * source.sample_rate_hz, said
+        return
+    step = int(step_s)
+    first, last = (frame_time(source, sample, scale).frame for sample in (0, source.frames))
+    for second in range(first // (scale.nominal * step) * step, int(last / scale.rate) + 2, step):
+        frame = _first_frame(second, scale)
+        if first <= frame <= last:  # it may start half a frame before the sound
+            sample = ((frame - scale.start) / scale.rate - exact_offset(source)) * source.sample_rate_hz
+            yield min(max(0.0, float(sample)), source.frames), scale.label(frame)[: len("HH:MM:SS")]
+
+
+def _first_frame(second: int, scale: FrameScale) -> int:
+    """Return the first frame of a second of timecode; drop-frame leaves out the first numbers of most minutes."""
+    day, second = divmod(second, _DAY_S)
+    number = scale.nominal // 15 if scale.drop_frame and second % 60 == 0 and second % 600 else 0
+    frame = frame_of(f"{clock_text(Fraction(second), 0)}:{number:02}", scale.nominal, drop_frame=scale.drop_frame)
+    return day * frames_per_day(scale.nominal, drop_frame=scale.drop_frame) + frame
