@@ -378,6 +378,12 @@ def test_a_full_disk_is_told_by_a_study_that_writes_excerpts(tmp_path: Path) -> 
     asked = ("study", "detection", "--corpus", tmp_path, "--excerpts", tmp_path / "wrong", "-q", "-j", "1")
     ended = blastline_alone(*asked, prepare=small_files_only)
     assert ended.complaint.startswith(f"{tmp_path / 'wrong' / 'missed-0001-here_missed.wav-0.500s.wav'}: cannot write")
+    # and by one that mixes films of recordings, which it removes again
+    before = files(tmp_path)
+    for jobs in ("1", "2"):
+        mixed = ("study", "detection", "--corpus", tmp_path, "--mix", "6,30", "--films", "1", "-q", "-j", jobs)
+        assert "cannot write the sound" in blastline_alone(*mixed, prepare=small_files_only).complaint
+    assert files(tmp_path) == before
     assert not (tmp_path / "wrong").exists()
 
 

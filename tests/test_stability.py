@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 from scipy.signal import freqz_sos
 
 from blastline import dsp
-from blastline.errors import RuleError
+from blastline.errors import OutputError, RuleError
 from blastline.model import DriveModel
 from blastline.render import drive_filters
 from blastline.ruleset import ActuatorProfile
 from blastline.soundtrack import Cue
 from blastline.soundtrack.bwf import cue_chunks
 from blastline.study import stability, stability_filters
-from blastline.study.bars import Bar, exact
+from blastline.study.bars import Bar, exact, refused
 from blastline.study.stability import stability_json
 from blastline.study.stability_filters import (
     bar_db,
@@ -297,3 +297,13 @@ def test_a_low_pass_far_above_the_band_gains_little_where_nobody_feels_it(rate_h
         sections = dsp.discretise(analogue, rate_hz, lean=lean)
         assert np.max(np.abs(freqz_sos(sections, high, fs=rate_hz)[1])) < 10.0 * np.max(np.abs(analogue.at(high)))
         assert np.max(np.abs(freqz_sos(sections, low, fs=rate_hz)[1] - analogue.at(low))) < 1e-3 * peak
+
+
+def test_a_full_disk_is_no_refusal_of_an_input() -> None:
+    def ask(error: Exception) -> None:
+        raise error
+
+    assert refused("an input", lambda: ask(RuleError("out of range"))).met
+    assert not refused("an input", lambda: None).met
+    with pytest.raises(OutputError, match="no room"):
+        refused("an input", lambda: ask(OutputError("no room")))

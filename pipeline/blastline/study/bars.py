@@ -5,7 +5,7 @@ from typing import Literal, SupportsFloat
 
 import msgspec
 
-from ..errors import BlastlineError
+from ..errors import BlastlineError, OutputError
 
 Better = Literal["below", "above", "equal"]
 
@@ -44,9 +44,11 @@ def exact(name: str, wrong: SupportsFloat, unit: str = "samples") -> Bar:
 
 
 def refused(name: str, ask: Callable[[], object], kind: type[Exception] = BlastlineError) -> Bar:
-    """Return whether an input ends in an error of its kind, in a single line."""
+    """Return whether an input ends in an error of its kind, in a single line. Raises OutputError for a full disk."""
     try:
         ask()
+    except OutputError:  # says nothing of the input
+        raise
     except kind as error:
         return exact(f"refused: {name}", int(len(str(error).splitlines()) != 1), "missing")
     return exact(f"refused: {name}", 1, "missing")

@@ -9,6 +9,7 @@ import numpy as np
 from ..units import gain_from_db
 from .codecs import Codec, encode
 from .recut import Piece, Recut, Samples, in_surround, recut, stretched
+from .sound_files import write_sound
 
 RATE_HZ = 48_000
 
@@ -147,14 +148,13 @@ CASES: dict[str, tuple[_Make, Copy]] = {
 
 def written(made: Recut, copy: Copy, folder: Path) -> Path:
     """Write the new film into `folder` as the copy says and return its file."""
-    import soundfile
     import soxr
 
     samples = made.samples
     if copy.rate_hz != made.rate_hz:
         samples = np.asarray(soxr.resample(samples, made.rate_hz, copy.rate_hz), np.float32)
     if copy.codec is None:
-        soundfile.write(folder / "new.wav", samples, copy.rate_hz, subtype="PCM_16")
+        write_sound(folder / "new.wav", samples, copy.rate_hz)
         return folder / "new.wav"
     channels = in_surround(samples) if copy.surround else samples[:, None]
     encode(folder / "new.mkv", channels, copy.codec, bits_per_s=copy.bits_per_s, rate_hz=copy.rate_hz)

@@ -10,12 +10,12 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import OutputError
 from ..model import Span
 from ..soundtrack import open_soundtrack
 from ..units import samples_from_s
 from .cases import Case
 from .cost import Heard
+from .sound_files import write_sound
 from .tally import SCORED_MS, TIMED_MS, matched
 
 EXCERPT_BEFORE_S, EXCERPT_AFTER_S = 0.5, 1.0
@@ -128,8 +128,6 @@ def _nearest(times_ms: NDArray[np.float64], at_ms: float, within_ms: float) -> f
 
 
 def _write_excerpts(folder: Path, names: Sequence[str], path: Path, at_s: Sequence[float]) -> None:
-    import soundfile
-
     with open_soundtrack(path) as track:
         frames = sum(len(clip.span) for clip in track.blocks())
         rate_hz = track.rate_hz
@@ -139,7 +137,4 @@ def _write_excerpts(folder: Path, names: Sequence[str], path: Path, at_s: Sequen
             stop = min(frames, at + samples_from_s(EXCERPT_AFTER_S, rate_hz))
             heard = np.asarray(track.read(Span(start, stop)).heard, np.float32)
             cut = excerpt(heard, at, start=start, rate_hz=rate_hz)
-            try:
-                soundfile.write(folder / name, cut, rate_hz, subtype="PCM_16")
-            except soundfile.SoundFileError as error:
-                raise OutputError(f"{folder / name}: cannot write an excerpt: {error}") from error
+            write_sound(folder / name, cut, rate_hz)

@@ -20,6 +20,7 @@ from .corpus import Recording, load_sound
 from .lessons import SOUNDS_PER_MIX
 from .mixes import MIX_S, RATE_HZ, Levels, Sound, as_16_bit, mix
 from .recorded import SHORTEST_BED_S, by_source, drawn, recorded_bed, recorded_sound
+from .sound_files import write_sound
 
 Samples = NDArray[np.float64]
 
@@ -124,7 +125,5 @@ def _rms(samples: Samples) -> float:
 
 
 def _written(path: Path, samples: NDArray[np.float32]) -> Path:
-    import soundfile
-
-    soundfile.write(path, samples, RATE_HZ, subtype="PCM_16")
+    write_sound(path, samples, RATE_HZ)
     return path

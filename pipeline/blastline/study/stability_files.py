@@ -17,6 +17,7 @@ from ..soundtrack.pcm import open_pcm
 from ..timecode import timecode_at
 from ..units import samples_from_s
 from .bars import Bar, exact
+from .sound_files import write_sound
 from .stability_signals import MODELS, RATE_HZ, drive_of, shot_film
 
 DAY_S = 86_400
@@ -39,7 +40,7 @@ def _bad_sample_rows(path: Path) -> Iterator[Bar]:
     broken = film.copy()
     for place, value in _BAD.items():
         broken[place] = value
-    soundfile.write(path, broken, RATE_HZ, subtype="FLOAT")
+    write_sound(path, broken, RATE_HZ, subtype="FLOAT")
     with open_soundtrack(path) as track:
         read = np.concatenate([block.heard for block in track.blocks(1_000)])
         warnings = track.source().warnings

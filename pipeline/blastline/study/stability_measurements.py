@@ -27,6 +27,7 @@ from ..ruleset import MeasuringRules, load_measuring
 from ..soundtrack import open_soundtrack
 from ..units import db_from_gain, levels_db
 from .bars import Bar, refused
+from .sound_files import write_sound
 from .stability_filters import analogue_response
 from .stability_signals import RATE_HZ
 
@@ -131,11 +132,9 @@ def _recorded_rows(folder: Path) -> Iterator[Bar]:
 
 def _identified(path: Path, sent: Samples, came: Samples, rules: MeasuringRules) -> FitTarget:
     """Return what would be fitted of an excitation and a response, written into two files."""
-    import soundfile
-
     other = path.with_name("sent.wav")
     for file, samples in ((other, sent), (path, came)):
-        soundfile.write(file, samples, RATE_HZ, subtype="FLOAT")
+        write_sound(file, samples, RATE_HZ, subtype="FLOAT")
     with open_soundtrack(other) as excitation, open_soundtrack(path) as response:
         found = identify(record(other.name, excitation), record(path.name, response), rules=rules.identify)
         return fit_target(found.measured, None, rules=rules.fit, name=path.name)

@@ -13,6 +13,7 @@ from ..render import drive_filters, plan_windows
 from ..ruleset import DEFAULT_ACTUATOR, ActuatorProfile, load_actuator, load_rules
 from ..soundtrack import open_soundtrack
 from .bars import Bar, refused
+from .sound_files import write_sound
 from .stability_signals import RATE_HZ, shot_at
 
 Changes = dict[str, dict[str, Any]]
@@ -98,10 +99,8 @@ def _toml(changes: Changes, profile: ActuatorProfile) -> str:
 
 
 def _sound(folder: Path, rate_hz: int, *, frames: int) -> Path:
-    import soundfile
-
     path = folder / f"{rate_hz}-{frames}.wav"
-    soundfile.write(path, np.zeros(frames), rate_hz)
+    write_sound(path, np.zeros(frames), rate_hz)
     return path
 
 

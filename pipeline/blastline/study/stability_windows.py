@@ -15,6 +15,7 @@ from ..render import RenderedWindow, compose, drive_filters, hear_window, plan_w
 from ..ruleset import DEFAULT_ACTUATOR, load_actuator, load_rules
 from ..soundtrack import open_soundtrack
 from .bars import Bar, exact
+from .sound_files import write_sound
 from .stability_signals import RATE_HZ, shot_at, shot_film
 
 BLOCKS = (1, 7, 4_096)
@@ -125,10 +126,8 @@ def _detection_rows() -> Iterator[Bar]:
 
 
 def _reading_rows(path: Path) -> Iterator[Bar]:
-    import soundfile
-
     steps = np.random.default_rng(6).integers(-(2**23), 2**23, 20_000, dtype=np.int32)
-    soundfile.write(path, steps << 8, RATE_HZ, subtype="PCM_24")
+    write_sound(path, steps << 8, RATE_HZ, subtype="PCM_24")
     wanted = (steps / 2.0**23).astype(np.float32)
     for frames in (*BLOCKS, len(steps)):
         with open_soundtrack(path) as track:
