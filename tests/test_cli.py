@@ -317,8 +317,7 @@ def test_rules_show_has_the_users_value_and_says_where_numbers_come_from(tmp_pat
 def test_rules_check_refuses_what_the_next_command_would(tmp_path: Path, file: str, text: str, complaint: str) -> None:
     (tmp_path / file).parent.mkdir()
     (tmp_path / file).write_text(text)
-    ended = blastline("rules", "check", tmp_path)
-    assert (ended.code, complaint in ended.err) == (2, True), ended
+    assert complaint in blastline("rules", "check", tmp_path).complaint  # which is all that is said: nothing is sound
 
 
 def test_rules_that_do_not_fit_are_refused(tmp_path: Path) -> None:

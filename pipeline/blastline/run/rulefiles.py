@@ -15,9 +15,9 @@ def check_rules(overlay: Path) -> Iterator[str]:
 
     Raises RuleError at the first that is not, or where a file is none that blastline reads.
     """
-    yield from check_tables(overlay)
-    for quality in get_args(Quality):
+    for quality in get_args(Quality):  # first: a quality is not sound without the verifier that it asks for
         verifier_of(load_rules(quality, overlay).tier, overlay)
+    yield from check_tables(overlay)
     for file in sorted(overlay.glob("verifier/*.json")):
         read_model(file)
         yield file.relative_to(overlay).as_posix()
