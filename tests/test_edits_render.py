@@ -10,6 +10,7 @@ import soundfile
 
 from blastline import run
 from blastline.export import read_timeline
+from blastline.model import Decision
 from commands import RATE_HZ, Ended, blastline
 from edited_films import (
     FADE_IN,
@@ -92,6 +93,20 @@ def test_what_was_not_edited_is_rendered_to_the_bit(tmp_path: Path, film: Path, 
             )
         assert events == list(before.events)
         assert (tmp_path / "out" / "drive.wav").read_bytes() == (result / "drive.wav").read_bytes()
+
+
+def test_how_closely_a_shot_was_looked_at_is_kept_until_it_is_moved(tmp_path: Path, film: Path, result: Path) -> None:
+    before = read_timeline(result / "timeline.json")
+    told = Decision("verifier", "looked at twice", "as somebody else decided", {"probability": 0.5})
+    events = tuple(msgspec.structs.replace(event, decisions=(told,)) for event in before.events)
+    moved = msgspec.structs.replace(events[0], onset_sample=52_800, onset_s=1.1)
+    file, original = tmp_path / "edited.json", tmp_path / "original.json"
+    file.write_bytes(msgspec.json.encode(msgspec.structs.replace(before, events=(moved, *events[1:]))))
+    original.write_bytes(msgspec.json.encode(msgspec.structs.replace(before, events=events)))
+    ended, after, _ = rendered(film, file, "--original", original)
+    assert "3 kept, 1 moved" in ended.err
+    assert [event.decisions for event in after.events[1:]] == [(told,)] * 3
+    assert told not in after.events[0].decisions
 
 
 def test_a_result_is_rendered_again_by_its_folder_as_by_its_timeline(tmp_path: Path, film: Path, result: Path) -> None:

@@ -6,14 +6,19 @@ from dataclasses import replace
 import msgspec
 import numpy as np
 import pytest
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from align_films import PROFILE, make_film
 from blastline import dsp
 from blastline.model import Check, Clip, Event, Phase, Rejection, Window
+from blastline.report.bode import BodeCurve, _measured_column
 from blastline.report.choice import MAX_FIGURES, pictured
-from blastline.report.figures import ShotPictures, _bands_hz, _centres
+from blastline.report.figures import ShotPictures, _bands_hz, _centres, _shade
 from blastline.report.overview import Overview, OverviewMeter
 from blastline.report.sounds import envelope, event_sound, spectrum_db
+from blastline.report.style import SERIES
 from blastline.report.summary import heading, tiles, verdict, warnings
 from blastline.report.tables import origin_list, rejections_table, shots_table
 from blastline.report.track import film_track
@@ -160,6 +165,51 @@ def test_what_should_be_felt_fits_into_its_picture_however_far_it_is_raised(rais
         low, high = pictures._grid[row][0].get_ylim()
         assert low < -raised * np.abs(sound.audio).max()
         assert high > raised * np.abs(sound.audio).max()
+
+
+def test_the_wedge_below_a_shot_is_whole_between_its_fades_and_nothing_at_the_windows_ends() -> None:
+    film = make_film(onsets_s=(0.1,), peaks=(0.5,), seconds=0.5)
+    sound = event_sound(film.timeline.events[0], film.timeline, audio=film.audio, drive=film.drive, profile=PROFILE)
+    event, window = sound.event, sound.event.window
+    assert window.fade_in_samples != window.fade_out_samples
+    (wedge,) = (each for each in _shade(Figure().subplots(), sound) if isinstance(each, PolyCollection))
+    corners = np.asarray(wedge.get_paths()[0].vertices, np.float64)
+    shape = {
+        window.start: 0.0,
+        window.start + window.fade_in_samples: 1.0,
+        window.stop - window.fade_out_samples: 1.0,
+        window.stop: 0.0,
+    }
+    high = corners[:, 1].max()
+    for sample, weight in shape.items():
+        at_ms = 1000.0 * (sample - event.onset_sample) / sound.rate_hz
+        assert np.interp(at_ms, *_outline(corners)) == pytest.approx(weight * high)
+    assert corners[:, 0].min() == pytest.approx(1000.0 * (window.start - event.onset_sample) / sound.rate_hz)
+    assert corners[:, 0].max() == pytest.approx(1000.0 * (window.stop - event.onset_sample) / sound.rate_hz)
+
+
+def _outline(corners: NDArray[np.floating]) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
+    """Return the upper edge of a polygon: its times in order, and how high it is there."""
+    times = np.unique(corners[:, 0])
+    return times, np.array([corners[corners[:, 0] == time, 1].max() for time in times])
+
+
+def test_a_measured_response_is_drawn_faintly_as_a_whole_and_in_full_where_it_is_known() -> None:
+    frequencies_hz = np.geomspace(5.0, 2000.0, 50)
+    level_db, phase_deg = -0.01 * frequencies_hz, -0.2 * frequencies_hz
+    known = (frequencies_hz >= 20.0) & (frequencies_hz <= 500.0)
+    curve = BodeCurve(frequencies_hz, level_db, phase_deg=phase_deg, band_hz=(20.0, 500.0))
+    level, phase = Figure().subplots(2)
+    _measured_column(curve, "direct")(level, phase)
+    faint, full = level.get_lines()
+    assert (faint.get_alpha() or 1.0) < (full.get_alpha() or 1.0)
+    np.testing.assert_array_equal(faint.get_xydata(), np.column_stack([frequencies_hz, level_db]))
+    np.testing.assert_array_equal(full.get_xydata(), np.column_stack([frequencies_hz, level_db])[known])
+    (turning,) = phase.get_lines()
+    np.testing.assert_array_equal(turning.get_xdata(), frequencies_hz[known])
+    turns = (np.asarray(turning.get_ydata(), np.float64) - phase_deg[known]) / 360.0
+    np.testing.assert_allclose(turns, round(turns[0]), atol=1e-9)
+    assert faint.get_color() == full.get_color() == turning.get_color() == SERIES["direct"]
 
 
 def test_a_picture_does_not_depend_on_those_before_it() -> None:

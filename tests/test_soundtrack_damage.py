@@ -176,6 +176,20 @@ def test_frames_with_a_wrong_checksum_are_lost_and_told(tmp_path: Path, codec: s
         read(path)
 
 
+def test_a_place_is_told_from_the_first_sample_however_late_the_sound_begins(tmp_path: Path) -> None:
+    places_s = []
+    for delay_s in (0.0, 1.5):
+        path = tmp_path / f"late-{delay_s}.mkv"
+        write_media(path, [impulses(LONG, LONG_SHOTS, channels=2)], codec="flac", audio_delay_s=delay_s)
+        bytes_damaged, place_s = damaged(path, [0.35])
+        path.write_bytes(bytes_damaged)
+        _, source = read(path, mix="0")
+        (told,) = re.findall(r"first at (\S+) s$", source.warnings[0])
+        places_s.append(float(told))
+        assert float(told) == pytest.approx(place_s, abs=0.006)
+    assert places_s[0] == places_s[1] > 1.0
+
+
 def broken_off(tmp_path: Path, spans: list[tuple[int, int]], *, subtype: str = "PCM_16") -> list[str]:
     """Return the warnings about a stereo file of noise in which spans of bytes of its sound are lost."""
     path, size = tmp_path / "film.wav", 2 * {"PCM_16": 2, "FLOAT": 4}[subtype]

@@ -4,11 +4,15 @@ import struct
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
+from av import AudioFrame, AudioLayout
 
 from blastline.soundtrack import open_soundtrack
+from blastline.soundtrack.layouts import keep_list
 from commands import blastline, blastline_alone
 from media import impulses
 from quicktime_films import film_with_layout
@@ -100,6 +104,18 @@ def test_what_a_list_says_that_is_damaged_ends_no_process(tmp_path: Path) -> Non
         body = bytes(4) + bytes([0, rng.choice([0, 1, 123])]) + rng.bytes(size - 6)
         film_with_layout(tmp_path / "film.mov", [impulses(9_600, [], channels=6)], body)
         in_a_process(script, tmp_path / "film.mov")
+
+
+@pytest.mark.parametrize(
+    ("layout", "own_order"), [("FC+FL", True), ("LFE+FL", True), ("FL+FC", False), ("FL+FC+BC", False), ("5.1", False)]
+)
+def test_of_frames_only_those_in_an_order_of_their_own_are_kept_from_being_freed(layout: str, own_order: bool) -> None:
+    """FFmpeg needs no list for channels in its own order: to keep those would only cost room."""
+    frame = SimpleNamespace(layout=AudioLayout(layout))
+    before = sys.getrefcount(frame.layout)
+    keep_list(cast("AudioFrame", frame))
+    kept = sys.getrefcount(frame.layout) - before
+    assert kept == own_order
 
 
 def test_a_list_that_a_decoder_made_itself_is_freed_once(tmp_path: Path) -> None:
