@@ -10,6 +10,7 @@ from blastline.conform.fingerprint import FRAME_HZ
 from blastline.conform.lines import Line, find_lines
 from blastline.conform.segments import MatchedSegment
 from blastline.ruleset import load_conform
+from blastline.study.recut import stretched
 from conform_films import RATE_HZ, film, heard, murmur, seconds
 
 ANCHORS_S = [1.0 + 2.0 * n for n in range(20)]
@@ -40,6 +41,27 @@ def test_a_quarter_of_the_anchors_tells_where_a_scene_is_that_was_dubbed_anew_fo
 def test_with_kept_pitch_half_of_the_anchors_have_to_agree(alike: int) -> None:
     """A few are within 30 ms of any line by chance."""
     assert (agreeing(alike, scale=0.96, pitch_scale=1.0) is not None) == (alike >= 10)
+
+
+@pytest.mark.parametrize("speed", [25.0 / 24.0, 24.0 / 25.0])
+@pytest.mark.parametrize("seed", [97, 98])
+def test_a_film_at_another_speed_with_its_pitch_kept_is_on_one_line_within_the_steps_of_the_tool(
+    speed: float, seed: int
+) -> None:
+    onsets_s = tuple(3.0 + 5.0 * n for n in range(8))
+    old = film(45.0, onsets_s, seed=seed)
+    new = stretched(old.astype(np.float32), onsets_s, speed, RATE_HZ)
+    one, other = heard(old), heard(new.samples)
+    [course] = find_courses(one, other)
+    assert course.keeps_pitch
+    assert course.segment.line.scale == pytest.approx(1.0 / speed, rel=2e-3)
+    off_ms = [
+        1000.0 * abs(float(each.new_s) - (new.true_s(onset_s) or 0.0))
+        for onset_s, each in zip(onsets_s, place(onsets_s, [course], one, other, load_conform()), strict=True)
+        if isinstance(each, Placed)
+    ]
+    assert sum(ms < 1.0 for ms in off_ms) >= 6
+    assert max(off_ms) < 30.0  # by so much such a tool moves what it parts
 
 
 @pytest.mark.parametrize("length_s", [8.0, 11.0, 14.0])

@@ -154,7 +154,7 @@ def _best(segment: MatchedSegment, old: Film, new: Film) -> Anchored | None:
     may_be_kept = abs(segment.line.scale - 1.0) > _TILT and lasts_s >= _LEAST_KEPT_S
     if (best is None or best.course.anchors < len(times) // 3) and may_be_kept:
         kept = through_anchors(segment, times, old, new, pitch_scale=1.0)
-        if kept is not None and (best is None or kept.course.anchors > best.course.anchors):
+        if kept is not None:  # half of the anchors are on it: more than on the best
             return kept
     return best
 
