@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from functools import cache
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -23,7 +24,7 @@ from align_films import (
     weights_of,
 )
 from blastline import dsp
-from blastline.model import Background, Check, Window
+from blastline.model import Background, Check, Event, Window
 
 Change = Callable[[Samples, int, slice], None]
 """What is done to a drive, given the onset of a shot and its window."""
@@ -173,6 +174,34 @@ def test_the_fade_in_of_a_loud_bed_is_no_pre_echo() -> None:
     assert failed(checks) == set()
     assert figure(checks, "pre_echo", event.id) < -50.0
     assert abs(figure(checks, "drive_shift")) < 0.02
+
+
+@pytest.mark.parametrize(("early_ms", "fails"), [(6.0, True), (18.0, True), (40.0, False)])
+def test_before_a_shot_a_drive_of_unknown_making_may_do_no_more_than_is_heard(early_ms: float, fails: bool) -> None:
+    """What is felt longer before belongs to another sound."""
+
+    def unknown(event: Event) -> Event:
+        window = event.window
+        opened = Window(window.start - ms(80.0), window.stop, window.fade_in_samples, window.fade_out_samples)
+        return msgspec.structs.replace(event, drive=None, window=opened)
+
+    made = make_film()
+    right = made.with_events(*map(unknown, made.timeline.events))
+    assert "pre_echo" not in failed(checks_of(right))
+    event, drive = right.timeline.events[3], right.drive.samples.copy()
+    start = event.onset_sample - ms(early_ms)
+    drive[start : start + ms(2.0)] += 0.2 * np.sin(2 * np.pi * 250 * np.arange(ms(2.0)) / RATE_HZ)
+    wrong = {
+        check.event for check in checks_of(right.with_drive(drive)) if check.name == "pre_echo" and not check.passed
+    }
+    assert wrong == ({event.id} if fails else set())
+
+
+def test_in_a_loud_bed_a_drive_of_unknown_making_may_do_as_much_before_a_shot_as_is_heard() -> None:
+    made = make_film(rumble=0.02)
+    right = made.with_events(*(msgspec.structs.replace(event, drive=None) for event in made.timeline.events))
+    assert any(figure(checks_of(right), "pre_echo", event.id) > -10.0 for event in right.timeline.events)
+    assert "pre_echo" not in failed(checks_of(right))
 
 
 @pytest.mark.parametrize("seed", [0, 1])
