@@ -101,6 +101,30 @@ def test_a_displaced_drive_fails_by_its_displacement(by: int, phase: Phase, mode
     assert after - before == pytest.approx(1000.0 * by / RATE_HZ, abs=0.002)
 
 
+@pytest.mark.parametrize("onsets_s", [(0.7, 4.1), (0.7, 2.0, 4.1)])
+@pytest.mark.parametrize("by", [3_000, -9_000])
+def test_a_displaced_drive_of_few_shots_is_found_though_it_never_rests(onsets_s: tuple[float, ...], by: int) -> None:
+    """The film's own sound beside the shots leaves no pattern of windows: the shots alone tell where it is."""
+    right = make_film(onsets_s=onsets_s, peaks=(0.5, 0.3, 0.5)[: len(onsets_s)], background="direct", rumble=0.01)
+    assert failed(checks_of(right, background="direct")) == set()
+    checks = checks_of(right.with_drive(np.roll(right.drive.samples, by)), background="direct")
+    assert figure(checks, "drive_shift") == pytest.approx(by, abs=0.05)
+    assert "drive_shift" in failed(checks)
+
+
+def test_a_shot_in_whose_place_the_drive_is_noise_has_no_lag() -> None:
+    right = film()
+    event, drive = right.timeline.events[3], right.drive.samples.copy()
+    window = slice(event.window.start, event.window.stop)
+    drive[window] = 0.3 * np.random.default_rng(4).uniform(-1.0, 1.0, window.stop - window.start)
+    checks = checks_of(right.with_drive(drive))
+    lag, likeness = (
+        next(check for check in checks if (check.name, check.event) == (name, event.id))
+        for name in ("felt_lag", "felt_correlation")
+    )
+    assert (lag.measured, lag.passed, likeness.passed) == (None, False, False)
+
+
 @pytest.mark.parametrize(
     ("index", "by", "model"),
     [(3, -16, None), (3, 3, None), (0, 3, None), (0, -38, None), (1, 8, "direct"), (1, -2, "direct")],

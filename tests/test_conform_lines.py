@@ -51,7 +51,8 @@ def test_a_film_at_another_speed_with_its_pitch_kept_is_on_one_line_within_the_s
     onsets_s = tuple(3.0 + 5.0 * n for n in range(8))
     old = film(45.0, onsets_s, seed=seed)
     new = stretched(old.astype(np.float32), onsets_s, speed, RATE_HZ)
-    one, other = heard(old), heard(new.samples)
+    new_samples = new.samples.astype(np.float64)
+    one, other = heard(old), heard(new_samples)
     [course] = find_courses(one, other)
     assert course.keeps_pitch
     assert course.segment.line.scale == pytest.approx(1.0 / speed, rel=2e-3)
