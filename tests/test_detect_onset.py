@@ -1,6 +1,7 @@
 """The detector's parts: the same whatever the blocks are, and right to the sample where physics says so."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import msgspec
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from blastline.detect.bandshape import band_levels
 from blastline.detect.bursts import drop_claimed_reflections, group_bursts, suppress_non_maxima, without_echoes
-from blastline.detect.candidates import describe_candidates, let_all_pass
+from blastline.detect.candidates import _onsets, describe_candidates, let_all_pass
 from blastline.detect.chunks import chunks
 from blastline.detect.onset import refine_onsets
 from blastline.detect.pace import automatic
@@ -445,11 +446,11 @@ def test_small_rises_that_keep_no_pace_are_no_candidates() -> None:
     assert steps_of(samples) == steps_of(samples, msgspec.structs.replace(TIER.scan, row_jump_db=None))
 
 
-@pytest.mark.parametrize("early_ms", [5, 7, 8, 9, 10, 11, 12, 13, 16])
-@pytest.mark.parametrize("crack_peak", [0.1, 0.35])
-def test_the_blast_after_the_crack_of_its_bullet_has_its_own_onset(early_ms: int, crack_peak: float) -> None:
-    """A crack is an N-wave of .3 ms; it rises out of silence, so that the blast after it rises less."""
-    blast_at = 96_000
+def rifle(blast_at: int, *, early_ms: int, crack_peak: float) -> NDArray[np.float32]:
+    """Return 3 s of faint noise with the blast of a rifle and, so much earlier, the crack of its bullet.
+
+    A crack is an N-wave of .3 ms; it rises out of silence, so that the blast after it rises less.
+    """
     samples = 3e-4 * np.random.default_rng(early_ms).standard_normal(3 * RATE_HZ)
     crack_at = blast_at - 48 * early_ms
     samples[crack_at : crack_at + 15] += crack_peak * np.linspace(1.0, -1.0, 15)
@@ -457,8 +458,27 @@ def test_the_blast_after_the_crack_of_its_bullet_has_its_own_onset(early_ms: int
     rng = np.random.default_rng(1)
     samples[blast_at : blast_at + t.size] += 0.25 * (1.0 - t / 0.001) * np.exp(-t / 0.001)
     samples[blast_at : blast_at + t.size] += 0.15 * rng.standard_normal(t.size) * np.exp(-t / 0.05)
-    film = samples.astype(np.float32)
+    return samples.astype(np.float32)
+
+
+@pytest.mark.parametrize("early_ms", [5, 7, 8, 9, 10, 11, 12, 13, 16])
+@pytest.mark.parametrize("crack_peak", [0.1, 0.35])
+def test_the_blast_after_the_crack_of_its_bullet_has_its_own_onset(early_ms: int, crack_peak: float) -> None:
+    blast_at = 96_000
+    film = rifle(blast_at, early_ms=early_ms, crack_peak=crack_peak)
+    crack_at = blast_at - 48 * early_ms
     chunk = next(chunks(pieces(clips(film, film.shape[0]), RATE_HZ)))
     found = describe_candidates(chunk, Grid(RATE_HZ), TIER, gate=let_all_pass, screen=let_all_pass).onsets
     for at in (crack_at, blast_at):
         assert np.abs(found - at).min() <= 10, at
+
+
+def test_of_a_films_first_two_places_the_second_has_its_own_onset_as_later_ones_have() -> None:
+    """The crack is so loud that the blast alone would have the crack's onset."""
+    samples, crack_at = rifle(96_000, early_ms=5, crack_peak=0.6), 96_000 - 48 * 5
+    pair = np.array([crack_at, 96_000]) + 24
+    assert np.ptp(refine_onsets(samples, pair, rate_hz=RATE_HZ, rules=TIER.onset)) == 0
+    find = partial(_onsets, samples, rate_hz=RATE_HZ, rules=TIER.onset)
+    alone = find(pair, np.array([0, 1]))
+    np.testing.assert_array_equal(find(np.array([20_000, *pair]), np.array([1, 2])), alone)
+    np.testing.assert_allclose(alone, [crack_at, 96_000], atol=10)
