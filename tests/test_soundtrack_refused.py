@@ -1,6 +1,8 @@
 """What cannot be read, or changes while it is read, is one clear line."""
 
+import gc
 import os
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 
@@ -8,9 +10,10 @@ import numpy as np
 import pytest
 import soundfile
 
-from blastline.errors import SoundtrackError
+from blastline.errors import RuleError, SoundtrackError
 from blastline.model import Span
 from blastline.soundtrack import Soundtrack, open_soundtrack
+from blastline.timebase import Timebase
 from sound_files import FRAMES, RATE_HZ, noise, read, wav
 
 
@@ -125,6 +128,18 @@ def test_streams_and_channels_that_are_not_there_are_refused(tmp_path: Path) -> 
     with pytest.raises(SoundtrackError, match="does not say what its 12 channels are"):
         open_soundtrack(many)
     assert read(many, mix="11")[0].shape == (10, 1)
+
+
+def test_nothing_stays_open_of_a_film_whose_timecode_cannot_be_counted(tmp_path: Path) -> None:
+    """Of compressed sound there is a temporary file already by then."""
+    path = tmp_path / "film.flac"
+    soundfile.write(path, noise(1000, 2), RATE_HZ)
+    with warnings.catch_warnings(record=True) as left_open:
+        warnings.simplefilter("always")
+        with pytest.raises(RuleError, match="the film has no frame rate"):
+            open_soundtrack(path, timebase=Timebase(start_timecode="01:00:00:00"))
+        gc.collect()
+    assert [str(each.message) for each in left_open] == []
 
 
 def test_a_name_that_is_no_text_is_refused() -> None:

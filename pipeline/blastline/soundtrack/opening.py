@@ -1,5 +1,6 @@
 """From a file to a sound track that is open for reading: uncompressed sound by itself, all else through PyAV."""
 
+from contextlib import ExitStack
 from pathlib import Path
 
 from ..errors import SoundtrackError
@@ -34,22 +35,23 @@ def open_soundtrack(
     then. `timebase` is what the user knows better about its timecode. Raises SoundtrackError where the file cannot be
     read or has no such track or channel, RuleError where the time base does not go with the film.
     """
-    with naming(path):
+    with naming(path), ExitStack() as unless_opened:
         require_file(path)
         state = file_state(path)
         track = _open_track(path, stream)
-        try:
-            facts = track.facts
-            if not MIN_RATE_HZ <= facts.rate_hz <= MAX_RATE_HZ:
-                limits = f"{MIN_RATE_HZ} to {MAX_RATE_HZ} Hz"
-                raise SoundtrackError(f"the sample rate is {facts.rate_hz} Hz; expected {limits}")
-            matrix = mix_matrix(facts.layout, facts.channels, mix)
-            spool = Spool(spool_folder) if rereadable and not isinstance(track, PcmTrack) else None
-            opened = Soundtrack(path, track, matrix=matrix, mix=mix, spool=spool, timebase=timebase, opened=state)
-            opened.describe()
-        except BaseException:
-            track.close()
-            raise
+        unless_opened.callback(track.close)
+        facts = track.facts
+        if not MIN_RATE_HZ <= facts.rate_hz <= MAX_RATE_HZ:
+            limits = f"{MIN_RATE_HZ} to {MAX_RATE_HZ} Hz"
+            raise SoundtrackError(f"the sample rate is {facts.rate_hz} Hz; expected {limits}")
+        matrix = mix_matrix(facts.layout, facts.channels, mix)
+        spool = None
+        if rereadable and not isinstance(track, PcmTrack):
+            spool = Spool(spool_folder)
+            unless_opened.callback(spool.close)
+        opened = Soundtrack(path, track, matrix=matrix, mix=mix, spool=spool, timebase=timebase, opened=state)
+        opened.describe()
+        unless_opened.pop_all()
     return opened
 
 
