@@ -226,6 +226,10 @@ def test_a_file_that_names_its_channels_is_believed_and_others_are_in_the_usual_
     assert layout_of([None] * 8) == ("FL", "FR", "FC", "LFE", "SL", "SR", "BL", "BR")
     assert layout_of([mono] * 2) == ("FL", "FR")
     assert layout_of([mono] * 5) == ()
+    assert layout_of([("FL",), ("FR",), *[mono] * 4]) == ("FL", "FR", "FC", "LFE", "SL", "SR")
+    film = [(name,) for name in ("FL", "FR", "FC", "LFE", "SL", "SR")]
+    assert layout_of([*film, ("FL",), ("FR",)]) == ()  # a stereo mix is no rear pair
+    assert layout_of([mono, ("FL",), ("FR",), mono, mono, mono]) == ()
 
 
 @pytest.mark.parametrize("streams", [(0, 1, 2), (0, 1, 2, 3), (0, 1, 2, 3, 4)])

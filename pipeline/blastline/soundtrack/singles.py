@@ -15,12 +15,15 @@ _LAYOUTS = {
 def layout_of(names: Sequence[Sequence[str] | None]) -> tuple[str, ...]:
     """Return what joined streams are, given what each calls its channel: that where all differ, else the usual order.
 
-    Empty where there is no usual order for so many: the fourth of them may be the low-frequency channel.
+    Empty where there is no usual order for so many, as the fourth of them may be the low-frequency channel, or where
+    one calls itself otherwise, as a stereo mix beside the film does. Each may call itself FC, which is mono as well.
     """
     said = tuple(name for each in names for name in each or ())
     if len(set(said)) == len(said) == len(names):
         return said
-    return _LAYOUTS[len(names)][1] if len(names) in _LAYOUTS else ()
+    _, usual = _LAYOUTS.get(len(names), ("", ()))
+    fits = all(each in (None, ("FC",), (name,)) for each, name in zip(names, usual, strict=False))
+    return usual if fits else ()
 
 
 def joining_hint(heard: int, singles: Sequence[int]) -> str:
