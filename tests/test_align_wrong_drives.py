@@ -3,12 +3,13 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 import soundfile
 
 from blastline import run
-from blastline.model import DriveChoice, Phase, Quality
+from blastline.model import DriveChoice, Event, Phase, Quality, Timeline, encode
 from blastline.run import RenderOptions
 from checked_films import RATE_HZ, Samples, failures, film, rendered
 
@@ -164,3 +165,45 @@ def test_an_onset_that_was_edited_and_not_rendered_fails_by_as_much(tmp_path: Pa
     edited.write_text(text, encoding="utf-8")
     wrong = {event: aside for name, event, aside in failures(run.check(edited, audio=path)) if "onset_as" in name}
     assert wrong == {"shot-0002": pytest.approx(1000.0 * by / RATE_HZ)}
+
+
+@pytest.mark.parametrize("index", [0, 1, 2])
+@pytest.mark.parametrize("how", ["deleted", "without its drive"])
+def test_a_shot_that_was_deleted_and_not_rendered_fails_and_is_named(tmp_path: Path, index: int, how: str) -> None:
+    onsets = [14_400, 18_000, 21_600]
+    path = film(tmp_path / "film.wav", onsets, [0.2, 0.3, 0.2])
+    made = rendered(path, onsets, RenderOptions(report=False))
+    assert len({event.window for event in made.events}) == 1
+    assert figure_of(made, "shots_as_rendered") == (True, 0.0)
+    gone = made.events[index]
+    bare = () if how == "deleted" else (msgspec.structs.replace(gone, drive=None),)
+    notes: list[str] = []
+    edited = written(tmp_path, (*made.events[:index], *bare, *made.events[index + 1 :]), made)
+    checked = run.check(edited, audio=path, note=notes.append)
+    assert figure_of(checked, "shots_as_rendered") == (False, -1.0)
+    [note] = notes
+    assert f": lacks {gone.id}, " in note
+
+
+def test_a_shot_that_was_given_another_id_needs_no_other_drive(tmp_path: Path) -> None:
+    onsets = [14_400, 40_000]
+    path = film(tmp_path / "film.wav", onsets, [0.2, 0.1])
+    made = rendered(path, onsets, RenderOptions(report=False))
+    first, second = made.events
+    notes: list[str] = []
+    renamed = written(tmp_path, (msgspec.structs.replace(first, id="door"), second), made)
+    assert failures(run.check(renamed, audio=path, note=notes.append)) == []
+    assert notes == []
+
+
+def written(folder: Path, events: tuple[Event, ...], made: Timeline) -> Path:
+    """Write a timeline with other events beside its drive and return it."""
+    edited = folder / "out" / "edited.json"
+    edited.write_bytes(encode(msgspec.structs.replace(made, events=events)))
+    return edited
+
+
+def figure_of(made: Timeline, name: str) -> tuple[bool, float | None]:
+    """Return whether the film's check of a name passed, and what it measured."""
+    [check] = [check for check in made.checks if check.name == name]
+    return check.passed, check.measured

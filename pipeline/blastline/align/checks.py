@@ -9,7 +9,7 @@ from ..units import ms_from_samples, samples_from_ms
 from .comparable import is_comparable
 from .comparison import Comparison, compare
 from .hearing import coarseness
-from .sanity import fade_margin, heard_rise_db, is_rise_owed, order_faults
+from .sanity import fade_margin, heard_rise_db, is_rise_owed, order_faults, rendered_shots
 from .shot_checks import can_lead, noted, shot_checks, within
 from .shots import parts_of
 from .sounds import Sound, read_padded
@@ -55,6 +55,7 @@ def check_files(
     return (
         *_file_checks(timeline, shared, film, drive.damaged_samples),
         *_order_check(timeline),
+        *_number_check(timeline),
         *_checks_by_shots(timeline, shared),
     )
 
@@ -112,6 +113,17 @@ def _file_checks(timeline: Timeline, shared: Comparison, film: DriveFigures, dam
 def _order_check(timeline: Timeline) -> Iterator[Check]:
     faults = order_faults(timeline.events, timeline.source.frames)
     yield Check("timeline_order", None, faults == 0, faults, 0.0, "faults")
+
+
+def _number_check(timeline: Timeline) -> Iterator[Check]:
+    """Yield how many shots more have a drive than were rendered, of which the timeline's own checks tell.
+
+    They name every shot that was rendered; a timeline that has just been made has none yet, and is as it was rendered.
+    """
+    if timeline.actuator is not None:
+        driven = sum(event.drive is not None for event in timeline.events)
+        excess = driven - len(rendered_shots(timeline)) if timeline.checks else 0
+        yield Check("shots_as_rendered", None, excess == 0, excess, 0.0, "shots")
 
 
 def _checks_by_shots(timeline: Timeline, shared: Comparison) -> Iterator[Check]:

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model import Event, Span
+from ..model import Event, Span, Timeline
 from ..units import db_from_gain, samples_from_ms
 from .sounds import Sound, read_padded
 
@@ -27,6 +27,11 @@ def order_faults(events: Sequence[Event], frames: int) -> int:
     lost = sum(event.onset_sample not in event.window.span for event in events)
     repeated = len(events) - len({event.id for event in events})
     return late + overlaps + outside + lost + repeated
+
+
+def rendered_shots(timeline: Timeline) -> frozenset[str]:
+    """Return the ids of the shots that had a drive when the checks in the timeline were written, which name each."""
+    return frozenset(check.event for check in timeline.checks if check.event is not None)
 
 
 def fade_margin(event: Event) -> int:

@@ -20,6 +20,7 @@ CHECKS = {
     "sound_outside_windows": "Between the shots the drive is the film's sound",
     "fades": "The drive comes and goes as its windows fade",
     "timeline_order": "Shots and windows are in order",
+    "shots_as_rendered": "The shots are those that were rendered",
     "drive_shift": "The drive as a whole is not displaced",
     "drive_drift": "The drive does not drift from first shot to last",
     "drive_speed": "The drive runs at the film's speed",
@@ -49,6 +50,9 @@ _AT_LEAST = {"felt_correlation", "drive_correlation", "fade_in_before_onset", "a
 _AS_RENDERED = {"lag_as_rendered", "level_as_rendered", "peak_as_rendered", "gain_as_rendered"}
 _EITHER_WAY = {"drive_shift", "drive_drift", "felt_lag", "drive_lag"} | _AS_RENDERED
 _ONSETS = {"felt_onset", "drive_onset"}
+_COUNTED = {"frames": "the film", "shots_as_rendered": "were rendered"}
+"""What the figures of these count more or fewer than."""
+
 _MOST_DECIMALS = 16
 _SPEED_DIGITS = 7
 
@@ -139,9 +143,9 @@ def measured(check: Check) -> str:
     """Return what a check measured, with its unit."""
     if check.measured is None:
         return "could not be measured" if not check.passed else "nothing to measure"
-    if check.name == "frames":
+    if beside := _COUNTED.get(check.name):
         more = "more" if check.measured >= 0.0 else "fewer"
-        return f"{figure(abs(check.measured), 0)} {more} than the film" if check.measured else "as many as the film"
+        return f"{figure(abs(check.measured), 0)} {more} than {beside}" if check.measured else f"as many as {beside}"
     if check.unit.startswith("dB") and check.measured <= SILENCE_DB:
         return "nothing at all"
     return _with_unit(check.measured, check)
@@ -151,7 +155,7 @@ def allowed(check: Check) -> str:
     """Return what a check allows, with its unit."""
     if check.limit is None:
         return "–"
-    if check.name == "frames":
+    if check.name in _COUNTED:
         return "exactly as many"
     limit = _with_unit(check.limit, check)
     if check.name in _EXACT:

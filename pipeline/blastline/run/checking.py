@@ -7,9 +7,10 @@ from pathlib import Path
 import msgspec
 
 from .. import __version__
-from ..align import check_files, check_timeline
+from ..align import check_files, check_timeline, rendered_shots
 from ..errors import TimelineError
 from ..export import read_timeline
+from ..misfits import listed
 from ..model import Source, Timeline
 from ..progress import Note, Progress, no_note, no_progress, report_progress
 from ..ruleset import ActuatorProfile, Rules, load_rules
@@ -43,6 +44,7 @@ def check(
     timeline = read_timeline(path)
     read = load_rules(timeline.quality, rules)
     _tell_other_rules(path, timeline, read, note)
+    _tell_lost_shots(path, timeline, note)
     film = audio or _find_film(timeline.source, path)
     heard = timeline.source.stream if stream is None else stream
     has_drive = timeline.actuator is not None or drive is not None
@@ -95,6 +97,17 @@ def _tell_other_rules(path: Path, timeline: Timeline, rules: Rules, note: Note) 
         note(
             f"{path}: was made with other rules (digest {timeline.rules_digest[:12]}) than it is checked by "
             f"({rules.digest[:12]}); give them with --rules"
+        )
+
+
+def _tell_lost_shots(path: Path, timeline: Timeline, note: Note) -> None:
+    """Tell which shots were rendered and have no drive in the timeline any more; other ids alone are no loss."""
+    driven = {event.id for event in timeline.events if event.drive is not None}
+    rendered = rendered_shots(timeline) if timeline.actuator is not None else frozenset()
+    if len(driven) < len(rendered):
+        note(
+            f"{path}: lacks {listed(sorted(rendered - driven))}, which the drive was rendered with; render it again "
+            "with --timeline and --original: what else fails may come of that"
         )
 
 
