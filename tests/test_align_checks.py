@@ -306,6 +306,20 @@ def test_a_silent_drive_fails_by_name(onsets_s: tuple[float, ...]) -> None:
     assert all(check.measured is None for check in checks if check.name in ("drive_shift", "felt_lag"))
 
 
+@pytest.mark.parametrize("model", ["direct", "filter", "constrained"])
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+def test_a_shot_that_is_muted_is_held_to_all_that_it_was_held_to(model: DriveModel, phase: Phase) -> None:
+    right = make_film(model=model, phase=phase)
+    muted, drive = right.timeline.events[1], right.drive.samples.copy()
+    drive[muted.window.start : muted.window.stop] = 0.0
+    asked, checks = (checks_of(each, phase=phase) for each in (right, right.with_drive(drive)))
+    assert [(check.name, check.event) for check in checks] == [(check.name, check.event) for check in asked]
+    subject = "drive" if model == "direct" else "felt"
+    lacking = {f"{subject}_lag", f"{subject}_correlation", f"{subject}_onset", "drive_as_rendered", "level_as_rendered"}
+    assert {c.name for c in checks if not c.passed} == lacking | {"peak_as_rendered"}
+    assert {c.event for c in checks if not c.passed} == {muted.id}
+
+
 def test_a_film_without_shots_passes_with_nothing_measured() -> None:
     right = film()
     still = right.with_events().with_drive(np.zeros(right.drive.frames))

@@ -53,8 +53,7 @@ def late_start(shared: Comparison, heard: Heard, felt: Felt, due_drives: tuple[D
     attack = slice(onset - lead, max(onset + 1, min(onset + shared.samples(ATTACK_MS), heard.core.stop)))
     grain = min(shared.samples(_GRAIN_MS), attack.stop - attack.start)
     found = []
-    for due_drive in due_drives:
-        due = due_drive.drive[attack]
+    for due in (each.drive[attack] for each in due_drives if each.gain != 0.0):  # 0 is that of a drive at rest
         asked, moves = _first(_running_energy(due, grain), _running_energy(due - felt.drive[attack], grain))
         found.append(float(max(0, moves - max(asked, lead))))
     return min(found) if found else _rest_after(felt.drive[attack], grain, lead)

@@ -79,8 +79,8 @@ def find_shot(
     What the actuator's limit cannot bend counts before likeness: over a boom that rises on from the shot's own place,
     and where a seat rings the next shot may be more like this one than itself. Where the match is too poor to be
     believed, or where the limit alone may have bent it aside, the drive is read from the shot's own place. So is one
-    without a solver that is nearer there to what is due, and, `in_place`, that of a shot which no likeness can place:
-    the match is told all the same. None where soundtrack or drive are silent.
+    without a solver that is nearer there to what is due, one at rest, which lacks all of it, and, `in_place`, that of a
+    shot which no likeness can place: the match is told all the same. None where the soundtrack is silent.
     """
     lead = shared.samples(shared.lead_ms)
     piece = slice(heard.core.start - lead, part.driven.stop - heard.span.start)
@@ -98,7 +98,9 @@ def find_shot(
     else:
         found = read(round(unbent.lag)) if round(unbent.lag) else own
         found = replace(found, match=Match(unbent.lag, nearby.correlation), uncertainty=unbent.uncertainty)
-    if found is None or found.felt is own.felt:
+    if found is None:
+        return own if heard.expected[pattern].any() else None
+    if found.felt is own.felt:
         return found
     if in_place:
         return replace(own, match=found.match, uncertainty=found.uncertainty)

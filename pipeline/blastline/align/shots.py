@@ -73,7 +73,7 @@ def parts_of(events: Sequence[Event], *, lead: int) -> tuple[Part, ...]:
 def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap, in_place: bool) -> ShotFigures | None:
     """Return a shot's figures, with the drive read from where `time_map` says and searched for around there.
 
-    `in_place` it is read nowhere else, wherever it seems to be. None where soundtrack or drive are silent.
+    `in_place` it is read nowhere else, wherever it seems to be. None where the soundtrack is silent.
     """
     search = shared.samples(shared.rules.search_ms)
     margin = max(search, shared.memory, shared.samples(shared.lead_ms))
