@@ -168,6 +168,34 @@ def test_an_edit_in_a_column_that_is_not_read_is_told(tmp_path: Path, film: Path
     assert list(after.edits.notes) == notes
 
 
+@pytest.mark.parametrize("frame_rate", [None, "25"])
+@pytest.mark.parametrize(
+    ("away_s", "told"),
+    [(None, False), (0.0, False), (0.5, True), (-2.5, True)],
+)
+def test_a_timecode_that_contradicts_where_its_row_was_moved_is_told(
+    tmp_path: Path, film: Path, result: Path, frame_rate: str | None, away_s: float | None, told: bool
+) -> None:
+    """Of a row that is moved, the old timecode says nothing, and one typed with the new time agrees to a frame."""
+
+    def timecode(at_s: float) -> str:
+        return f"00:00:{at_s:06.3f}" if frame_rate is None else f"00:00:{int(at_s):02}:{int(at_s % 1.0 * 25):02}"
+
+    def edit(rows: list[Row]) -> None:
+        rows[2].update(onset_s="4.007")
+        if away_s is not None:
+            rows[2].update(timecode=timecode(4.007 + away_s))
+
+    counted = ("--frame-rate", frame_rate) if frame_rate else ()
+    first = rendered(film, edited(result, tmp_path, lambda rows: None), *counted)[1]
+    assert first.source.frame_rate == frame_rate
+    (tmp_path / "again").mkdir()
+    err = rendered(film, edited(tmp_path / "out", tmp_path / "again", edit), *counted)[0].err
+    assert "3 kept, 1 moved" in err
+    note = "note: not used: the timecode of shot-0003, which was edited; onset_s or onset_sample moves a shot"
+    assert [line for line in err.splitlines() if "the timecode of" in line] == ([note] if told else [])
+
+
 def test_an_edit_in_a_key_that_is_not_read_is_told(tmp_path: Path, film: Path, result: Path) -> None:
     plain = json.loads((result / "timeline.json").read_text())
     plain["events"][0]["timecode"] = "00:00:01.100"

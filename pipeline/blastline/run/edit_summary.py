@@ -10,8 +10,9 @@ import msgspec
 
 from ..export.edits import EditedFile, Wanted, Wish, value_at
 from ..misfits import listed
-from ..model import Edits, Event, Timeline
+from ..model import Edits, Event, Source, Timeline
 from ..render import PlannedWindow
+from ..timecode import frame_scale, timecode_at
 from . import names
 
 _MOST_MISSING = 10
@@ -37,6 +38,9 @@ _MEASURED = "it is measured in the film"
 _STAYS = frozenset({"drive_model", "drive.model", "window.fade_in_samples", "window.fade_out_samples"})
 """What nobody expects to change when a shot is moved."""
 
+_TOLD_OF_MOVED = _STAYS | {"timecode"}
+_CLOCK_STEPS_HZ = 1000  # a film without frames has its times to the millisecond
+
 
 def unused_settings(edited: EditedFile, original: Timeline) -> Iterator[str]:
     """Yield a note for each key of the whole film that an edited JSON has otherwise than its original."""
@@ -47,7 +51,13 @@ def unused_settings(edited: EditedFile, original: Timeline) -> Iterator[str]:
 
 
 def summarise_edits(
-    edited: EditedFile, wanted: Wanted, windows: Sequence[PlannedWindow], *, has_original: bool, is_named: bool
+    edited: EditedFile,
+    wanted: Wanted,
+    windows: Sequence[PlannedWindow],
+    source: Source,
+    *,
+    has_original: bool,
+    is_named: bool,
 ) -> Edits:
     """Return how many events an edited file keeps, moves, changes, adds and deletes, with what a user has to know.
 
@@ -68,7 +78,7 @@ def summarise_edits(
         )
         notes += _gaps(edited, wanted)
     notes += wanted.notes
-    notes += _unheeded(edited, wanted)
+    notes += _unheeded(edited, wanted, source)
     starts, stops = _overruled(wanted.wishes, windows)
     notes += _overruled_ends(starts, stops)
     told = {edit.place for edit in edited.edits if edit.blast_start is not None}
@@ -87,8 +97,8 @@ def summarise_edits(
     )
 
 
-def _unheeded(edited: EditedFile, wanted: Wanted) -> Iterator[str]:
-    """Yield a note for each column or key that is not read and was edited, in shots that are where they were.
+def _unheeded(edited: EditedFile, wanted: Wanted, source: Source) -> Iterator[str]:
+    """Yield a note for each column or key that is not read and was edited, and does not follow from a shot's new place.
 
     Where it is another for every shot, nobody typed it: the file was exported or rendered with other options.
     """
@@ -96,14 +106,27 @@ def _unheeded(edited: EditedFile, wanted: Wanted) -> Iterator[str]:
     originals = {wish.was.id: _as_in_json(wish.was) for wish in wanted.wishes if wish.was is not None}
     for name in dict.fromkeys(name for said in aside.values() for name in said):
         told = [
-            (wish.id, aside[wish.place][name], _exported(originals[wish.was.id], name))
+            (wish, aside[wish.place][name], _exported(originals[wish.was.id], name))
             for wish in wanted.wishes
-            if wish.was is not None and (wish.unmoved or name in _STAYS) and name in aside[wish.place]
+            if wish.was is not None and (wish.unmoved or name in _TOLD_OF_MOVED) and name in aside[wish.place]
         ]
-        other = [identity for identity, now, before in told if before is not None and now != before]
+        other = [
+            wish.id
+            for wish, now, before in told
+            if before is not None and now != before and not (name == "timecode" and _came_along(now, wish, source))
+        ]
         if other and (len(other) < len(told) or len(told) == 1):
             instead = _INSTEAD.get(name, _MEASURED)
             yield f"not used: the {name} of {_listed(other)}, which was edited; {instead}"
+
+
+def _came_along(timecode: str, wish: Wish, source: Source) -> bool:
+    """Return whether a shot's timecode was edited with its time: it is that of its new place, to a frame."""
+    if wish.unmoved:
+        return False
+    scale = frame_scale(source)
+    step = round(source.sample_rate_hz / (scale.rate if scale else _CLOCK_STEPS_HZ))
+    return timecode in {timecode_at(source, wish.onset + aside) for aside in (-step, 0, step)}
 
 
 def _overruled(wishes: Sequence[Wish], windows: Sequence[PlannedWindow]) -> tuple[frozenset[str], frozenset[str]]:

@@ -137,7 +137,12 @@ def hear_edited(
     marks = tuple(Mark(wish.id, wish.origin, wish.gain_db, _decided(wish)) for wish in wishes)
     windows = with_gains(windows, shots, [wish.gain_db for wish in wishes])
     return HeardFilm(track, source, found, windows, marks), summarise_edits(
-        edited, wanted, windows, has_original=editing.original is not None, is_named=editing.named_by is not None
+        edited,
+        wanted,
+        windows,
+        source,
+        has_original=editing.original is not None,
+        is_named=editing.named_by is not None,
     )
 
 
