@@ -1,5 +1,6 @@
 """Films whose shots tests render, and what their checks say."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -48,3 +49,23 @@ def with_booms(path: Path, onsets: Sequence[int], boom_hz: float, *, peak: float
         samples[onset:] += peak * np.sin(2.0 * np.pi * boom_hz * t) * np.exp(-t / 0.1)
     soundfile.write(path, np.clip(samples, -1.0, 1.0 - 2.0**-23), RATE_HZ, subtype="PCM_24")
     return path
+
+
+def seat(path: Path, resonance_hz: float, q: float, up_to_hz: float = 1000.0) -> str:
+    """Write the profile of a seat that rings at one frequency, and is felt up to another, and return its name."""
+    w = 2.0 * math.pi * resonance_hz
+    tip = [-w / (2.0 * q), w * math.sqrt(1.0 - 1.0 / (4.0 * q * q))]
+    path.write_text(
+        f"""schema = 1
+name = "seat"
+source = "a test"
+lowpass = {{ source = "where the skin feels", corner_hz = {up_to_hz}, order = 4 }}
+highpass = {{ source = "as the built-in one", corner_hz = 5.0, order = 1 }}
+[response]
+source = "a resonance"
+gain = {w / q**0.5}
+zeros_rad_s = [[-20.0, 0.0]]
+poles_rad_s = [{tip}, {[tip[0], -tip[1]]}]
+"""
+    )
+    return str(path)

@@ -9,9 +9,9 @@ import pytest
 import soundfile
 
 from blastline import run
-from blastline.model import DriveChoice, Phase
+from blastline.model import Background, DriveChoice, Phase
 from blastline.run import RenderOptions
-from checked_films import RATE_HZ, Samples, failures, film, rendered
+from checked_films import RATE_HZ, Samples, failures, film, rendered, seat, with_booms
 
 BEFORE_A_LOUDER = [14_400, 17_600, 24_000]
 """A direct drive is compared without delay, in a band that spreads what comes over what was before it."""
@@ -125,3 +125,37 @@ def test_a_soft_shot_beside_the_films_own_sound_is_held_to_its_place_and_its_gai
     moved, softer = wrong_with(np.roll(samples[own], 12)), wrong_with(0.7 * samples[own])
     assert moved & {"lag_as_rendered", "drive_as_rendered"}
     assert "level_as_rendered" in softer
+
+
+@pytest.mark.parametrize("drive", ["filter", "constrained"])
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+@pytest.mark.parametrize("background", ["mute", "direct"])
+def test_a_softer_shot_on_a_seat_that_rings_with_the_window_before_is_held_to_its_own_drive(
+    tmp_path: Path, drive: DriveChoice, phase: Phase, background: Background
+) -> None:
+    onsets = [14_400, 26_400, 38_400]
+    path = with_booms(film(tmp_path / "film.wav", onsets, [0.6, 0.9, 0.3], decay_s=0.03), onsets, 30.0, peak=0.5)
+    actuator = seat(tmp_path / "seat.toml", 15.0, 6.0)
+    gains_db = zip(onsets, [0.0, -23.0, -20.0], strict=True)
+    rows = [f"{onset},{gain_db},{onset + 8_000}" for onset, gain_db in gains_db]
+    path.with_suffix(".csv").write_text("\n".join(["onset_sample,gain_db,window_stop_sample", *rows]))
+    options = RenderOptions(report=False, drive=drive, phase=phase, background=background, actuator=actuator)
+    made = run.render(path, tmp_path / "out", replace(options, timeline=path.with_suffix(".csv"), level_db=-6.0))
+    assert failures(made) == []
+    samples, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    window = made.events[1].window
+    own = slice(window.start + window.fade_in_samples, window.stop - window.fade_out_samples)
+
+    def wrong_with(within: Samples) -> set[str]:
+        other = samples.copy()
+        other[own] = within
+        soundfile.write(tmp_path / "other.wav", other, RATE_HZ, subtype="PCM_24")
+        checked = run.check(tmp_path / "out", audio=path, drive=tmp_path / "other.wav", actuator=actuator)
+        return {name for name, event, _ in failures(checked) if event == "shot-0002"}
+
+    for wrong in (0.5 * samples[own], -samples[own], np.roll(samples[own], 240)):
+        assert wrong_with(wrong)
+    late = np.roll(samples, 240)
+    soundfile.write(tmp_path / "late.wav", late, RATE_HZ, subtype="PCM_24")
+    checked = run.check(tmp_path / "out", audio=path, drive=tmp_path / "late.wav", actuator=actuator)
+    assert [check.passed for check in checked.checks if check.name == "drive_shift"] == [False]

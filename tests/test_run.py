@@ -1,6 +1,5 @@
 """The main job from end to end: what must hold whatever the film, to the bit where it can."""
 
-import math
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +20,7 @@ from blastline.run.driving import open_drive
 from blastline.run.options import set_up
 from blastline.scene import choose
 from blastline.synth import Scene, render_scene, synthesise
+from checked_films import seat
 
 RATE_HZ = 48_000
 FIXTURES = Path(__file__).parents[1] / "fixtures"
@@ -81,26 +81,6 @@ def test_a_right_file_passes_every_check(result: tuple[Timeline, NDArray[np.int3
     assert len(timeline.events) >= 4
     assert [check for check in timeline.checks if not check.passed] == []
     assert drive.size == timeline.source.frames == 12 * RATE_HZ
-
-
-def seat(path: Path, resonance_hz: float, q: float, up_to_hz: float = 1000.0) -> str:
-    """Write the profile of a seat that rings at one frequency, and is felt up to another, and return its name."""
-    w = 2.0 * math.pi * resonance_hz
-    tip = [-w / (2.0 * q), w * math.sqrt(1.0 - 1.0 / (4.0 * q * q))]
-    path.write_text(
-        f"""schema = 1
-name = "seat"
-source = "a test"
-lowpass = {{ source = "where the skin feels", corner_hz = {up_to_hz}, order = 4 }}
-highpass = {{ source = "as the built-in one", corner_hz = 5.0, order = 1 }}
-[response]
-source = "a resonance"
-gain = {w / q**0.5}
-zeros_rad_s = [[-20.0, 0.0]]
-poles_rad_s = [{tip}, {[tip[0], -tip[1]]}]
-"""
-    )
-    return str(path)
 
 
 @pytest.mark.parametrize(

@@ -67,7 +67,7 @@ def locate(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap, s
     start, longest = part.span.start, shared.samples(shared.rules.longest_ms)
     short = replace(part, span=Span(start, min(part.span.stop, start + longest)))
     heard = hear(shared, event, short, Span(start, short.span.stop))
-    felt = feel(shared, event, Span(start - search, short.span.stop + search), time_map=time_map)
+    felt = feel(shared, event, part, Span(start - search, short.span.stop + search), time_map=time_map)
     return match_template(heard.expected, felt.following)
 
 
@@ -87,7 +87,7 @@ def find_shot(
 
     def read(late: int) -> FoundShot:
         there = TimeMap(time_map.scale, time_map.offset + late * time_map.scale)
-        felt = feel(shared, event, heard.span, time_map=there)
+        felt = feel(shared, event, part, heard.span, time_map=there)
         return FoundShot(Match(float(late), 0.0), math.inf, felt, adjoints_of(shared, heard, felt, piece=piece))
 
     own = read(0)

@@ -18,7 +18,8 @@ class Part:
 
     `opens` says that the shot is the first of its window. `since` is from where on the drive before it is known, by the
     window or by the shot before, which was asked to be `before_db` stronger; the next shot of the window was asked to
-    be `after_db` stronger.
+    be `after_db` stronger. `earlier_stop` is where the window before its own ends, 0 where there is none: a seat that
+    rings for long still moves with that.
     """
 
     span: Span
@@ -27,6 +28,7 @@ class Part:
     driven: Span
     before_db: float = 0.0
     after_db: float = 0.0
+    earlier_stop: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,8 +41,8 @@ class Heard:
     - `intended`: the sound with the delay that the drive is meant to have, and with what a louder shot before leaves
       ringing where nothing solves against that; of a direct drive, as the limit leaves it;
     - `undelayed`: the same without any delay, and of a direct drive without the limit on the shot itself;
-    - `expected`: what is felt where the drive succeeds: `intended`, and what the background before the window leaves
-      ringing;
+    - `expected`: what is felt where the drive succeeds: `intended`, and what the background before the window, since
+      the window before that, leaves ringing;
     - `direct`: what direct conversion would make felt of the window alone, from rest;
     - `background`: the drive beside the windows;
     - `wet`: the drive of an open window if nothing limited it. That of a `solved` one is another, but was solved as if
@@ -99,8 +101,8 @@ def hear(shared: Comparison, event: Event, part: Part, span: Span) -> Heard:
         part.driven.stop - span.start,
         intended[kept],
         undelayed[kept],
-        _expected(shared, event, wet, intended, background, wide)[kept],
-        direct=dsp.run_filter(shared.felt, of_window(dry, event, wide.start)[: kept.stop])[kept],
+        _expected(shared, event, part, wet, intended, background, wide)[kept],
+        direct=dsp.run_filter(shared.felt, resting_until(event.window.start, dry, wide)[: kept.stop])[kept],
         background=background[kept],
         wet=wet[kept],
         weights=_risen(event, span),
@@ -149,7 +151,7 @@ def _centred(shared: Comparison, event: Event, audio: Samples, span: Span) -> Sa
 
 
 def _expected(
-    shared: Comparison, event: Event, wet: Samples, intended: Samples, background: Samples, span: Span
+    shared: Comparison, event: Event, part: Part, wet: Samples, intended: Samples, background: Samples, span: Span
 ) -> Samples:
     """Return `expected` of `Heard` over a span, against the gain of the shot.
 
@@ -159,7 +161,7 @@ def _expected(
         return intended
     own = np.zeros(len(span)) if is_solved(event) else wet
     opening = dsp.cross_fade(background / _gain(shared, event), own, _risen(event, span))
-    return intended + dsp.run_filter(shared.felt, opening - own)
+    return intended + dsp.run_filter(shared.felt, resting_until(part.earlier_stop, opening - own, span))
 
 
 def _relative_gain(shared: Comparison, part: Part, span: Span) -> Samples:
@@ -205,7 +207,7 @@ def _faded_in(at: NDArray[np.int64], length: int) -> Samples:
     return np.asarray(fade[np.clip(at + 1, 0, len(fade) - 1)], dtype=np.float64)
 
 
-def of_window(samples: Samples, event: Event, start: int) -> Samples:
-    """Return samples that begin at sample `start` of the film, at rest until the event's window opens."""
-    before = event.window.start - start
+def resting_until(at: int, samples: Samples, span: Span) -> Samples:
+    """Return samples over a span of the film, at rest until one of the film's."""
+    before = min(at - span.start, len(span))
     return np.concatenate([np.zeros(before), samples[before:]]) if before > 0 else samples

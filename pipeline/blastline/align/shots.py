@@ -55,18 +55,20 @@ def parts_of(events: Sequence[Event], *, lead: int) -> tuple[Part, ...]:
     onsets     ^         ^
     parts      [-------) [---------)
     """
-    parts = []
+    parts, earlier_stop = [], 0
     for before, event, after in zip([None, *events[:-1]], events, [*events[1:], None], strict=True):
         stop = whole = max(event.window.stop - event.window.fade_out_samples, event.onset_sample + 1)
         if after is not None and after.onset_sample > event.onset_sample:
             stop = min(whole, max(after.onset_sample - lead, event.onset_sample + 1))
         opens = before is None or before.window != event.window
+        if before is not None and opens:
+            earlier_stop = min(before.window.stop, event.window.start)
         since = event.window.start if before is None or opens else before.onset_sample - lead
         before_db = 0.0 if before is None or opens else before.gain_db - event.gain_db
         after_db = after.gain_db - event.gain_db if after is not None and stop < whole else 0.0
         begins = event.window.start if opens else max(event.window.start, event.onset_sample - lead)
         driven = Span(begins, max(begins + 1, stop if stop < whole else event.window.stop))
-        parts.append(Part(Span(event.onset_sample, stop), opens, since, driven, before_db, after_db))
+        parts.append(Part(Span(event.onset_sample, stop), opens, since, driven, before_db, after_db, earlier_stop))
     return tuple(parts)
 
 
