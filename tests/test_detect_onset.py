@@ -12,7 +12,7 @@ from blastline.detect.bandshape import band_levels
 from blastline.detect.bursts import drop_claimed_reflections, group_bursts, suppress_non_maxima, without_echoes
 from blastline.detect.candidates import _onsets, describe_candidates, let_all_pass
 from blastline.detect.chunks import chunks
-from blastline.detect.onset import refine_onsets
+from blastline.detect.onset import _low_pass, refine_onsets
 from blastline.detect.pace import automatic
 from blastline.detect.scan import candidate_steps, rise_ratios
 from blastline.detect.segment import segment
@@ -75,6 +75,16 @@ def test_a_tone_sounds_in_its_own_band(rate_hz: int, frequency_hz: float, band: 
     bands = next(iter(pieces(clips(tone, tone.shape[0], rate_hz), rate_hz))).bands[5:-5].mean(axis=0)
     assert bands.shape == (BANDS,)
     assert int(np.argmax(bands)) == band
+
+
+@pytest.mark.parametrize("rate_hz", [44_100, 48_000, 96_000, 192_000])
+def test_what_no_film_of_44_kilohertz_can_hold_is_filtered_out_and_all_else_passes(rate_hz: int) -> None:
+    """By Kaiser's formulas, for 40 dB."""
+    taps = _low_pass(rate_hz)
+    frequencies_hz = np.linspace(0.0, rate_hz / 2.0, 2001)
+    gain = np.abs(np.exp(-2j * np.pi * np.outer(frequencies_hz, np.arange(taps.size)) / rate_hz) @ taps)
+    np.testing.assert_allclose(gain[frequencies_hz <= 18_000.0], 1.0, atol=0.011)
+    assert np.all(gain[frequencies_hz >= 20_000.0] <= 0.011)  # which they reach but for a tenth
 
 
 @pytest.mark.parametrize("offset", [0.1, -0.03])

@@ -179,6 +179,14 @@ def test_streams_that_are_not_channels_of_one_sound_are_refused(tmp_path: Path) 
     assert complaint(wave, 0, 1) == "has no sound stream 0-1; it has 0 (2 channels)"
 
 
+@pytest.mark.parametrize("start_s", [0.0, 0.5])
+def test_streams_that_begin_late_together_are_joined_where_they_begin(tmp_path: Path, start_s: float) -> None:
+    one, two = impulses(20_000, [100]), impulses(20_000, [7_000])
+    path = write_singles(tmp_path / "late.mkv", Single(one, start_s=start_s), Single(two, start_s=start_s))
+    alone, joined = heard(path, stream=0), heard(path, stream=(0, 1))
+    assert (joined[1].start_offset_s, joined[1].frames) == (alone[1].start_offset_s, alone[1].frames)
+
+
 def test_a_stream_that_ends_early_is_told_and_silent_from_there_on(tmp_path: Path) -> None:
     film = different(channels=2)
     path = write_media(tmp_path / "film.mov", [film[:, :1], film[:48_000, 1:]], codec="pcm_s16le")

@@ -12,6 +12,7 @@ from blastline.errors import SoundtrackError
 from blastline.soundtrack import open_soundtrack
 from blastline.soundtrack.boxes import ends_before_its_index
 from blastline.soundtrack.ending import stops_early
+from blastline.soundtrack.matroska import stores_duration
 from coded_films import FILM_RATE, FRAMES, LONG, LONG_SHOTS, SHOTS, is_broken_off, read
 from media import RATE_HZ, impulses, onsets, write_media
 
@@ -167,6 +168,17 @@ def test_a_matroska_that_stores_its_length_is_held_to_it(
         assert (track.expected_frames is None) == zeroed
     told = [warning for warning in read(path)[1].warnings if warning.startswith("the file declares 10.0")]
     assert len(told) == (not zeroed)
+
+
+def test_a_matroska_stores_its_length_from_where_that_is_written_on_however_it_is_cut(tmp_path: Path) -> None:
+    whole = write_media(tmp_path / "film.mkv", [impulses(1_000, [10])], codec="pcm_s16le").read_bytes()
+    begins = whole.index(b"\x44\x89\x88") + 3
+    told = []
+    for size in range(begins + 8 + 20):
+        (tmp_path / "cut.mkv").write_bytes(whole[:size])
+        told.append(stores_duration(tmp_path / "cut.mkv"))
+    assert not any(told[:begins])
+    assert all(told[begins + 8 :])
 
 
 @pytest.mark.parametrize("codec", ["pcm_s16le", "libmp3lame"])

@@ -108,6 +108,19 @@ def test_a_picture_is_not_sought_for_ever(tmp_path: Path, monkeypatch: pytest.Mo
     assert (source.start_offset_s, source.has_picture) == (0.0, True)
 
 
+@pytest.mark.parametrize("begins_s", [0.0, 3.0])
+def test_for_how_long_a_picture_is_sought_counts_from_where_the_film_begins(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, begins_s: float
+) -> None:
+    sound = impulses(FRAMES, [SHOT], channels=8)
+    options: dict[str, Any] = {"codec": "pcm_f64le", "rate_hz": RATE_HZ, "picture_rate": PICTURE_RATE}
+    options |= {"audio_delay_s": begins_s, "picture_delay_s": begins_s + 1.0}
+    path = write_media(tmp_path / "film.mkv", [sound], **options)
+    monkeypatch.setattr(probe, "_SOUGHT_S", 4)
+    with open_soundtrack(path) as track:
+        assert track.describe().start_offset_s == -1.0
+
+
 def test_a_track_without_pictures_is_told(tmp_path: Path) -> None:
     path = write_late_picture(tmp_path / "film.mkv", delay_s=60.0, channels=1)  # later than the film lasts
     with open_soundtrack(path) as track:

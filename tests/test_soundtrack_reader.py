@@ -153,6 +153,14 @@ def test_sound_of_another_scale_is_told(tmp_path: Path, scale: float, warned: bo
     assert all(line.endswith(f"first at sample {at}") for line in source.warnings)
 
 
+def test_a_sample_that_is_no_number_hides_no_sound_of_another_scale(tmp_path: Path) -> None:
+    samples = np.zeros((80_000, 1))
+    samples[70_000:] = 16_384.0
+    samples[69_990] = np.nan
+    _, source = read(wav(tmp_path / "film.wav", samples, subtype="FLOAT"))
+    assert [line.split(" ")[:3] for line in source.warnings] == [["1", "sample", "was"], ["samples", "reach", "16384,"]]
+
+
 def test_the_time_of_day_goes_through_reader_and_writer(tmp_path: Path) -> None:
     path = tmp_path / "film.wav"
     blast = Clip(np.full((10, 1), 0.5), RATE_HZ, 100)
