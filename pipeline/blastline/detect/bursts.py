@@ -124,7 +124,7 @@ def _is_next_round(
     paces = [_pace([each.onset for each in burst], rate_hz=rate_hz, rules=rules) for burst in bursts]
     if not any(paces):
         paces = [_pace([shot.onset, *(each.onset for each in as_loud)], rate_hz=rate_hz, rules=rules)]
-    return any(abs(gap - pace) <= rules.unevenness * pace for pace in paces if pace)
+    return any(abs(gap - pace) <= rules.unevenness * pace for pace in paces)
 
 
 def _pace(onsets: Sequence[int], *, rate_hz: int, rules: BurstRules) -> float:

@@ -57,7 +57,7 @@ def _edit(row: Row, names: Sequence[str], path: Path, *, decimal_comma: bool) ->
         raise TimelineError(
             f"{path}: {place}: {len(row.cells)} cells; expected {len(names)}, as many as the header has columns"
         )
-    cells = {n: Cell(path, place, n, text) for n, text in zip(names, row.cells, strict=False) if n and text}
+    cells = {n: Cell(path, place, n, text) for n, text in zip(names, row.cells, strict=False) if text}
     onset = _point(cells, *ONSETS, decimal_comma=decimal_comma)
     if onset is None:
         unread = "; timecode is not read" if "timecode" in cells else ""
