@@ -202,6 +202,14 @@ def test_derivatives_are_those_of_the_level() -> None:
         np.testing.assert_allclose(told[:, index], (above - below) / 2e-6, atol=1e-5)
 
 
+@pytest.mark.parametrize("zeros", range(6))
+@pytest.mark.parametrize("poles", [2, 5])
+def test_a_form_has_as_many_zeros_and_poles_as_were_asked_for(zeros: int, poles: int) -> None:
+    form = general_form(zeros, poles)
+    model = Model(form, start_from_roots(form, [-30.0 - n for n in range(zeros)], [-40.0 - n for n in range(poles)]))
+    assert (model.zeros, model.poles) == (zeros, poles)
+
+
 def test_roots_make_the_start_that_they_are() -> None:
     zeros = [complex(-30.0), complex(-100.0, 900.0), complex(-100.0, -900.0)]
     poles = [complex(-50.0), complex(-70.0), complex(-2000.0), complex(-200.0, 1500.0), complex(-200.0, -1500.0)]
@@ -227,6 +235,9 @@ def test_octaves_add_up_to_the_whole() -> None:
     assert [row.centre_hz for row in rows] == sorted(row.centre_hz for row in rows)
     assert max(abs(row.worst_db) for row in rows) >= found.best.error_db
     assert min(row.rms_db for row in rows) <= found.best.error_db <= max(row.rms_db for row in rows)
+    for row in rows:
+        inside = found.target.target_db[np.abs(np.log2(found.target.frequencies_hz / row.centre_hz)) <= 0.5]
+        assert inside.min() <= row.level_db <= inside.max()
     assert all(abs(row.mean_db) <= row.rms_db + 1e-12 <= abs(row.worst_db) + 1e-9 for row in rows)
 
 
@@ -316,6 +327,26 @@ def test_the_high_pass_of_a_profile_is_of_the_order_in_which_the_response_falls(
 
     profile = fitted_profile(fit_of(measured_as(level)), name="seat", source="a test", origin="a test", rules=RULES)
     assert profile.highpass.order == order
+
+
+@pytest.mark.parametrize("order", [2, 3, 4])
+def test_beyond_the_band_a_compensator_falls_by_six_decibels_an_octave(order: int) -> None:
+    """A flatter one would play hiss, a steeper one would be late by more than it has to."""
+    profile = fitted_profile(
+        fit_of(measured_as(lambda f: -10.0 * order * np.log10(1.0 + (f / 30.0) ** 2))),
+        name="seat",
+        source="a test",
+        origin="a test",
+        rules=RULES,
+    )
+    low, high = 20.0 * np.log10(np.abs(compensator(profile).at(np.array([1e6, 2e6]))))
+    assert high - low == pytest.approx(-20.0 * math.log10(2.0), abs=0.1)
+
+
+@pytest.mark.parametrize("name", ["two\nlines", "a\tseat"])
+def test_a_profile_is_not_named_what_could_not_be_read_again(name: str) -> None:
+    with pytest.raises(RuleError, match="expected printable characters alone"):
+        fitted_profile(fit_of(measured_as(Seat().level_db)), name=name, source="a test", origin="a test", rules=RULES)
 
 
 def test_what_has_nothing_in_common_is_refused() -> None:

@@ -16,7 +16,7 @@ from blastline.actuator import (
     require_unclipped_excitation,
 )
 from blastline.actuator.delay import coarse_delay
-from blastline.actuator.identify import welch
+from blastline.actuator.identify import usable_band, welch
 from blastline.errors import SoundtrackError
 from blastline.ruleset import load_measuring
 
@@ -98,6 +98,12 @@ def test_spectra_agree_with_scipy() -> None:
     np.testing.assert_allclose((ours.cross / ours.excitation)[inner], (cross / power)[inner], rtol=1e-9)
     told = np.abs(ours.cross) ** 2 / (ours.excitation * ours.response)
     np.testing.assert_allclose(told[inner], coherence[inner], rtol=1e-9)
+
+
+def test_what_is_known_well_throughout_is_known_from_the_first_frequency_to_the_last() -> None:
+    frequencies_hz, rules = np.arange(1.0, 401.0), load_measuring().identify
+    assert usable_band(frequencies_hz, np.full(400, 0.999), 50.0, rules) == (1.0, 400.0)
+    assert usable_band(frequencies_hz, np.zeros(400), 50.0, rules) is None
 
 
 def test_a_periodic_excitation_has_the_nearest_delay() -> None:
