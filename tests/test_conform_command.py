@@ -432,6 +432,16 @@ def test_a_new_film_that_cannot_be_used(
     assert not (tmp_path / "out").exists()
 
 
+def test_a_film_of_which_most_is_digital_silence_is_a_film_all_the_same(
+    films: tuple[Path, Path, Path], tmp_path: Path
+) -> None:
+    timeline, old, _ = films
+    new = write_wave(tmp_path / "late.wav", np.concatenate([np.zeros(30 * RATE_HZ), OLD]), rate_hz=RATE_HZ)
+    assert blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out", "-q").code == 0
+    found = read_timeline(tmp_path / "out" / "timeline.json").events
+    assert [event.onset_s for event in found] == pytest.approx([30.0 + onset_s for onset_s in ONSETS_S], abs=1e-4)
+
+
 def test_channels_are_advised_on_only_where_there_are_several(films: tuple[Path, Path, Path], tmp_path: Path) -> None:
     timeline, old, _ = films
     other = film(20.0, (5.0,), seed=41)

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from blastline.conform import Placed, find_courses, place
-from blastline.conform.anchors import _fitted
+from blastline.conform.anchors import Anchors, _fitted, consensus
 from blastline.conform.courses import Anchored, Course, joined, through_anchors
 from blastline.conform.fingerprint import FRAME_HZ
 from blastline.conform.lines import Line, find_lines
 from blastline.conform.segments import MatchedSegment
 from blastline.ruleset import load_conform
 from blastline.study.recut import stretched
-from conform_films import RATE_HZ, film, heard, murmur, seconds
+from conform_films import RATE_HZ, bang, film, heard, murmur, put, seconds
 
 ANCHORS_S = [1.0 + 2.0 * n for n in range(20)]
 
@@ -74,6 +74,18 @@ def test_a_short_film_that_was_not_changed_is_on_one_line_at_its_own_speed(lengt
     assert line.offset_s == pytest.approx(0.0, abs=1.0 / FRAME_HZ)
 
 
+def test_shots_in_digital_silence_are_found_by_themselves() -> None:
+    onsets_s = (4.0, 11.0, 19.0, 24.0, 33.0)
+    old = np.zeros(40 * RATE_HZ)
+    for number, onset_s in enumerate(onsets_s):
+        put(old, bang(seed=980 + number), onset_s)
+    one, other = heard(old), heard(np.concatenate([np.zeros(5 * RATE_HZ), old]))
+    found = place(onsets_s, find_courses(one, other), one, other, load_conform())
+    assert [each.new_s if isinstance(each, Placed) else None for each in found] == pytest.approx(
+        [onset_s + 5.0 for onset_s in onsets_s], abs=1e-4
+    )
+
+
 def test_short_scenes_in_another_order_keep_their_shots_beside_a_long_one_that_stayed() -> None:
     """Each is too short for a long segment, and the long ones that are found elsewhere say nothing of it."""
     onsets_s, order = (5.0, 15.0, 32.0, 38.0, 44.0, 50.0, 56.0), (3, 1, 4, 0, 2)
@@ -86,12 +98,35 @@ def test_short_scenes_in_another_order_keep_their_shots_beside_a_long_one_that_s
     assert [each.new_s if isinstance(each, Placed) else None for each in found] == pytest.approx(expected_s, abs=1e-4)
 
 
+@pytest.mark.parametrize("late_s", [0.0, 7.25])
+def test_a_shot_far_from_all_that_was_found_is_looked_for_along_what_lies_before_and_after_it(late_s: float) -> None:
+    """A scene that was dubbed anew is on no line, but the shot in it may still be there."""
+    old = film(60.0, (30.0,), seed=96)
+    one, other = heard(old), heard(np.concatenate([murmur(late_s, seed=97), old]) if late_s else old)
+    ends_s = (0.0, 10.0), (50.0, 60.0)
+    courses = [Course(MatchedSegment(Line(1.0, late_s, *span), *span, 0.6), 1.0, 0.0, 4) for span in ends_s]
+    [found] = place([30.0], courses, one, other, load_conform())
+    assert isinstance(found, Placed)
+    assert found.new_s == pytest.approx(30.0 + late_s, abs=1e-4)
+
+
 @pytest.mark.parametrize("shift", [0.0, 3_600.0])
 def test_a_line_through_anchors_on_a_line_is_that_line_wherever_in_the_film_they_are(shift: float) -> None:
     x = shift + np.array([0.0, 7.0, 11.0, 30.0])
     slope, level = _fitted(x, 2e-5 * x - 0.25, np.array([1.0, 0.5, 2.0, 1.0]))
     assert slope == pytest.approx(2e-5, abs=1e-12)
     assert level == pytest.approx(-0.25, abs=1e-8)
+
+
+@pytest.mark.parametrize("steep", [0.02, 0.2])
+def test_anchors_that_are_ever_less_late_are_believed_as_those_that_are_ever_later(steep: float) -> None:
+    """So steep no course can be: what lies on one like that is chance, whichever way it leads."""
+    old_s = np.arange(9.0)
+    late_s = np.array([0.0, 0.0, 0.0, *(steep * old_s[3:])])
+    later, sooner = (consensus(Anchors(old_s, side * late_s, np.ones(9)), 0.001) for side in (1.0, -1.0))
+    assert (later.slope, later.level_s) == (0.0, 0.0)
+    assert (sooner.slope, sooner.level_s) == (0.0, 0.0)
+    assert later.near.tolist() == sooner.near.tolist() == [True] * 3 + [False] * 6
 
 
 @pytest.mark.parametrize("anchors", [(30, 4), (4, 30)])

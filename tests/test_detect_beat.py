@@ -226,6 +226,7 @@ def test_a_shot_halfway_between_two_drums_is_beside_their_grid_whichever_drum_a_
     place = round(36.0 / period_s)
     for seed in range(5):
         drums = rhythm(period_s, seed=seed, length_s=72.0)
+        assert all(kept(samples(drums), samples(drums)))
         shot = samples(0.4321 + period_s * np.array([place + 0.5]))
         assert kept(shot, np.sort(np.append(samples(drums), shot))) == [False]
 

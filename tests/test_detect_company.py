@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from blastline.detect.backdrop import LEVELS
 from blastline.detect.company import in_company, worth_segmenting
 from blastline.detect.fire import ScoredCandidates, even_rows
+from blastline.detect.rounds import in_a_run
 from blastline.detect.verify import Verdicts, log_odds_in
 from blastline.model import EvenRow, Shot, ShotEvidence, Span
 from blastline.ruleset import load_rules
@@ -176,6 +177,15 @@ def test_doublets_nearer_than_a_gun_fires_count_once_in_a_run() -> None:
     near_ms = BURSTS.shortest_gap_ms / 2
     places_ms = [20_000 + n * FAST_MS + more for n in range(BURSTS.fewest_shots - 1) for more in (0.0, near_ms)]
     assert believed_ms(*[shot(at_ms, VERIFY.burst_threshold) for at_ms in places_ms]) == []
+
+
+@pytest.mark.parametrize("likelier", [0, 1])
+def test_of_doublets_in_a_run_the_likelier_ones_are_its_rounds(likelier: int) -> None:
+    places_ms = [n * FAST_MS + late for n in range(5) for late in (0.0, BURSTS.shortest_gap_ms / 2)]
+    onsets = np.array([round(at_ms * RATE_HZ / 1000) for at_ms in places_ms], np.intp)
+    is_likelier = np.arange(onsets.size) % 2 == likelier
+    found = in_a_run(onsets, np.where(is_likelier, 0.9, 0.8), np.full(onsets.size, 0.7), rate_hz=RATE_HZ, rules=BURSTS)
+    assert found.tolist() == is_likelier.tolist()
 
 
 def test_order_changes_nothing_and_a_delay_delays() -> None:
