@@ -1,13 +1,17 @@
 """How late or early a drive may be: as much as its band and its seat make it, and no more."""
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 import soundfile
 
 from blastline import dsp, run
-from blastline.model import Phase, Quality
+from blastline.align.attack import late_start
+from blastline.align.due import DueDrive
+from blastline.model import Phase, Quality, Span
 from blastline.ruleset import load_actuator, rules_path
 from blastline.run import RenderOptions
 from checked_films import RATE_HZ, failures, film, rendered, with_booms
@@ -30,6 +34,19 @@ def test_a_drive_may_be_as_late_as_its_band_has_to_be_and_no_later(tmp_path: Pat
         checked = run.check(tmp_path / "out", audio=path, drive=tmp_path / "wrong.wav", actuator=str(seat))
         names = {name for name, _, _ in failures(checked)}
         assert {"drive_shift", "felt_lag"} <= names if by > 0 else "drive_shift" in names
+
+
+@pytest.mark.parametrize("late_ms", [0.0, 3.0, 8.0])
+def test_a_drive_that_misses_the_attack_is_late_however_much_comes_after_it(late_ms: float) -> None:
+    """A room may answer a shot more strongly than it is."""
+    ms = RATE_HZ // 1000
+    due = np.sin(np.arange(200 * ms) / 20.0) * np.where(np.arange(200 * ms) < 60 * ms, 0.03, 1.0)
+    due[: 10 * ms] = 0.0
+    made = np.where(np.arange(200 * ms) < (10 + late_ms) * ms, 0.0, due)
+    shared: Any = SimpleNamespace(lead_ms=0.0, samples=lambda length_ms: round(length_ms * ms))
+    heard: Any = SimpleNamespace(core=Span(10 * ms, 200 * ms))
+    felt: Any = SimpleNamespace(drive=made)
+    assert late_start(shared, heard, felt, (DueDrive(1.0, due),)) == pytest.approx(late_ms * ms, abs=0.5 * ms)
 
 
 RINGING_SEAT = """

@@ -33,6 +33,33 @@ def test_a_shot_that_is_asked_to_be_softer_than_the_one_before_passes(tmp_path: 
     assert failures(rendered(path, onsets, RenderOptions(report=False), [0.0, 0.0, gain_db])) == []
 
 
+@pytest.mark.parametrize(("gain_db", "is_held"), [(-40.0, False), (0.0, True), (18.0, True)])
+@pytest.mark.parametrize("level_db", [0.0, 18.0])
+def test_over_the_films_own_sound_a_shot_is_held_to_its_own_unless_it_was_muted(
+    tmp_path: Path, gain_db: float, level_db: float, *, is_held: bool
+) -> None:
+    """Beneath what else is felt there nothing can be told of it, of one that was raised all the more."""
+    onsets = [14_400, 34_000, 54_000]
+    path = film(tmp_path / "film.wav", onsets, [0.3] * 3, decay_s=0.03)
+    options = RenderOptions(report=False, background="direct", level_db=level_db)
+    made = rendered(path, onsets, options, [0.0, gain_db - level_db * (not is_held), 0.0])
+    assert failures(made) == []
+    limits = {check.name: check.limit for check in made.checks if check.event == made.events[1].id}
+    assert (limits["felt_lag"] is not None) == is_held
+
+
+def test_a_seat_whose_band_leaves_nothing_above_it_has_its_drive_checked_in_the_band(tmp_path: Path) -> None:
+    shipped = rules_path("actuators/crowson-t108sm.toml").read_text(encoding="utf-8")
+    seat = tmp_path / "wide.toml"
+    seat.write_text(shipped.replace("corner_hz = 1000.0", "corner_hz = 7000.0"), encoding="utf-8")
+    path = film(tmp_path / "film.wav", [14_400, 40_000], [0.1, 0.1])
+    options = RenderOptions(report=False, drive="constrained", actuator=str(seat))
+    made = rendered(path, [14_400, 40_000], options)
+    assert failures(made) == []
+    assert [check.measured for check in made.checks if check.name == "drive_above_band"] == [None, None]
+    assert all(check.limit for check in made.checks if check.name == "felt_correlation")
+
+
 @pytest.mark.parametrize("phase", ["causal", "zero"])
 @pytest.mark.parametrize("seed", [0, 1])
 def test_a_direct_drive_that_is_raised_into_the_limit_passes(tmp_path: Path, phase: Phase, seed: int) -> None:

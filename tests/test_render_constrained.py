@@ -1,6 +1,7 @@
 """The constrained drive: its problem as matrices, its corners, and that its minimum is scipy's."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from scipy.optimize import lsq_linear
 
 from blastline.render import DriveFilters
 from blastline.render.constrained import (
+    _is_unsettled,
     between_corners,
     constrained_drive,
     corner_rhs,
@@ -32,6 +34,17 @@ def convolution(impulse: Samples, frames: int) -> Samples:
     """Return H as a matrix, (frames + len(impulse) - 1, frames)."""
     matrix: Samples = toeplitz(np.concatenate([impulse, np.zeros(frames - 1)]), np.zeros(frames))
     return matrix
+
+
+@pytest.mark.parametrize(("share", "is_unsettled"), [(0.005, False), (0.02, True)])
+@pytest.mark.parametrize("peak", [1e-3, 0.5])
+def test_a_drive_is_settled_where_a_step_moves_it_by_less_than_a_hundredth(
+    share: float, peak: float, *, is_unsettled: bool
+) -> None:
+    drive = peak * np.sin(np.arange(200) / 3.0)
+    problem = full_problem(blast_target(200, peak=peak), IMPULSE, frames=200)
+    moved = replace(problem, rhs=problem.normal(drive) + problem.lipschitz * share * drive)
+    assert _is_unsettled(moved, moved.at(drive)) == is_unsettled
 
 
 def blast_target(frames: int, *, peak: float) -> Samples:

@@ -1,6 +1,7 @@
 """From a film whose channels play against each other to its drive: what the mix cancels is found, felt and checked."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
@@ -105,6 +106,21 @@ def test_a_shot_that_is_moved_by_hand_stays_in_the_sides(beyond: Path, tmp_path:
     moved = made.events[1].window
     assert np.abs(drive_of(tmp_path / "out")[moved.start : moved.stop]).max() > 0.1
     assert made.events[1].peak_dbfs == pytest.approx(found.events[1].peak_dbfs, abs=1.0)
+
+
+def test_a_shot_of_the_mains_that_is_moved_by_hand_stays_in_the_mains(shots: Samples, tmp_path: Path) -> None:
+    """Also where it stands out more in the sides: it was found, or set, in what all the loudspeakers play."""
+    middle = 0.01 * np.random.default_rng(1).standard_normal(len(shots))
+    path = written(tmp_path / "film.wav", [middle + shots, middle - 0.2 * shots])
+    onsets, table, made = [round(at_s * RATE_HZ) for at_s in (2.0, 5.5, 9.0)], tmp_path / "hand.csv", []
+    for late in (0, 96):
+        table.write_text("\n".join(["id,onset_sample", *(f"{n},{onset + late}" for n, onset in enumerate(onsets))]))
+        options = RenderOptions(report=False, quality="draft", timeline=table, overwrite=True)
+        before = replace(options, original=tmp_path / "before.json") if late else options
+        made.append(run.render(path, tmp_path / "out", before))
+        (tmp_path / "before.json").write_bytes(encode(made[-1]))
+    assert [[event.onset_sample for event in each.events] for each in made] == [onsets, [at + 96 for at in onsets]]
+    assert [{event.heard_in for event in each.events} for each in made] == [{"mains"}, {"mains"}]
 
 
 def test_who_names_the_low_channel_gets_the_low_channel(shots: Samples, tmp_path: Path) -> None:
