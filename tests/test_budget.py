@@ -1,5 +1,6 @@
 """Choosing the quality by a budget: laws of the choice and of the prediction, and a budget that makes no sense."""
 
+import errno
 import gc
 import itertools
 import tracemalloc
@@ -13,8 +14,9 @@ import soundfile
 from hypothesis import given
 from hypothesis import strategies as st
 
-from blastline.errors import RuleError
+from blastline.errors import OutputError, RuleError
 from blastline.model import Quality, Timeline
+from blastline.report import MAX_FIGURES
 from blastline.run import gauge as gauges
 from blastline.run import sampling
 from blastline.run.budget import BEST_FIRST, RESERVE, Allowance, allowance, choose_quality, chosen, pick
@@ -23,7 +25,7 @@ from blastline.run.costs import FilmCost
 from blastline.run.listening import HeardFilm, listen
 from blastline.run.options import RenderOptions
 from blastline.run.rendering import write_report_of
-from blastline.run.sampling import EXCERPT_FRAMES, counted_s, sample_film, timed_s
+from blastline.run.sampling import EXCERPT_FRAMES, counted_s, room_for_samples, sample_film, timed_s
 from blastline.soundtrack import Soundtrack, open_soundtrack
 from blastline.study.codecs import encode
 from commands import RATE_HZ, blastline, write_film
@@ -94,6 +96,11 @@ def test_without_pictures_the_prediction_scales_with_the_film(cost: FilmCost, fi
     plain = FilmCost(cost.fixed_s, cost.per_second, cost.per_shot, 0.0, cost.shots_per_s)
     longer = plain.of(times * film_s) - plain.fixed_s
     assert longer == pytest.approx(times * (plain.of(film_s) - plain.fixed_s), rel=1e-6, abs=1e-6)
+
+
+@pytest.mark.parametrize("shots", [1, MAX_FIGURES, 100 * MAX_FIGURES])
+def test_a_report_draws_each_shot_but_no_more_than_it_has_room_for(shots: int) -> None:
+    assert FilmCost(0.0, 0.0, 0.0, 2.0, 0.25).of(4.0 * shots) == 2.0 * min(shots, MAX_FIGURES)
 
 
 @given(SECONDS)
@@ -337,6 +344,19 @@ def test_what_decoding_takes_is_told_for_a_second_of_film(
     assert sample.decode_per_s == pytest.approx(0.5, rel=0.01)
 
 
+@pytest.mark.parametrize(
+    ("number", "name", "told"),
+    [(errno.ENOSPC, None, True), (errno.ENOSPC, "out/drive.wav", False), (errno.EIO, None, False)],
+)
+def test_a_disk_too_full_for_samples_is_told_and_no_other_error_is_taken_for_that(
+    number: int, name: str | None, *, told: bool
+) -> None:
+    with pytest.raises(OutputError if told else OSError) as raised, room_for_samples():
+        raise OSError(number, "no room", name)
+    assert isinstance(raised.value, OutputError) == told
+    assert ("cannot write what the budget is tried on: no room" in str(raised.value)) == told
+
+
 def test_a_sample_joins_without_a_step_and_knows_its_loudest_frame(tmp_path: Path) -> None:
     film = tmp_path / "even.wav"
     even = np.full(100 * RATE_HZ, 0.25, np.float32)
@@ -385,6 +405,7 @@ def test_a_sample_is_in_memory_a_stretch_at_a_time(tmp_path: Path) -> None:
         _, most = tracemalloc.get_traced_memory()
         tracemalloc.stop()
     assert sample.seconds == pytest.approx(20 * 60, rel=0.05)
+    assert sample.seconds / sample.stride == pytest.approx(timed_s(20 * 60), rel=0.05)
     excerpt_bytes = EXCERPT_FRAMES * np.dtype(np.float32).itemsize
     assert most < 4 * excerpt_bytes < 0.4 * sample.seconds * rate_hz * np.dtype(np.float32).itemsize
 

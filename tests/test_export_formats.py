@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from blastline.errors import RuleError
 from blastline.export import FORMATS, export_timeline, known_formats, read_timeline
 from blastline.export.table import COLUMNS
-from blastline.export.words import note
+from blastline.export.words import label, note
 from blastline.model import Timeline
 from blastline.run.export_rows import export_rows
 from timelines import BURST_SHOT, RATE_HZ, SHOT, any_timeline, timeline
@@ -140,6 +140,15 @@ def test_final_cut_is_told_of_a_picture_where_there_is_one_and_of_no_other(tmp_p
 def test_a_note_tells_a_burst_of_shots_in_one_and_of_no_others() -> None:
     assert "burst" not in note(SHOT, Fraction(0))
     assert f"burst {BURST_SHOT.burst} shot {BURST_SHOT.shot_in_burst}" in note(BURST_SHOT, Fraction(0)).split(", ")
+
+
+@pytest.mark.parametrize("gain_db", [-60.0, 2.25, 0.0])
+def test_a_note_tells_in_full_what_a_label_does_of_a_gain(gain_db: float) -> None:
+    event = msgspec.structs.replace(SHOT, gain_db=gain_db)
+    told = [f"gain {gain_db:+g} dB"] if gain_db else []
+    assert [words for words in note(event, Fraction(0)).split(", ") if words.startswith("gain")] == told
+    assert ("gain" in label(event)) == bool(told)
+    assert label(event).endswith("".join(told))
 
 
 def test_what_was_written_is_listed_by_its_own_names_and_what_was_not_by_those_it_would_have() -> None:

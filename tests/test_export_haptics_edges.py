@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from blastline.export import HAPTIC_FORMATS, HapticTrack, haptic_track
-from blastline.export.haptics.envelope import amplitudes
+from blastline.export.haptics.envelope import amplitudes, frequencies
 from haptic_films import PROFILE, RATE_HZ, RULES, bang, drive_of, event, film, played, track_of, write
 from haptic_rules import hjif_played, strict_json
 
@@ -131,6 +131,30 @@ def test_no_pulse_is_lost_however_soft_the_drive_is(tmp_path: Path, peak: float)
     for channel in hjif_played(tmp_path / "timeline.hjif"):
         assert len(channel.pulses) == 3
         assert min(round(255.0 * strength) for _, strength in channel.pulses) >= 1
+
+
+@pytest.mark.parametrize("after_ms", [30, 60, 100])
+def test_an_echo_well_before_the_next_shot_is_a_pulse_as_it_is_without_that(after_ms: int) -> None:
+    echo, following = RATE_HZ + 60 * MS, RATE_HZ + (60 + after_ms) * MS
+    first = event(RATE_HZ, window=(RATE_HZ - 6 * MS, following), echoes=[echo])
+    drive = np.zeros(2 * RATE_HZ)
+    for place in (RATE_HZ, echo, following):
+        drive[place : place + 10 * MS] = 0.5
+    for shots in ([first], [first, event(following)]):
+        pulses = track_of(film(shots, len(drive)), drive).pulses
+        assert [pulse.sample for pulse in pulses if pulse.is_echo] == [echo]
+
+
+def test_of_two_tones_the_one_that_sounds_at_a_point_says_what_is_felt_there() -> None:
+    size = math.ceil(RULES.spectrum_ms * RATE_HZ / 1000.0)
+    time_s = np.arange(size // 2) / RATE_HZ
+    tones = [np.sin(2.0 * np.pi * hz * time_s) for hz in (100.0, 300.0)]
+    felt_hz = [
+        frequencies(np.concatenate(order), np.array([0]), [0], rate_hz=RATE_HZ, rules=RULES, band=(20.0, 1000.0)).item()
+        for order in (tones, tones[::-1])
+    ]
+    assert felt_hz[0] < 160.0
+    assert felt_hz[1] > 240.0
 
 
 @pytest.mark.parametrize("level", [0.25, 0.5])

@@ -175,6 +175,10 @@ def _length(seconds: float) -> str:
 
 
 def _up(value: float) -> float:
-    """Return a number rounded up to two digits."""
+    """Return a number rounded up to two digits.
+
+    >>> _up(121.0), _up(0.0302), _up(9.0)
+    (130.0, 0.031, 9.0)
+    """
     step = 10.0 ** (math.floor(math.log10(value)) - 1)
     return float(f"{math.ceil(value / step) * step:.6g}")
