@@ -51,10 +51,22 @@ def with_booms(path: Path, onsets: Sequence[int], boom_hz: float, *, peak: float
     return path
 
 
-def seat(path: Path, resonance_hz: float, q: float, up_to_hz: float = 1000.0) -> str:
+def pole_of(resonance_hz: float, q: float) -> complex:
+    """Return the upper pole of a resonance, in rad/s."""
+    return 2.0 * math.pi * resonance_hz * complex(-0.5 / q, math.sqrt(1.0 - 0.25 / q**2))
+
+
+def seat(
+    path: Path,
+    resonance_hz: float,
+    q: float,
+    up_to_hz: float = 1000.0,
+    *,
+    gain: float | None = None,
+    zeros_rad_s: Sequence[float] = (-20.0,),
+) -> str:
     """Write the profile of a seat that rings at one frequency, and is felt up to another, and return its name."""
-    w = 2.0 * math.pi * resonance_hz
-    tip = [-w / (2.0 * q), w * math.sqrt(1.0 - 1.0 / (4.0 * q * q))]
+    pole = pole_of(resonance_hz, q)
     path.write_text(
         f"""schema = 1
 name = "seat"
@@ -63,9 +75,10 @@ lowpass = {{ source = "where the skin feels", corner_hz = {up_to_hz}, order = 4 
 highpass = {{ source = "as the built-in one", corner_hz = 5.0, order = 1 }}
 [response]
 source = "a resonance"
-gain = {w / q**0.5}
-zeros_rad_s = [[-20.0, 0.0]]
-poles_rad_s = [{tip}, {[tip[0], -tip[1]]}]
-"""
+gain = {abs(pole) / q**0.5 if gain is None else gain}
+zeros_rad_s = {[[zero, 0.0] for zero in zeros_rad_s]}
+poles_rad_s = [[{pole.real}, {pole.imag}], [{pole.real}, {-pole.imag}]]
+""",
+        encoding="utf-8",
     )
     return str(path)

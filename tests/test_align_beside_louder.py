@@ -1,6 +1,6 @@
 """Soft shots beside louder ones and beside the film's own sound: held to their place and their gain."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,7 +9,7 @@ import pytest
 import soundfile
 
 from blastline import run
-from blastline.model import Background, DriveChoice, Phase
+from blastline.model import Background, DriveChoice, Phase, Timeline
 from blastline.run import RenderOptions
 from checked_films import RATE_HZ, Samples, failures, film, rendered, seat, with_booms
 
@@ -85,6 +85,24 @@ def film_in_noise(path: Path, onsets: Sequence[int]) -> Path:
     return path
 
 
+def second_window(
+    made: Timeline, path: Path, actuator: str | None = None
+) -> tuple[Samples, Callable[[Samples], set[str]]]:
+    """Return the drive of the second shot between its fades, and what of that shot fails with another one there."""
+    samples, _ = soundfile.read(path.parent / "out" / "drive.wav")
+    window = made.events[1].window
+    own = slice(window.start + window.fade_in_samples, window.stop - window.fade_out_samples)
+
+    def wrong_with(within: Samples) -> set[str]:
+        other = samples.copy()
+        other[own] = within
+        soundfile.write(path.parent / "other.wav", other, RATE_HZ, subtype="PCM_24")
+        checked = run.check(path.parent / "out", audio=path, drive=path.parent / "other.wav", actuator=actuator)
+        return {name for name, event, _ in failures(checked) if event == "shot-0002"}
+
+    return samples[own].copy(), wrong_with
+
+
 IN_NOISE = [14_400, 36_000, 57_600]
 
 
@@ -111,18 +129,8 @@ def test_a_soft_shot_beside_the_films_own_sound_is_held_to_its_place_and_its_gai
     path = film_in_noise(tmp_path / "film.wav", IN_NOISE)
     options = RenderOptions(report=False, drive=drive, phase=phase, background="direct")
     made = rendered(path, IN_NOISE, options, [-20.0] * 3)
-    samples, _ = soundfile.read(tmp_path / "out" / "drive.wav")
-    window = made.events[1].window
-    own = slice(window.start + window.fade_in_samples, window.stop - window.fade_out_samples)
-
-    def wrong_with(within: Samples) -> set[str]:
-        other = samples.copy()
-        other[own] = within
-        soundfile.write(tmp_path / "other.wav", other, RATE_HZ, subtype="PCM_24")
-        checked = run.check(tmp_path / "out" / "timeline.json", audio=path, drive=tmp_path / "other.wav")
-        return {name for name, event, _ in failures(checked) if event == "shot-0002"}
-
-    moved, softer = wrong_with(np.roll(samples[own], 12)), wrong_with(0.7 * samples[own])
+    own, wrong_with = second_window(made, path)
+    moved, softer = wrong_with(np.roll(own, 12)), wrong_with(0.7 * own)
     assert moved & {"lag_as_rendered", "drive_as_rendered"}
     assert "level_as_rendered" in softer
 
@@ -142,20 +150,10 @@ def test_a_softer_shot_on_a_seat_that_rings_with_the_window_before_is_held_to_it
     options = RenderOptions(report=False, drive=drive, phase=phase, background=background, actuator=actuator)
     made = run.render(path, tmp_path / "out", replace(options, timeline=path.with_suffix(".csv"), level_db=-6.0))
     assert failures(made) == []
-    samples, _ = soundfile.read(tmp_path / "out" / "drive.wav")
-    window = made.events[1].window
-    own = slice(window.start + window.fade_in_samples, window.stop - window.fade_out_samples)
-
-    def wrong_with(within: Samples) -> set[str]:
-        other = samples.copy()
-        other[own] = within
-        soundfile.write(tmp_path / "other.wav", other, RATE_HZ, subtype="PCM_24")
-        checked = run.check(tmp_path / "out", audio=path, drive=tmp_path / "other.wav", actuator=actuator)
-        return {name for name, event, _ in failures(checked) if event == "shot-0002"}
-
-    for wrong in (0.5 * samples[own], -samples[own], np.roll(samples[own], 240)):
+    own, wrong_with = second_window(made, path, actuator)
+    for wrong in (0.5 * own, -own, np.roll(own, 240)):
         assert wrong_with(wrong)
-    late = np.roll(samples, 240)
-    soundfile.write(tmp_path / "late.wav", late, RATE_HZ, subtype="PCM_24")
+    drive, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    soundfile.write(tmp_path / "late.wav", np.roll(drive, 240), RATE_HZ, subtype="PCM_24")
     checked = run.check(tmp_path / "out", audio=path, drive=tmp_path / "late.wav", actuator=actuator)
     assert [check.passed for check in checked.checks if check.name == "drive_shift"] == [False]

@@ -14,7 +14,7 @@ from blastline.align.due import DueDrive
 from blastline.model import Phase, Quality, Span
 from blastline.ruleset import load_actuator, rules_path
 from blastline.run import RenderOptions
-from checked_films import RATE_HZ, failures, film, rendered, with_booms
+from checked_films import RATE_HZ, failures, film, pole_of, rendered, seat, with_booms
 
 
 @pytest.mark.parametrize(("corner_hz", "order"), [(1000, 3), (1000, 4), (700, 3), (1000, 8), (300, 4)])
@@ -131,24 +131,10 @@ def test_on_a_seat_that_rings_through_a_burst_a_right_drive_passes_and_a_wrong_o
 
 def resonant(path: Path, resonance_hz: float, q: float, up_to_hz: float) -> str:
     """Write the profile of a seat with one resonance, up to a frequency; a full drive is felt by half at most."""
-    pole = 2.0 * np.pi * resonance_hz * complex(-0.5 / q, (1.0 - 0.25 / q**2) ** 0.5)
+    pole = pole_of(resonance_hz, q)
     at = 2.0j * np.pi * np.geomspace(1.0, up_to_hz, 2000)
     gain = 0.5 / float(np.abs(1.0 / ((at - pole) * (at - pole.conjugate()))).max())
-    path.write_text(
-        f"""schema = 1
-name = "seat"
-source = "a test"
-lowpass = {{ source = "a test", corner_hz = {up_to_hz}, order = 4 }}
-highpass = {{ source = "a test", corner_hz = 5.0, order = 1 }}
-[response]
-source = "a resonance"
-gain = {gain}
-zeros_rad_s = []
-poles_rad_s = [[{pole.real}, {pole.imag}], [{pole.real}, {-pole.imag}]]
-""",
-        encoding="utf-8",
-    )
-    return str(path)
+    return seat(path, resonance_hz, q, up_to_hz, gain=gain, zeros_rad_s=())
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,7 @@ _SPEEDS = np.outer((1.0, 1.001, 1.0 / 1.001), (1.0, 0.96, 1.0 / 0.96)).ravel()
 """Or as long as that became at the speed of television: 24 frames a second as 23.976, or as 25."""
 
 _FINER = 4  # frequencies, than what a window tells apart
-_IN_A_ROW = 32  # of them
+_PER_COARSE = 32  # of them
 
 
 @dataclass(frozen=True)
@@ -101,10 +101,10 @@ def strongest_grid(passage: Passage) -> BeatGrid:
     step = 1.0 / (_FINER * 1000.0 * rules.window_s)
     frequencies = np.arange(1.0 / rules.longest_ms, 1.0 / rules.shortest_ms + step, step)
     since = sounds - sounds[0]
-    # exp(i (a + b) t) = exp(i a t) exp(i b t): of so many frequencies in a row one, and what the others lie above it
-    few, steps = frequencies[::_IN_A_ROW], step * np.arange(_IN_A_ROW)
-    turned, on = (np.exp(2j * np.pi * np.outer(each, since)) for each in (few, steps))
-    sums = (turned @ on.T).ravel()[: frequencies.size]
+    # exp(i (a + b) t) = exp(i a t) exp(i b t), where a is one frequency of so many and b what the others lie above it
+    coarse, fine = frequencies[::_PER_COARSE], step * np.arange(_PER_COARSE)
+    by_coarse, by_fine = (np.exp(2j * np.pi * np.outer(each, since)) for each in (coarse, fine))
+    sums = (by_coarse @ by_fine.T).ravel()[: frequencies.size]
     best = int(np.argmax(np.abs(sums)))
     period = 1.0 / float(frequencies[best])
     return BeatGrid(period, float(sounds[0] + np.angle(sums[best]) / (2.0 * np.pi) * period))
