@@ -16,6 +16,7 @@ would choose the other.
 """
 
 import math
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -28,12 +29,25 @@ from .gather import gather
 _PASSES = 2  # the second starts from the first one's onset, so that the scan's grid leaves no trace
 _FAST_LAG_MS = 1.0 / 48.0  # a sample of a film's usual rate: at higher ones the same frequencies count
 _SLOW_LAG_MS = 0.5  # halves 160 Hz and weakens what is below it more: a dull shot is left, an engine is not
+_LAGS_MS = _SLOW_LAG_MS, _FAST_LAG_MS
 _LONGEST_RISE_MS = 2.5
 _LEAST_MS = 0.5, 0.15  # a power needs so much sound before and after the change
 _BAND_HZ = 18_000.0, 20_000.0  # a film of 44.1 kHz holds it: from where to where the low-pass falls
 _STOPBAND_DB = 40.0
 _AT_ONCE = 256  # guesses whose surroundings are held together
 _BLOCK = 64  # samples that are low-passed together
+
+
+@dataclass(frozen=True, eq=False)
+class _Changes:
+    """Of n guesses, in the difference over each lag: where the change is looked for from, where it is, what it gains.
+
+    All have shape (n, lags); a gain is how much more likely the change is than none (log, in samples).
+    """
+
+    start: NDArray[np.intp]
+    at: NDArray[np.intp]
+    gained: NDArray[np.float64]
 
 
 def refine_onsets(
@@ -53,11 +67,13 @@ def refine_onsets(
     for first in range(0, guesses.size, _AT_ONCE):
         some = guesses[first : first + _AT_ONCE]
         around, places = _low_passed_around(samples, some, rate_hz=rate_hz, rules=rules)
-        onsets, moved = some, some - places
+        moved = some - places
         earliest = places - some if since is None else since[first : first + _AT_ONCE] - moved
+        onsets, change = some, None
         for _ in range(_PASSES):
-            onsets = _clearest(around, onsets - moved, earliest, rate_hz=rate_hz, rules=rules) + moved
+            change = _changes(around, onsets - moved, earliest, change, rate_hz=rate_hz, rules=rules)
             # what was before the first sample is not known: a rise by the second begins with the film
+            onsets = _clearest(change) + moved
             onsets[onsets <= 1] = 0
             onsets = np.minimum(onsets, samples.shape[0] - 1)
         found.append(onsets)
@@ -112,39 +128,64 @@ def _low_pass(rate_hz: int) -> NDArray[np.float64]:
     return np.asarray(taps / taps.sum(), np.float64)
 
 
-def _clearest(
-    samples: NDArray[np.float32],
-    guesses: NDArray[np.intp],
-    earliest: NDArray[np.intp],
-    *,
-    rate_hz: int,
-    rules: OnsetRules,
-) -> NDArray[np.intp]:
-    """Look for the change in the difference over half a millisecond and over a sample; believe the greater one.
+def _clearest(changes: _Changes) -> NDArray[np.intp]:
+    """Return the greater of the two changes of each guess.
 
     Under music or an engine a crack is clear only in the fast one; a far, dull shot only in the slow one.
     """
-    (slow, gained), (fast, sharpened) = (
-        _change_at(samples, guesses, earliest, max(1, samples_from_ms(lag_ms, rate_hz)), rate_hz, rules)
-        for lag_ms in (_SLOW_LAG_MS, _FAST_LAG_MS)
-    )
-    return np.asarray(np.where(sharpened > gained, fast, slow), np.intp)
+    slow, fast = range(len(_LAGS_MS))
+    clearer = changes.gained[:, fast] > changes.gained[:, slow]
+    return np.asarray(np.where(clearer, changes.at[:, fast], changes.at[:, slow]), np.intp)
+
+
+def _changes(
+    samples: NDArray[np.float32],
+    guesses: NDArray[np.intp],
+    earliest: NDArray[np.intp],
+    before: _Changes | None,
+    *,
+    rate_hz: int,
+    rules: OnsetRules,
+) -> _Changes:
+    """Look for the change in the difference over half a millisecond and over a sample.
+
+    What was found in the pass before is kept where it was looked for from the same place.
+    """
+    shape = guesses.size, len(_LAGS_MS)
+    start, at, gained = np.empty(shape, np.intp), np.empty(shape, np.intp), np.empty(shape)
+    if before is not None:
+        at[:], gained[:] = before.at, before.gained
+    for index, lag_ms in enumerate(_LAGS_MS):
+        lag = max(1, samples_from_ms(lag_ms, rate_hz))
+        start[:, index], peak = _attack(samples, guesses, lag, rate_hz, rules)
+        new = np.arange(guesses.size) if before is None else np.flatnonzero(start[:, index] != before.start[:, index])
+        at[new, index], gained[new, index] = _change_at(
+            samples, start[new, index], peak[new], earliest[new], lag, rate_hz, rules
+        )
+    return _Changes(start, at, gained)
+
+
+def _attack(
+    samples: NDArray[np.float32], guesses: NDArray[np.intp], lag: int, rate_hz: int, rules: OnsetRules
+) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """Return from where the change is looked for in the difference over a lag, and the peak that it leads to."""
+    search, before = (samples_from_ms(ms, rate_hz) for ms in (rules.search_ms, rules.noise_ms))
+    around = np.abs(_differences(samples, guesses - search, 2 * search, lag))
+    loudest = around.argmax(axis=1)
+    return guesses - search + loudest - before, around[np.arange(loudest.size), loudest]
 
 
 def _change_at(
     samples: NDArray[np.float32],
-    guesses: NDArray[np.intp],
+    start: NDArray[np.intp],
+    peak: NDArray[np.float64],
     earliest: NDArray[np.intp],
     lag: int,
     rate_hz: int,
     rules: OnsetRules,
 ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
     """Return where the difference over a lag changes on its way to its peak, and how much more likely than nowhere."""
-    search, before, after = (samples_from_ms(ms, rate_hz) for ms in (rules.search_ms, rules.noise_ms, rules.after_ms))
-    around = np.abs(_differences(samples, guesses - search, 2 * search, lag))
-    peaks = around.argmax(axis=1)
-    peak = around[np.arange(peaks.size), peaks]
-    start = guesses - search + peaks - before
+    before, after = (samples_from_ms(ms, rate_hz) for ms in (rules.noise_ms, rules.after_ms))
     wave = _differences(samples, start, before + after, lag)
     first = np.clip(earliest - start, 0, before // 2)
     change, gained = _change(wave, first, rules.floor_ratio * peak, rate_hz)
@@ -170,15 +211,24 @@ def _change(
     energy = np.cumsum(np.square(wave), axis=1)
     ignored = np.where(first > 0, energy[np.arange(first.size), first - 1], 0.0)[:, None]
     quiet = np.square(floor)[:, None] + 1e-30
-    parted = np.arange(least_before, size - least_after)
-    length, heard = size - first[:, None], np.maximum(parted - first[:, None], 1)
+    parted = np.arange(float(least_before), float(size - least_after))
+    heard, left = np.maximum(parted - first[:, None], 1.0), size - parted
     head = energy[:, least_before - 1 : size - least_after - 1]
-    unlikely = heard * np.log(np.maximum(head - ignored, 0.0) / heard + quiet)
-    unlikely += (size - parted) * np.log((energy[:, -1:] - head) / (size - parted) + quiet)
+    unlikely = heard * _log_power(np.maximum(head - ignored, 0.0), heard, quiet)
+    unlikely += left * _log_power(energy[:, -1:] - head, left, quiet)
     unlikely[parted < first[:, None] + least_before] = np.inf
     best = unlikely.argmin(axis=1)
-    whole = length * np.log((energy[:, -1:] - ignored) / length + quiet)
+    length = size - first[:, None]
+    whole = length * _log_power(energy[:, -1:] - ignored, length, quiet)
     return np.asarray(least_before + best, np.intp), whole[:, 0] - unlikely[np.arange(best.size), best]
+
+
+def _log_power(
+    energy: NDArray[np.float64], samples: NDArray[np.float64] | NDArray[np.intp], floor: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    power = energy / samples
+    power += floor
+    return np.log(power, out=power)
 
 
 def _rise_before(
