@@ -127,16 +127,15 @@ def _levels(
 
     window, filterbank = _window_and_filterbank(layout, rate_hz)
     mean_of = window / window.sum()
-    size = _transform_size(layout, rate_hz)
     starts = [samples_from_ms(layout.start_ms + layout.hop_ms * frame, rate_hz) for frame in range(layout.frames)]
     levels = np.empty((onsets.size, layout.frames, layout.bands), np.float32)
-    at_once = max(1, _AT_ONCE // (layout.frames * size))
+    at_once = max(1, _AT_ONCE // (layout.frames * window.size))
     for first in range(0, onsets.size, at_once):
         some = onsets[first : first + at_once]
         frames = gather(samples, (some[:, None] + np.array(starts)).ravel(), window.size)
         frames -= (frames @ mean_of)[:, None]
         frames *= window
-        parts = rfft(frames, size, axis=1).view(np.float32)[:, : 2 * filterbank.shape[0]]
+        parts = rfft(frames, axis=1).view(np.float32)[:, : 2 * filterbank.shape[0]]
         np.square(parts, out=parts)
         power = parts[:, ::2] + parts[:, 1::2]
         levels[first : first + at_once] = (power @ filterbank).reshape(some.size, layout.frames, layout.bands)
@@ -148,11 +147,13 @@ def _levels(
 def _window_and_filterbank(layout: SpectrogramLayout, rate_hz: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return the window, and the bands' triangular weights on the bins, scaled so that a full-scale sine has power 1.
 
-    Bands above what the rate can hold are silent.
+    The window is padded with zeros to the size of the transform: what is multiplied by them costs less than to pad each
+    frame. Bands above what the rate can hold are silent.
     """
     count = samples_from_ms(layout.window_ms, rate_hz)
     size = _transform_size(layout, rate_hz)
-    window = np.hanning(count + 2)[1:-1]
+    window = np.zeros(size)
+    window[:count] = np.hanning(count + 2)[1:-1]
     # as if the transform were exactly as long as the layout's: so each band has the same bins at every rate
     hz = np.arange(size // 2 + 1) * 1000.0 / layout.transform_ms
     edges = np.geomspace(layout.low_hz, layout.high_hz, layout.bands + 2)
