@@ -184,9 +184,9 @@ def run_filter(
 
     state = np.zeros((len(sections), 2)) if state is None else state.copy()
     filtered = []
-    for stretch in _stretches(samples):
+    for stretch, sounds in _stretches(samples):
         state[np.abs(state) < _SILENT] = 0.0
-        if np.any(state) or _sounds(stretch):
+        if sounds or np.any(state):
             done, state = sosfilt(sections, stretch, zi=state)
             filtered.append(done)
         else:
@@ -194,17 +194,17 @@ def run_filter(
     return filtered[0] if len(filtered) == 1 else np.concatenate([np.zeros(0), *filtered])
 
 
-def _stretches(samples: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
-    """Yield samples run by run, those that sound one after another as one, since each call has its price."""
+def _stretches(samples: NDArray[np.float64]) -> Iterator[tuple[NDArray[np.float64], bool]]:
+    """Yield samples run by run with whether they sound, those that do one after another as one: each has its price."""
+    if not len(samples):
+        return
+    starts = np.arange(0, len(samples), _RUN)
+    silent = np.maximum.reduceat(np.abs(samples), starts) < _SILENT  # what is no number sounds
     begun = 0
-    for start in range(0, len(samples), _RUN):
-        if not _sounds(samples[start : start + _RUN]):
-            yield from [samples[begun:start]] if begun < start else []
-            yield samples[start : start + _RUN]
-            begun = start + _RUN
+    for start in starts[silent].tolist():
+        if begun < start:
+            yield samples[begun:start], True
+        yield samples[start : start + _RUN], False
+        begun = start + _RUN
     if begun < len(samples):
-        yield samples[begun:]
-
-
-def _sounds(samples: NDArray[np.float64]) -> bool:
-    return not np.max(np.abs(samples)) < _SILENT  # what is no number sounds
+        yield samples[begun:], True
