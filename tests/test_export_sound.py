@@ -354,6 +354,31 @@ def test_an_edl_of_a_film_that_passes_midnight_is_told(start: str, begins_s: flo
     assert [line.partition(":")[0] for line in doubtful] == (["resolve, cmx3600"] if passes else [])
 
 
+@pytest.mark.parametrize(("rate", "start"), [("24", "23:59:58:00"), ("25", "23:59:58:00"), ("48", "23:59:58:00")])
+@pytest.mark.parametrize("more", [-1, 0, 1])
+def test_a_film_passes_midnight_only_where_a_frame_of_it_is_behind(rate: str, start: str, more: int) -> None:
+    """One that ends there has its last frame before; an edit that ends with it is written to 00:00:00:00."""
+    timeline = film(Counting(rate, start), onsets=[0, 48_000])
+    source = msgspec.structs.replace(timeline.source, frames=2 * 48_000 + more * 48_000 // int(rate))
+    told = rounding(msgspec.structs.replace(timeline, source=source), ["resolve", "cmx3600", "otio", "avid"])
+    for words, of in (
+        ("the film passes midnight", ["resolve", "cmx3600"] if more > 0 else []),
+        ("an edit ends at midnight, written 00:00:00:00", ["cmx3600"] if more == 0 else []),
+    ):
+        names = [line.partition(":")[0].split(", ") for line in told if words in line]
+        assert names == ([of] if of else [])
+
+
+@pytest.mark.parametrize("frames", [96_000, 96_500])
+def test_a_marker_on_the_last_frame_before_midnight_ends_there(frames: int) -> None:
+    """Whether the shot is in that frame or in the rest of one that is too little to be counted."""
+    timeline = film(Counting("24", "23:59:58:00"), onsets=[frames - 10])
+    source = msgspec.structs.replace(timeline.source, frames=frames)
+    told = rounding(msgspec.structs.replace(timeline, source=source), ["resolve", "avid"])
+    assert [line.partition(":")[0] for line in told if "an edit ends at midnight" in line] == ["resolve"]
+    assert not any("passes midnight" in line for line in told)
+
+
 def test_a_rounding_is_one_line_whatever_the_shot_is_called() -> None:
     timeline = film(Counting("24", "00:00:00:00"), onsets=[1_000])
     (event,) = timeline.events

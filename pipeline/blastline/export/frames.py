@@ -81,10 +81,15 @@ def frame_markers(timeline: Timeline, *, format_name: str) -> FrameMarkers:
 def marker_time(source: Source, sample: int, scale: FrameScale) -> FrameTime:
     """Return the frame of an event's marker and what remains: the nearest frame, but none behind the film's last."""
     nearest = frame_time(source, sample, scale)
-    last = _end(source, scale) - 1
+    last = last_frame(source, scale)
     if source.frames == 0 or nearest.frame <= last:  # the end of a film of 0 frames is unknown
         return nearest
     return FrameTime(last, nearest.offset_s + (nearest.frame - last) / scale.rate)
+
+
+def last_frame(source: Source, scale: FrameScale) -> int:
+    """Return a film's last frame."""
+    return _end(source, scale) - 1
 
 
 def _end(source: Source, scale: FrameScale) -> int:

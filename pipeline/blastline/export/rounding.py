@@ -7,7 +7,7 @@ from ..model import Timeline
 from ..timebase import rate_text
 from ..timecode import FrameScale, frame_scale, frame_time, frames_per_day, picture_time
 from ..units import nearest
-from .frames import CLIP_FORMATS, FRAME_FORMATS, counted_in, days, marker_time
+from .frames import CLIP_FORMATS, FRAME_FORMATS, counted_in, days, last_frame, marker_time
 from .midi import beat_of
 from .webvtt import STEP_S
 from .words import one_line
@@ -58,8 +58,8 @@ def _way(name: str, timeline: Timeline) -> tuple[str, Shift] | None:
             words += "; Final Cut Pro may not open the file: it has no projects of that rate"
         if name not in CLIP_FORMATS and days(source, scale) > 1:
             words += "; the film is longer than the 24 hours of timecode: one timecode may stand for two moments"
-        elif name in _EDLS and _passes_midnight(timeline, scale):
-            words += "; the film passes midnight, across which many programs do not read an EDL"
+        elif name in _EDLS:
+            words += _at_midnight(name, timeline, scale)
         onsets = (event.onset_sample for event in timeline.events)
         if any(marker_time(film, onset, scale) != frame_time(film, onset, scale) for onset in onsets):
             words += "; but what comes from the middle of the film's last frame on is on that"
@@ -75,12 +75,20 @@ def _way(name: str, timeline: Timeline) -> tuple[str, Shift] | None:
     return None
 
 
-def _passes_midnight(timeline: Timeline, scale: FrameScale) -> bool:
-    """Return whether timecode starts again at 00:00:00:00 within the film, or between it and a shot before it."""
-    day = frames_per_day(scale.nominal, drop_frame=scale.drop_frame)
-    samples = [timeline.source.frames - 1, *(event.onset_sample for event in timeline.events)]
-    frames = [scale.first_frame, *(frame_time(timeline.source, sample, scale).frame for sample in samples)]
-    return len({frame // day for frame in frames}) > 1
+def _at_midnight(name: str, timeline: Timeline, scale: FrameScale) -> str:
+    """Return what to tell of an EDL in which timecode starts again at 00:00:00:00, nothing where it does not.
+
+    That may be within the film, between it and a shot before it, or behind an edit, which is written to where it ends.
+    """
+    source, day = timeline.source, frames_per_day(scale.nominal, drop_frame=scale.drop_frame)
+    marked = {marker_time(source, event.onset_sample, scale).frame for event in timeline.events}
+    covered = {scale.first_frame, last_frame(source, scale), *marked}
+    if len({frame // day for frame in covered}) > 1:
+        return "; the film passes midnight, across which many programs do not read an EDL"
+    edits = covered if name == "cmx3600" else marked
+    if any((frame + 1) % day == 0 for frame in edits):
+        return "; an edit ends at midnight, written 00:00:00:00, which many programs do not read in an EDL"
+    return ""
 
 
 def _stepped(time_s: Fraction, step_s: Fraction) -> Fraction:
