@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import soundfile
 
+from blastline.errors import SoundtrackError
 from blastline.model import Span
 from blastline.soundtrack import open_soundtrack
 from sound_files import FRAMES, RATE_HZ, noise, read, wav
@@ -62,6 +63,61 @@ def test_a_long_wave_is_read_whole_whatever_it_declares(tmp_path: Path, form: by
     assert [warning.endswith("read to the end of the file") for warning in source.warnings] == [True] * (share < 1.0)
     path.write_bytes(2 * long_wave(form, data, len(data)))  # another film behind it is none of its sound
     np.testing.assert_array_equal(read(path)[0], expected)
+
+
+def plainly_sized(form: bytes, plain: bytes, *, long_size: int, riff: int = 0xFFFFFFFF) -> bytes:
+    """Return a WAV with sizes of 64 bits, of which the samples' is wrong; its data chunk keeps a size of its own."""
+    ds64 = struct.pack("<4sIQQQI", b"ds64", 28, 0, long_size, 0, 0)
+    return form + struct.pack("<I", riff) + b"WAVE" + ds64 + plain[12:]
+
+
+@pytest.mark.parametrize("form", [b"RF64", b"BW64"])
+@pytest.mark.parametrize("subtype", ["PCM_16", "PCM_24", "FLOAT"])
+@pytest.mark.parametrize("long_size", [0, 1_000, 10**12])
+def test_a_size_of_the_data_chunk_holds_whatever_those_of_64_bits_say(
+    tmp_path: Path, form: bytes, subtype: str, long_size: int
+) -> None:
+    """EBU Tech 3306 has them for chunks of size 0xFFFFFFFF alone; some recorders write 0 until they need them."""
+    path = wav(tmp_path / "plain.wav", noise(channels=2), subtype=subtype)
+    expected, _ = read(path)
+    plain = path.read_bytes() + struct.pack("<4sI100x", b"LIST", 100)
+    long = tmp_path / "film.wav"
+    for riff in (0xFFFFFFFF, len(plain) + 28):
+        long.write_bytes(plainly_sized(form, plain, long_size=long_size, riff=riff))
+        found, source = read(long)
+        np.testing.assert_array_equal(found, expected)
+        assert source.warnings == ()
+        with open_soundtrack(long) as track:
+            for block in list(track.blocks()):
+                np.testing.assert_array_equal(track.read(block.span).samples, block.samples)
+    half = plainly_sized(form, path.read_bytes(), long_size=long_size)
+    long.write_bytes(half[: len(half) // 2])
+    found, source = read(long)
+    np.testing.assert_array_equal(found, expected[: len(found)])
+    assert 0.49 * FRAMES < len(found) < 0.5 * FRAMES
+    [warning] = source.warnings
+    assert ": the end is missing, " in warning
+
+
+@pytest.mark.parametrize("form", [b"RF64", b"BW64"])
+@pytest.mark.parametrize(
+    ("place", "damage"),
+    [
+        (12, b"xmf "),
+        (20, struct.pack("<H", 0x1234)),
+        (28, struct.pack("<IH", 4 * RATE_HZ, 4)),
+        (22, struct.pack("<H", 0)),
+    ],
+    ids=["no format", "an unknown format", "frames too long", "no channels"],
+)
+def test_a_damaged_long_wave_is_refused_in_one_line(tmp_path: Path, form: bytes, place: int, damage: bytes) -> None:
+    plain = bytearray(wav(tmp_path / "plain.wav", noise()).read_bytes())
+    plain[place : place + len(damage)] = damage
+    path = tmp_path / "film.wav"
+    path.write_bytes(plainly_sized(form, bytes(plain), long_size=0))
+    with pytest.raises(SoundtrackError, match=r"film\.wav: ") as error:
+        read(path)
+    assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize(

@@ -61,6 +61,8 @@ class ChunkTable:
     `frame_bytes` is the size of a frame, None where the header does not say it or contradicts itself. `implied_rate_hz`
     is the sample rate by the bytes of a second, None where these are no number of whole frames. `appended` is another
     file behind all chunks of this one. `lacking_bytes` is how many bytes were lost, in the sound or at its end.
+    `is_plain` tells that the data chunk has a size of its own, and the sizes of 64 bits another: they are for where it
+    has none (EBU Tech 3306), but decoders believe them.
     """
 
     data_bytes: int | None
@@ -73,6 +75,7 @@ class ChunkTable:
     implied_rate_hz: int | None = None
     appended: Appended | None = None
     lacking_bytes: int = 0
+    is_plain: bool = False
 
 
 def overflow_warning(table: ChunkTable, *, is_read: bool = True) -> str:
@@ -151,14 +154,28 @@ def _table(
     if form.layout_name:
         layout = named_channels(kept.get(form.layout_name, b""), _SPEAKERS)
     return ChunkTable(
-        data[0], data[1], reference, layout, goes_on, form.is_wave, frame_bytes, _implied_rate_hz(fmt, form), appended
+        *data,
+        reference,
+        layout,
+        goes_on,
+        form.is_wave,
+        frame_bytes,
+        _implied_rate_hz(fmt, form),
+        appended,
+        is_plain=data[0] is not None and _long_size(kept.get(b"ds64")) not in (None, data[0]),
     )
 
 
 def _data_size(size: int, ds64: bytes | None) -> int | None:
-    if size == _UNKNOWN_SIZE and ds64 is not None and len(ds64) >= 16:
-        return int(struct.unpack_from("<Q", ds64, 8)[0])
+    long_size = _long_size(ds64)
+    if size == _UNKNOWN_SIZE and long_size is not None:
+        return long_size
     return None if size in (_UNKNOWN_SIZE, -1) else size
+
+
+def _long_size(ds64: bytes | None) -> int | None:
+    """Return the size of the samples among the sizes of 64 bits, None without such."""
+    return None if ds64 is None or len(ds64) < 16 else int(struct.unpack_from("<Q", ds64, 8)[0])
 
 
 def _offset(file: BinaryIO, body: int, comm: bytes, data_bytes: int) -> int:

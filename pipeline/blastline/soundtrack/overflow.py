@@ -4,15 +4,10 @@ RIFF size  fmt  data 1000 [ 1000 bytes ][ 1.7 MB that are no chunk ]    more sou
 RIFF size  fmt  data n    [  n bytes   ][ LIST ][ id3 ][ zeros     ]    all as it should be
 """
 
-from io import RawIOBase
-from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
+from typing import BinaryIO
 
 from .appended import BEGINNING_BYTES, begins_file, behind_zeros, find_begun
 from .forms import Form, is_name
-
-if TYPE_CHECKING:
-    from _typeshed import WriteableBuffer
 
 _LEAST_BYTES = 4_096
 """Less than this is nothing that could be heard; programs leave all kinds of crumbs."""
@@ -51,29 +46,3 @@ def _is_proper(file: BinaryIO, place: int, file_bytes: int, form: Form) -> bool:
         if find_begun(file, form.places_after(body + size), file_bytes) is not None:
             return True
     return place < file_bytes + form.alignment
-
-
-class Tail(RawIOBase):
-    """A file from some byte on, as if it were a file of its own."""
-
-    def __init__(self, path: Path, start: int) -> None:
-        """Open it."""
-        self._file, self._start = path.open("rb", buffering=0), start
-        self.seek(0)
-
-    def seek(self, place: int, whence: int = 0) -> int:
-        """Go to a place, counted from the start of the tail, from here, or from the end."""
-        return self._file.seek(place + self._start if whence == 0 else place, whence) - self._start
-
-    def tell(self) -> int:
-        """Return the place, counted from the start of the tail."""
-        return self._file.tell() - self._start
-
-    def readinto(self, buffer: "WriteableBuffer", /) -> int | None:
-        """Fill a buffer, as far as there is something."""
-        return self._file.readinto(buffer)
-
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
-        super().close()

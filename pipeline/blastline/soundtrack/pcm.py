@@ -16,7 +16,7 @@ from ..plurals import counted
 from ..timecode import clock
 from .appended import appended_warning
 from .chunks import ChunkTable, overflow_warning
-from .overflow import Tail
+from .tail import PlainWave, Tail
 from .track import PIECE, Samples, Stored, TrackFacts, stamp_warnings, time_stamp
 
 _BYTES = {"PCM_S8": 1, "PCM_U8": 1, "PCM_16": 2, "PCM_24": 3, "PCM_32": 4, "FLOAT": 4, "DOUBLE": 8}
@@ -192,7 +192,7 @@ def open_pcm(path: Path, table: ChunkTable | None) -> PcmTrack | None:
     import soundfile
 
     try:
-        file = soundfile.SoundFile(path)
+        file = soundfile.SoundFile(PlainWave(path) if table.is_plain else path)
     except (soundfile.SoundFileError, TypeError):  # TypeError: a name that ends in .raw
         return None
     if file.subtype not in _BYTES or not (file.frames or table.goes_on):
