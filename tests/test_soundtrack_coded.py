@@ -154,6 +154,19 @@ def test_words_of_dts_without_the_third_are_sound(tmp_path: Path, head: Sequence
     assert len(heard(tmp_path / "film.wav")) == 40_000
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("third", [np.nan, np.inf, -np.inf, 3e38, -1e30, 1.5])
+@pytest.mark.parametrize("head", DTS_HEADS.values(), ids=DTS_HEADS)
+def test_what_is_no_word_behind_two_words_of_dts_is_sound(tmp_path: Path, head: Sequence[int], third: float) -> None:
+    """Damaged samples are set to 0, which one warning tells; none comes from what looks at them before."""
+    samples = (np.array(dts((*head[:2], 0))) / 2.0**15).astype(np.float32)
+    samples[1::512, 0] = third
+    soundfile.write(tmp_path / "film.wav", samples, RATE_HZ, subtype="FLOAT")
+    found = heard(tmp_path / "film.wav")
+    assert np.isfinite(found).all()
+    assert len(found) == 40_000
+
+
 @pytest.mark.parametrize(
     "places", [(9_000, 10_920, 12_840), (9_000, 10_920, 12_850, 14_770, 16_700), range(0, 60_000, 2)]
 )

@@ -79,6 +79,7 @@ def _dts_frames(samples: Samples) -> NDArray[np.int64]:
     pairs = np.ascontiguousarray(samples, np.float32).view(np.int64)[:-1, 0]  # as fast as to compare one channel
     for pair, mask, third in _DTS_SYNCS:
         places = np.flatnonzero(pairs == pair)
+        places = places[np.abs(samples[places + 1, 0]) <= 1.0]  # a damaged float is no word, be it NaN or too large
         words = np.rint(samples[places + 1, 0] * np.float32(1 << 15)).astype(np.int64)
         found: NDArray[np.int64] = places[words & mask == third]
         if len(found) > 3:
