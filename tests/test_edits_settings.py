@@ -2,7 +2,9 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
+import soundfile
 
 from commands import blastline
 from edited_films import edited_film, first_result, rendered
@@ -73,3 +75,29 @@ def test_a_timeline_without_a_drive_was_made_with_no_options_of_one(tmp_path: Pa
     found.write_text(found.read_text().replace('"phase": "causal"', '"phase": "zero"'))
     told = rendered(film, found, "--level", "6", "--quality", "draft")[0].err
     assert f"{TOLD}timeline was made with: --phase causal (there zero)\n" in told
+
+
+@pytest.mark.parametrize(("first", "again"), [("1,0", "0,1"), ("0,1", "1, 0"), ("01,0", "0,1")])
+def test_the_same_channels_in_another_order_are_the_same_mix(
+    tmp_path: Path, film: Path, result: Path, first: str, again: str
+) -> None:
+    """A timeline from before mixes had an order in which they are written down is read as well."""
+    samples, rate_hz = soundfile.read(film, dtype="int16")
+    stereo = tmp_path / "stereo.wav"
+    soundfile.write(stereo, np.stack([samples, samples // 2, 0 * samples], axis=1), rate_hz)
+    (tmp_path / "edited.csv").write_text(table(result))
+    _, made, drive = rendered(stereo, tmp_path / "edited.csv", "--mix", first)
+    out = tmp_path / "out" / "timeline.json"
+    assert made.source.mix == "0,1"
+    assert out.read_text().count('"mix": "0,1"') == 1
+    out.write_text(out.read_text().replace('"mix": "0,1"', f'"mix": "{first}"'))
+    _, same, same_drive = rendered(stereo, out, "--mix", again)
+    assert (same.source, same.events) == (made.source, made.events)
+    assert np.array_equal(same_drive, drive)
+    other = ("render", stereo, "-o", tmp_path / "other", "--timeline", out, "--mix", "2,0", "--quiet")
+    assert blastline(*other).complaint.endswith(f"heard in the mix {first}, not 0,2; give --mix {first}")
+
+
+def table(result: Path) -> str:
+    """Return the onsets of a result, without what names its film."""
+    return "".join(f"{line.split(',')[1]}\n" for line in (result / "timeline.csv").read_text().splitlines())

@@ -28,6 +28,7 @@ LFE_GAIN = 10.0**0.5
 """The low-frequency channel is mixed 10 dB low on the medium and raised in the cinema."""
 
 _HEARS_MAINS = ("mains", "lfe", "all")
+_NAMED = (*_HEARS_MAINS, "center")
 _CHANNEL = re.compile("[0-9]{1,6}")
 _HALF_POWER = 0.5**0.5
 _WEIGHTS = {"FL": _HALF_POWER, "FR": _HALF_POWER, "FLC": _HALF_POWER, "FRC": _HALF_POWER, "FC": 1.0}
@@ -54,7 +55,7 @@ def mix_matrix(layout: Sequence[str] | None, channels: int, mix: str) -> Matrix:
     number of channels is taken, where it is empty none is. Raises SoundtrackError where the mix asks for channels that
     are not there, or not known.
     """
-    if mix not in ("mains", "lfe", "center", "all"):
+    if mix not in _NAMED:
         return _mean_of(_indices(mix, channels), channels)
     names = names_of(layout, channels)
     if not names:
@@ -72,9 +73,21 @@ def mix_matrix(layout: Sequence[str] | None, channels: int, mix: str) -> Matrix:
     return np.stack([mains, low if mix == "lfe" else mains + low], axis=1)
 
 
+def mix_name(mix: str) -> str:
+    """Return a mix as timelines have it: numbers of channels in order, since in no other are they another sound.
+
+    >>> mix_name("2, 0"), mix_name("mains")
+    ('0,2', 'mains')
+    """
+    parts = [part.strip() for part in mix.split(",")]
+    if mix in _NAMED or not all(_CHANNEL.fullmatch(part) for part in parts):
+        return mix
+    return ",".join(map(str, sorted(map(int, parts))))
+
+
 def heard_mix(mix: str) -> str:
     """Return the mix that detection listens to: the mains with those that only drive."""
-    return "mains" if mix in _HEARS_MAINS else mix.replace(" ", "")
+    return "mains" if mix in _HEARS_MAINS else mix_name(mix)
 
 
 def names_of(layout: Sequence[str] | None, channels: int) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from ..streams import Streams, streams_text
 from ..timebase import AS_FILMED, Timebase
 from .chunks import chunk_table
 from .files import file_state, naming, require_file
-from .mix import mix_matrix
+from .mix import mix_matrix, mix_name
 from .pcm import PcmTrack, open_pcm
 from .reader import Soundtrack
 from .spool import Spool
@@ -49,7 +49,7 @@ def open_soundtrack(
         if rereadable and not isinstance(track, PcmTrack):
             spool = Spool(spool_folder)
             unless_opened.callback(spool.close)
-        opened = Soundtrack(path, track, matrix=matrix, mix=mix, spool=spool, timebase=timebase, opened=state)
+        opened = Soundtrack(path, track, matrix=matrix, mix=mix_name(mix), spool=spool, timebase=timebase, opened=state)
         opened.describe()
         unless_opened.pop_all()
     return opened
