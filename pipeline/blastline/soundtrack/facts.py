@@ -46,6 +46,11 @@ def sound_streams(container: "InputContainer", names: ChannelNames) -> list[str]
     return [f"{place} ({_description(stream, names)})" for place, stream in enumerate(container.streams.audio)]
 
 
+def title_of(stream: "AudioStream") -> str | None:
+    """Return what a stream is called, None where it has no name; MP4 and MOV have it under another key than others."""
+    return stream.metadata.get("title") or stream.metadata.get("name")
+
+
 def film_facts(
     container: "InputContainer",
     stream: "AudioStream",
@@ -121,7 +126,7 @@ def _description(stream: "AudioStream", names: ChannelNames) -> str:
     if stream.codec_context is None:
         return "a format that cannot be decoded"
     words = [stream.codec_context.name, counted(len(names[stream.index]), "channel")]
-    tags = [tag for key in ("language", "title") if (tag := stream.metadata.get(key))]
+    tags = [tag for tag in (stream.metadata.get("language"), title_of(stream)) if tag]
     return ", ".join(words + [tag.encode("utf-8", "surrogateescape").decode("utf-8", "replace") for tag in tags])
 
 

@@ -1,6 +1,6 @@
 """Films and compressed sound through PyAV: which stream, when it starts, and its samples in one sequential pass."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from itertools import chain, islice
@@ -15,13 +15,13 @@ from .chunks import ChunkTable, overflow_warning
 from .corrections import correction_warnings
 from .decode import Tally, check_sums, decoded, packed
 from .ending import stops_early
-from .facts import UNSTAMPED, film_facts, header_frames, origin_of, sound_streams
+from .facts import UNSTAMPED, film_facts, header_frames, origin_of, sound_streams, title_of
 from .first_stamp import origin_by_others
 from .layouts import ChannelNames, taken_names
 from .lengths import lacking_warning
 from .placement import Placement
 from .probe import opened, picture_warnings, told_start
-from .singles import joining_hint
+from .singles import unjoined
 from .track import Samples, TrackFacts, stamp_warnings
 
 if TYPE_CHECKING:
@@ -47,17 +47,17 @@ class FilmTrack:
         names: ChannelNames,
         *,
         is_cut: bool,
-        singles: Sequence[int],
+        hint: str | None,
         appended: Appended | None,
     ) -> None:
         """Take over an open container and decode the first frame, which says what the sound really is.
 
         `names` are those of the channels in each of its streams. `is_cut` tells that the file stops before its own
-        end. `singles` are the streams of one channel among which nobody chose this one. `appended` is another file
+        end. `hint` is the line for a user who may not know that there are other channels. `appended` is another file
         behind this one.
         """
         self._appended = appended
-        self._container, self._stream, self._names, self._singles = container, stream, names, singles
+        self._container, self._stream, self._names, self._hint = container, stream, names, hint
         self.number = container.streams.audio.index(stream)
         self._tally = Tally()
         check_sums(stream)
@@ -78,6 +78,11 @@ class FilmTrack:
         self._played = 0
         # where a length is declared, that tells whether any sound is missing
         self._end_is_missing = is_cut and header_frames(container, stream, self.facts.rate_hz) is None
+
+    @property
+    def title(self) -> str | None:
+        """Return what the stream is called, None where it has no name."""
+        return title_of(self._stream)
 
     @property
     def origin(self) -> Fraction | None:
@@ -119,9 +124,7 @@ class FilmTrack:
     def warnings(self) -> list[str]:
         """Return what was damaged, filled or overruled, one line each."""
         tally, played_s = self._tally, self._played / self.facts.rate_hz
-        lines = []
-        if len(self._singles) > 1:
-            lines.append(joining_hint(self.number, self._singles))
+        lines = [] if self._hint is None else [self._hint]
         if tally.failed:
             packets = f"{tally.failed} of {tally.packets} packets of sound"
             lines.append(f"{packets} could not be decoded ({tally.last_error}){self._place(tally.first_failed_time)}")
@@ -199,9 +202,9 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None) -> Fi
         names = taken_names(container)
         is_cut = stops_early(path, container.format.name)
         chosen = _chosen(container, stream, names)
-        singles = _singles(container, chosen, names) if stream is None else ()
+        hint = unjoined(container, chosen, names) if stream is None else None
         appended = find_appended(path, container.format.name) if table is None else table.appended
-        return FilmTrack(container, chosen, table, names, is_cut=is_cut, singles=singles, appended=appended)
+        return FilmTrack(container, chosen, table, names, is_cut=is_cut, hint=hint, appended=appended)
     except BaseException:
         container.close()
         raise
@@ -224,10 +227,3 @@ def _chosen(container: "InputContainer", index: int | None, names: ChannelNames)
     if stream.codec_context is None:
         raise SoundtrackError(f"sound stream {streams.index(stream)} is in a format that cannot be decoded")
     return stream
-
-
-def _singles(container: "InputContainer", chosen: "AudioStream", names: ChannelNames) -> tuple[int, ...]:
-    """Return the streams that have one channel, as the one that was chosen has; masters keep 5.1 in six of them."""
-    streams = container.streams.audio
-    singles = [each for each in streams if len(names.get(each.index, ())) == 1]
-    return tuple(map(streams.index, singles)) if chosen in singles else ()

@@ -102,7 +102,7 @@ def _joined_facts(tracks: Sequence[FilmTrack]) -> TrackFacts:
     return replace(
         first,
         channels=len(tracks),
-        layout=layout_of([facts.layout for facts in all_facts]),
+        layout=layout_of([facts.layout for facts in all_facts], [track.title for track in tracks]),
         declared_frames=None if None in declared else max(frames or 0 for frames in declared),
         stream=tuple(track.number for track in tracks),
         beside=tuple(each for each in first.beside if all(each in facts.beside for facts in all_facts)),

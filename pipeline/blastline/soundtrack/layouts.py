@@ -43,7 +43,12 @@ def taken_names(container: "InputContainer") -> ChannelNames:
 def named(frame: "AudioFrame", told: tuple[str, ...]) -> tuple[str, ...] | None:
     """Return what the channels of a frame are called: as its decoder says, else as was `told`; None if unclear."""
     own = _names(frame.layout)
-    return next((names for names in (own, told) if len(names) == len(own) and _are_clear(names)), None)
+    return next((names for names in map(clear, (own, told)) if names is not None and len(names) == len(own)), None)
+
+
+def clear(names: tuple[str, ...]) -> tuple[str, ...] | None:
+    """Return names of channels, None where one is missing or there twice."""
+    return names if len(set(names)) == len(names) and "NONE" not in names else None
 
 
 def keep_list(frame: "AudioFrame") -> None:
@@ -68,7 +73,3 @@ def _is_in_usual_order(layout: "AudioLayout") -> bool:
 
 def _names(layout: "AudioLayout") -> tuple[str, ...]:
     return tuple(channel.name for channel in layout.channels)
-
-
-def _are_clear(names: tuple[str, ...]) -> bool:
-    return len(set(names)) == len(names) and "NONE" not in names

@@ -96,6 +96,11 @@ def names_of(layout: Sequence[str] | None, channels: int) -> tuple[str, ...]:
     return names if len(names) == channels else ()
 
 
+def has_mains(names: Sequence[str]) -> bool:
+    """Return whether channels of these names have a main one among them."""
+    return bool(_mains_of(names))
+
+
 def summing_order(layout: Sequence[str] | None, channels: int) -> tuple[int, ...]:
     """Return the channels in the order in which they are summed: by name, so that no other order is another sound."""
     names = names_of(layout, channels)
