@@ -5,7 +5,9 @@ import socket
 import tempfile
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
+import av
 import numpy as np
 import pytest
 from av.stream import Disposition
@@ -90,6 +92,21 @@ def test_the_layout_of_the_container_is_used(tmp_path: Path) -> None:
     low = read(path, mix="lfe")[0]
     assert low[4000, 0] == 0.0
     assert low[4000, 1] == pytest.approx(0.5 * 10**0.5)
+
+
+def test_a_stereo_film_whose_channels_are_called_left_and_right_total_is_read(tmp_path: Path) -> None:
+    """So MOV calls what has the surround in it; it was refused, as if there were other channels to choose."""
+    sound = impulses(20_000, [5_000], channels=2) * np.array([1.0, 0.5], np.float32)
+    frame = av.AudioFrame.from_ndarray(sound.reshape(1, -1), format="flt", layout="stereo")
+    frame.sample_rate = RATE_HZ
+    with av.open(str(tmp_path / "film.mov"), "w") as container:
+        stream: Any = container.add_stream("pcm_s16le", rate=RATE_HZ, layout="downmix")
+        container.mux(stream.encode(frame))
+        container.mux(stream.encode(None))
+    with av.open(str(tmp_path / "film.mov")) as container:
+        assert container.streams.audio[0].layout.name == "downmix"
+    plain = write_media(tmp_path / "plain.mov", [sound], codec="pcm_s16le")
+    np.testing.assert_array_equal(read(tmp_path / "film.mov")[0], read(plain)[0])
 
 
 @pytest.mark.parametrize("frames", [1, 7, 4096, 10**6])

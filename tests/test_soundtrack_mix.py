@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from blastline.errors import SoundtrackError
+from blastline.soundtrack.loudspeakers import azimuths
 from blastline.soundtrack.mix import (
     LFE_GAIN,
     as_front,
@@ -148,6 +149,19 @@ def test_numbered_channels_are_averaged_whatever_the_layout() -> None:
 def test_a_stereo_version_beside_the_film_is_not_mixed_in() -> None:
     matrix = mix_matrix(("FL", "FR", "FC", "DL", "DR"), 5, "mains")
     np.testing.assert_array_equal(matrix[3:, 0], [0.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("total", "plain"), [(("DL", "DR"), ("FL", "FR")), (("DR", "DL"), ("FR", "FL")), (("DL",), ("FL",))]
+)
+def test_a_stereo_version_alone_is_the_film(total: Sequence[str], plain: Sequence[str]) -> None:
+    channels = len(total)
+    assert names_of(total, channels) == plain
+    for mix in ("mains", "all"):
+        np.testing.assert_array_equal(mix_matrix(total, channels, mix), mix_matrix(plain, channels, mix))
+    np.testing.assert_equal(sides_matrix(total, channels, "mains"), sides_matrix(plain, channels, "mains"))
+    assert summing_order(total, channels) == summing_order(plain, channels)
+    assert azimuths(total, channels) == azimuths(plain, channels)
 
 
 @pytest.mark.parametrize(

@@ -61,7 +61,8 @@ def test_titles_say_which_channels_streams_are(
         (("L", "R", "C", "LFE", "Ls"), ()),  # one is missing
         (("L", "R", "L"), ()),
         (("C", "LFE"), ()),
-        (("Lt", "Rt"), ()),
+        (("Lt", "Rt"), ("DL", "DR")),
+        (("C", "Lt", "Rt"), ()),
         (("L", "R", "C", "LFE", "Ls", "Dialogue"), ()),
         (("English", "Français"), ()),
         ((None, ""), ()),
@@ -127,6 +128,8 @@ KINDS: dict[str, Callable[[Path, int], Path]] = {
     "named": partial(named, names=(*USUAL, "BL", "BR")),
     "named in pairs": partial(named, names=("FL", "FR") * 8),
     "a stereo mix behind": partial(named, names=(*USUAL, "FL", "FR")),
+    "titled total": partial(titled, titles=("Lt", "Rt", "L", "R")),
+    "left and right total": partial(named, names=("DL", "DR")),
     "all left": partial(named, names=("FL",) * 16),
 }
 

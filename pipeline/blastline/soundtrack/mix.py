@@ -34,7 +34,8 @@ _HALF_POWER = 0.5**0.5
 _WEIGHTS = {"FL": _HALF_POWER, "FR": _HALF_POWER, "FLC": _HALF_POWER, "FRC": _HALF_POWER, "FC": 1.0}
 _OTHER_WEIGHT = 0.5
 _LOW = frozenset({"LFE", "LFE2"})
-_NOT_MIXED = frozenset({"DL", "DR"})  # a ready-made stereo version of the channels beside it
+_TOTAL = {"DL": "FL", "DR": "FR"}
+"""A ready-made stereo version of the channels beside it, which is not mixed with them; alone, it is the film."""
 
 _USUAL_ORDER = {
     1: ("FC",),
@@ -91,14 +92,19 @@ def heard_mix(mix: str) -> str:
 
 
 def names_of(layout: Sequence[str] | None, channels: int) -> tuple[str, ...]:
-    """Return what the channels are called; those of the usual order where the file does not say, else nothing."""
+    """Return what the channels are called; those of the usual order where the file does not say, else nothing.
+
+    Left and right total, as files call a stereo mix with the surround in it, are left and right where nothing else is.
+    """
     names = _USUAL_ORDER.get(channels, ()) if layout is None else tuple(layout)
+    if all(name in _TOTAL for name in names):
+        names = tuple(_TOTAL[name] for name in names)
     return names if len(names) == channels else ()
 
 
 def has_mains(names: Sequence[str]) -> bool:
     """Return whether channels of these names have a main one among them."""
-    return bool(_mains_of(names))
+    return bool(_mains_of(names_of(names, len(names))))
 
 
 def summing_order(layout: Sequence[str] | None, channels: int) -> tuple[int, ...]:
@@ -199,7 +205,7 @@ def _place_of(name: str, names: Sequence[str], mix: str) -> int:
 
 
 def _mains_of(names: Sequence[str]) -> list[str]:
-    return [name for name in names if name not in _LOW | _NOT_MIXED]
+    return [name for name in names if name not in _LOW | _TOTAL.keys()]
 
 
 def _mains(names: Sequence[str]) -> Matrix:

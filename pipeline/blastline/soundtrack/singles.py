@@ -23,7 +23,8 @@ _LAYOUTS = {
 """The order in which masters are delivered, L R C LFE Ls Rs Lrs Rrs; of 7.1, WAV has the rear pair before the sides."""
 
 _KINDS = {frozenset(layout): kind for kind, layout in _LAYOUTS.values()} | {
-    frozenset(("FL", "FR", "FC", "LFE", "BL", "BR")): "5.1"
+    frozenset(("DL", "DR")): "stereo",
+    frozenset(("FL", "FR", "FC", "LFE", "BL", "BR")): "5.1",
 }
 
 

@@ -42,9 +42,10 @@ def channel_of(title: str | None) -> str | None:
 def titled_layout(titles: Sequence[str | None]) -> tuple[str, ...]:
     """Return what channels the titles name, where all do, each another, and they make a whole layout; else nothing.
 
-    A layout is whole that has left and right, and of each further pair both or none: what lacks a channel, or has one
-    twice, may be titles of something else.
+    A layout is whole that has left and right, and of each further pair both or none, or is the stereo mix that goes
+    with such a one: what lacks a channel, or has one twice, may be titles of something else.
     """
     names = tuple(name for title in titles if (name := channel_of(title)) is not None)
-    is_whole = all((left in names) == (right in names) for left, right in _PAIRS) and "FL" in names
+    is_whole = all((left in names) == (right in names) for left, right in _PAIRS)
+    is_whole = is_whole and ("FL" in names or set(names) == {"DL", "DR"})
     return names if is_whole and len(set(names)) == len(titles) else ()
