@@ -1,6 +1,6 @@
 """What somebody else did to a drive fails its checks by name, without a crash."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import msgspec
@@ -9,8 +9,10 @@ import pytest
 import soundfile
 
 from blastline import run
-from blastline.model import DriveChoice, Event, Phase, Quality, Timeline, encode
+from blastline.model import DriveChoice, Event, Phase, Quality, Span, Timeline, encode
 from blastline.run import RenderOptions
+from blastline.soundtrack import Cue
+from blastline.soundtrack.bwf import cue_chunks
 from checked_films import RATE_HZ, Samples, failures, film, rendered
 
 
@@ -183,6 +185,60 @@ def test_a_shot_that_was_deleted_and_not_rendered_fails_and_is_named(tmp_path: P
     assert figure_of(checked, "shots_as_rendered") == (False, -1.0)
     [note] = notes
     assert f": lacks {gone.id}, " in note
+
+
+@pytest.mark.parametrize("has_checks", [True, False])
+@pytest.mark.parametrize(
+    ("lost", "added"), [((1,), ()), ((), (20_000,)), ((1,), (20_000,)), ((0, 2), (16_000, 24_000)), ((), ())]
+)
+def test_the_markers_of_a_drive_tell_which_shots_it_was_rendered_with(
+    tmp_path: Path, has_checks: bool, lost: Sequence[int], added: Sequence[int]
+) -> None:
+    """As many added as deleted, or without the checks, nothing else in the timeline tells."""
+    onsets = [14_400, 18_000, 21_600]
+    path = film(tmp_path / "film.wav", onsets, [0.2, 0.3, 0.2])
+    made = rendered(path, onsets, RenderOptions(report=False))
+    new = [moved(made.events[0], onset, f"door {number}") for number, onset in enumerate(added)]
+    kept = [event for index, event in enumerate(made.events) if index not in lost]
+    events = tuple(sorted((*kept, *new), key=lambda event: event.onset_sample))
+    bare = made if has_checks else msgspec.structs.replace(made, checks=())
+    notes: list[str] = []
+    checked = run.check(written(tmp_path, events, bare), audio=path, note=notes.append)
+    figure = len(added) - len(lost) or -len(lost)
+    assert figure_of(checked, "shots_as_rendered") == (figure == 0, figure)
+    gone, here = (", ".join(event.id for event in each) for each in ((made.events[i] for i in lost), new))
+    expected = [f"lacks {gone}, which the drive was rendered with; "] * bool(lost)
+    expected += [f"has {here}, which the drive was not rendered with; "] * bool(added)
+    assert len(notes) == len(expected)
+    assert all(f": {words}" in note for words, note in zip(expected, notes, strict=True))
+
+
+def moved(event: Event, onset: int, name: str) -> Event:
+    """Return a copy of an event elsewhere in its window, as somebody writes one who adds it to a timeline by hand."""
+    by = onset - event.onset_sample
+    blast = Span(event.blast.start + by, event.blast.stop + by)
+    return msgspec.structs.replace(event, id=name, onset_sample=onset, onset_s=onset / RATE_HZ, blast=blast)
+
+
+@pytest.mark.parametrize("has_checks", [True, False])
+def test_a_drive_that_another_program_has_saved_names_no_shots(tmp_path: Path, has_checks: bool) -> None:
+    """Its markers may be gone, or some of them, and others be there: only the checks in the timeline tell then."""
+    onsets = [14_400, 18_000, 21_600]
+    path = film(tmp_path / "film.wav", onsets, [0.2, 0.3, 0.2])
+    made = rendered(path, onsets, RenderOptions(report=False))
+    samples, _ = soundfile.read(tmp_path / "out" / "drive.wav", dtype="int32")
+    bare = made if has_checks else msgspec.structs.replace(made, checks=())
+    for tail in (cue_chunks([Cue(14_400, "shot-0001", 3_600)]), cue_chunks([Cue(30_000, "Marker 1")])):
+        mixed = tmp_path / "mixed.wav"
+        soundfile.write(mixed, samples, RATE_HZ, subtype="PCM_24")
+        mixed.write_bytes(mixed.read_bytes() + tail)
+        notes: list[str] = []
+        checked = run.check(written(tmp_path, made.events, bare), audio=path, drive=mixed, note=notes.append)
+        assert failures(checked) == []
+        assert figure_of(checked, "shots_as_rendered") == (True, 0.0 if has_checks else None)
+        assert notes == []
+        checked = run.check(written(tmp_path, made.events[1:], bare), audio=path, drive=mixed, note=notes.append)
+        assert figure_of(checked, "shots_as_rendered") == ((False, -1.0) if has_checks else (True, None))
 
 
 def test_a_shot_that_was_given_another_id_needs_no_other_drive(tmp_path: Path) -> None:

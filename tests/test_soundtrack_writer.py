@@ -2,6 +2,7 @@
 
 import errno
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from blastline.errors import OutputError
 from blastline.model import Clip, Span
 from blastline.soundtrack import Cue, open_soundtrack, write_drive
-from blastline.soundtrack.bwf import cue_chunks
+from blastline.soundtrack.bwf import cue_chunks, written_cues
 
 RATE_HZ = 48_000
 
@@ -119,6 +120,34 @@ def test_markers_ranges_and_time_of_day_are_read_back(path: Path, frames: int, r
     assert (info.data.byte_count, info.data.frame_count) == (3 * frames, frames)
     assert (info.fmt.sample_rate, info.fmt.bits_per_sample, info.fmt.channel_count) == (RATE_HZ, 24, 1)
     assert soundfile.info(path).frames == frames
+
+
+@pytest.mark.parametrize("riff_limit", [0xFFFFFFFF, 500])
+@pytest.mark.parametrize(
+    "cues", [[], [Cue(0, "odd", 1)], [Cue(1, "shot-0001"), Cue(7, "Tür 2", 300), Cue(999, "x" * 99)]]
+)
+def test_the_markers_of_a_drive_are_told_as_long_as_nobody_else_saved_it(
+    path: Path, riff_limit: int, cues: list[Cue]
+) -> None:
+    for frames in (999, 1000):
+        write = partial(write_drive, path, rate_hz=RATE_HZ, frames=frames, cues=cues, riff_limit=riff_limit)
+        write([clip(steps(10), 20)], time_reference=2**33 + 5, description="vibration drive for seat")
+        assert written_cues(path) == tuple(cues)
+        whole = path.read_bytes()
+        place = whole.index(b"bext") + 8
+        for other in (
+            whole[:-1],
+            whole + b"LIST\4\0\0\0INFO",
+            whole[: place + 320] + b"2026-11-30" + whole[place + 330 :],
+            whole[: place - 8] + b"JUNK\4\0\0\0abcd" + whole[place - 8 :],
+            whole[:40],
+            b"",
+        ):
+            path.write_bytes(other)
+            assert written_cues(path) is None
+    soundfile.write(path, steps(10), RATE_HZ, subtype="PCM_24")
+    assert written_cues(path) is None
+    assert written_cues(path.with_name("none.wav")) is None
 
 
 @pytest.mark.parametrize("riff_limit", [0xFFFFFFFF, 500])

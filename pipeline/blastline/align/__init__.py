@@ -11,6 +11,6 @@ saturated shots. A check that cannot tell passes, with nothing measured.
 """
 
 from .checks import check_files, check_timeline
-from .sanity import rendered_shots
+from .sanity import changed_shots
 
-__all__ = ["check_files", "check_timeline", "rendered_shots"]
+__all__ = ["changed_shots", "check_files", "check_timeline"]

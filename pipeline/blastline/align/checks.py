@@ -1,7 +1,7 @@
 """The checks themselves: each figure beside its limit."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from ..model import Background, Check, Event, Phase, RandomAccessSound, SoundFile, Span, Timeline
 from ..ruleset import ActuatorProfile, AlignRules
@@ -9,7 +9,7 @@ from ..units import ms_from_samples, samples_from_ms
 from .comparable import is_comparable
 from .comparison import Comparison, compare
 from .hearing import coarseness
-from .sanity import fade_margin, heard_rise_db, is_rise_owed, order_faults, rendered_shots
+from .sanity import changed_shots, fade_margin, heard_rise_db, is_rise_owed, order_faults, rendered_shots
 from .shot_checks import can_lead, noted, shot_checks, within
 from .shots import parts_of
 from .sounds import Sound, read_padded
@@ -31,11 +31,13 @@ def check_files(
     corner_ms: float,
     phase: Phase,
     background: Background,
+    markers: Mapping[str, int] | None = None,
 ) -> tuple[Check, ...]:
     """Return the checks of a drive as it was written, first of the film, then of each shot in order.
 
     `audio` has been decoded and has the timeline's number of frames; `drive` is decoded here, once. A drive may begin
     `lead_ms` before its shot's onset, and a solved one is made of straight lines between corners `corner_ms` apart.
+    `markers` are the samples of the shots that it was rendered with, by their ids, where these are known.
     Figures are None where there is nothing to measure: a drive in which no shot is found has failed, a film without
     shots has not.
     """
@@ -55,7 +57,7 @@ def check_files(
     return (
         *_file_checks(timeline, shared, film, drive.damaged_samples),
         *_order_check(timeline),
-        *_number_check(timeline),
+        *_number_check(timeline, markers),
         *_checks_by_shots(timeline, shared),
     )
 
@@ -115,15 +117,20 @@ def _order_check(timeline: Timeline) -> Iterator[Check]:
     yield Check("timeline_order", None, faults == 0, faults, 0.0, "faults")
 
 
-def _number_check(timeline: Timeline) -> Iterator[Check]:
-    """Yield how many shots more have a drive than were rendered, of which the timeline's own checks tell.
+def _number_check(timeline: Timeline, markers: Mapping[str, int] | None) -> Iterator[Check]:
+    """Yield how many shots more have a drive than were rendered, by the drive's markers and by the timeline's checks.
 
-    They name every shot that was rendered; a timeline that has just been made has none yet, and is as it was rendered.
+    Either name every shot that was rendered. Where as many were added as are lost, these are the figure; where nothing
+    is left of either, there is none.
     """
-    if timeline.actuator is not None:
-        driven = sum(event.drive is not None for event in timeline.events)
-        excess = driven - len(rendered_shots(timeline)) if timeline.checks else 0
-        yield Check("shots_as_rendered", None, excess == 0, excess, 0.0, "shots")
+    if timeline.actuator is None:
+        return
+    driven = sum(event.drive is not None for event in timeline.events)
+    lost, added = changed_shots(timeline, markers)
+    excess = driven - len(rendered_shots(timeline)) if timeline.checks else len(added) - len(lost)
+    passed = not (excess or lost or added)
+    is_told = markers is not None or timeline.checks
+    yield Check("shots_as_rendered", None, passed, (excess or -len(lost)) if is_told else None, 0.0, "shots")
 
 
 def _checks_by_shots(timeline: Timeline, shared: Comparison) -> Iterator[Check]:

@@ -1,6 +1,6 @@
 """Whether a timeline makes sense by itself, and whether its shots are where it says."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -27,6 +27,26 @@ def order_faults(events: Sequence[Event], frames: int) -> int:
     lost = sum(event.onset_sample not in event.window.span for event in events)
     repeated = len(events) - len({event.id for event in events})
     return late + overlaps + outside + lost + repeated
+
+
+def changed_shots(timeline: Timeline, markers: Mapping[str, int] | None) -> tuple[Sequence[str], Sequence[str]]:
+    """Return which shots the drive was rendered with and are no more in the timeline, and which it was not.
+
+    `markers` are the samples of all shots that it was rendered with, by their ids, None where these are not known: then
+    the number of shots tells, by the checks in the timeline, and other ids alone tell nothing. A shot is where its
+    blast begins: an onset that was edited, or another id, is told by itself.
+    """
+    driven = {event.id: event.blast.start for event in timeline.events if event.drive is not None}
+    if markers is not None:
+        lost = [name for name, sample in markers.items() if sample not in driven.values()]
+        added = [name for name, sample in driven.items() if sample not in markers.values()]
+        if lost or added:
+            return lost, added
+    rendered = rendered_shots(timeline)
+    excess = len(driven) - len(rendered) if timeline.checks else 0
+    return sorted(rendered - driven.keys()) if excess < 0 else (), sorted(
+        driven.keys() - rendered
+    ) if excess > 0 else ()
 
 
 def rendered_shots(timeline: Timeline) -> frozenset[str]:

@@ -1,20 +1,21 @@
 """Checking results again: files against their timeline, however they came to be what they are."""
 
 import os
+from collections.abc import Mapping
 from contextlib import nullcontext
 from pathlib import Path
 
 import msgspec
 
 from .. import __version__
-from ..align import check_files, check_timeline, rendered_shots
+from ..align import changed_shots, check_files, check_timeline
 from ..errors import TimelineError
 from ..export import read_timeline
 from ..misfits import listed
 from ..model import Source, Timeline
 from ..progress import Note, Progress, no_note, no_progress, report_progress
 from ..ruleset import ActuatorProfile, Rules, load_rules
-from ..soundtrack import Soundtrack, open_soundtrack
+from ..soundtrack import Soundtrack, open_soundtrack, written_cues
 from ..streams import Streams
 from . import names
 from .belonging import profile_of, require_length, require_same_film, require_unchanged, tell_other_file
@@ -37,22 +38,25 @@ def check(
 
     Without `audio` the film is looked for beside the results, without `drive` the drive; without `stream` its sound
     is the stream that the timeline was made from. A timeline without a drive is checked against the sound alone. `note`
-    is told where it was made with other rules, for another actuator or from another file than `audio`. Raises
-    BlastlineError where a file that is needed is missing or unusable.
+    is told where it was made with other rules, for another actuator or from another file than `audio`, and which shots
+    were rendered and are no more in it, or the other way round. Raises BlastlineError where a file that is needed is
+    missing or unusable.
     """
     path = names.timeline_of(target)
     timeline = read_timeline(path)
     read = load_rules(timeline.quality, rules)
     _tell_other_rules(path, timeline, read, note)
-    _tell_lost_shots(path, timeline, note)
     film = audio or _find_film(timeline.source, path)
     heard = timeline.source.stream if stream is None else stream
     has_drive = timeline.actuator is not None or drive is not None
     # before the film is decoded, which takes minutes, whatever can be told without it
     profile = profile_of(timeline, path, actuator=actuator, rules=rules, note=note) if has_drive else None
+    drive = drive or path.parent / names.DRIVE
+    markers = markers_of(drive) if has_drive else None
+    _tell_changed_shots(path, timeline, markers, note)
     with (
         open_soundtrack(film, stream=heard, mix=timeline.source.mix) as track,
-        open_drive(drive or path.parent / names.DRIVE) if has_drive else nullcontext() as made,
+        open_drive(drive) if has_drive else nullcontext() as made,
     ):
         _require_sides(timeline, film, track)
         for _ in report_progress(track.blocks(BLOCK, sides=True), progress, track.expected_frames):
@@ -61,7 +65,7 @@ def check(
         if profile is None or made is None:
             found = msgspec.structs.replace(timeline, checks=check_timeline(timeline, audio=track, rules=read.align))
         else:
-            found = checked(timeline, track, made, profile=profile, rules=read, progress=progress)
+            found = checked(timeline, track, made, profile=profile, rules=read, progress=progress, markers=markers)
     require_unchanged(path, timeline)
     return found
 
@@ -74,8 +78,12 @@ def checked(
     profile: ActuatorProfile,
     rules: Rules,
     progress: Progress,
+    markers: Mapping[str, int] | None = None,
 ) -> Timeline:
-    """Return the timeline with the checks of the files: `track` has been decoded, `drive` has just been opened."""
+    """Return the timeline with the checks of the files: `track` has been decoded, `drive` has just been opened.
+
+    `markers` are those of the shots that it was rendered with, by `markers_of`.
+    """
     progress("checking", 0, None)
     checks = check_files(
         timeline,
@@ -87,6 +95,7 @@ def checked(
         corner_ms=1000.0 / min(rules.tier.render.solver_rate_hz, track.rate_hz),
         phase=timeline.phase,
         background=timeline.background,
+        markers=markers,
     )
     return msgspec.structs.replace(timeline, checks=checks)
 
@@ -100,15 +109,22 @@ def _tell_other_rules(path: Path, timeline: Timeline, rules: Rules, note: Note) 
         )
 
 
-def _tell_lost_shots(path: Path, timeline: Timeline, note: Note) -> None:
-    """Tell which shots were rendered and have no drive in the timeline any more; other ids alone are no loss."""
-    driven = {event.id for event in timeline.events if event.drive is not None}
-    rendered = rendered_shots(timeline) if timeline.actuator is not None else frozenset()
-    if len(driven) < len(rendered):
-        note(
-            f"{path}: lacks {listed(sorted(rendered - driven))}, which the drive was rendered with; render it again "
-            "with --timeline and --original: what else fails may come of that"
-        )
+def markers_of(drive: Path) -> Mapping[str, int] | None:
+    """Return the samples of the shots that a drive was rendered with, by their ids; None where it does not tell."""
+    cues = written_cues(drive)
+    return None if cues is None else {cue.label: cue.sample for cue in cues}
+
+
+def _tell_changed_shots(path: Path, timeline: Timeline, markers: Mapping[str, int] | None, note: Note) -> None:
+    """Tell which shots were rendered and have no drive in the timeline any more, and which have one there alone."""
+    if timeline.actuator is None:
+        return
+    for what, shots, how in zip(("lacks", "has"), changed_shots(timeline, markers), ("", "not "), strict=True):
+        if shots:
+            note(
+                f"{path}: {what} {listed(shots)}, which the drive was {how}rendered with; render it again "
+                "with --timeline and --original: what else fails may come of that"
+            )
 
 
 def _require_film(film: Path, found: Source, path: Path, timeline: Timeline, *, named: bool, note: Note) -> None:

@@ -19,7 +19,7 @@ from ..staging import Files, require_free, require_utf_8, staged
 from ..timecode import late_stamp
 from . import names
 from .belonging import film_of
-from .checking import checked
+from .checking import checked, markers_of
 from .driving import open_drive, write_drive_of
 from .editing import Editing, hear_edited, read_editing, timebase_of, with_other_settings
 from .export_rows import export_rows, files_of_results
@@ -55,7 +55,8 @@ def render(
         meter = OverviewMeter(track.rate_hz) if options.report else None
         timeline = _driven(track, hidden, setup, editing, meter)
         with open_drive(hidden / names.DRIVE) as drive:
-            timeline = checked(timeline, track, drive, profile=setup.profile, rules=setup.rules, progress=progress)
+            profile, rules, markers = setup.profile, setup.rules, markers_of(hidden / names.DRIVE)
+            timeline = checked(timeline, track, drive, profile=profile, rules=rules, progress=progress, markers=markers)
             written = write_formats(timeline, hidden, drive, setup, note)
             if meter is not None:
                 write_report_of(timeline, hidden, written, track=track, drive=drive, meter=meter, setup=setup)

@@ -11,11 +11,15 @@ Date and time of day of the making are left empty, so that the same film gives t
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
+from os import SEEK_END
+from pathlib import Path
 
 RIFF_LIMIT = 0xFFFFFFFF
 MARKER_LIMIT = 0xFFFFFFFF
 ORIGINATOR = b"blastline"
 SAMPLE_BYTES = 3
+_BEXT_BYTES = 602
+_HEAD_BYTES = 1024  # all that stands before the samples, and some of them
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,54 @@ def cue_chunks(cues: Sequence[Cue]) -> bytes:
         if cue.length:
             notes += chunk(b"ltxt", struct.pack("<II4s4H", number, min(cue.length, MARKER_LIMIT), b"rgn ", 0, 0, 0, 0))
     return chunk(b"cue ", places) + chunk(b"LIST", notes)
+
+
+def written_cues(path: Path) -> tuple[Cue, ...] | None:
+    """Return the markers of a drive that is, but for its samples, as it was written here; None for any other file.
+
+    What another program has saved may have lost some markers, or have more: those of its own user.
+    """
+    try:
+        with path.open("rb") as file:
+            start, file_bytes = file.read(_HEAD_BYTES), file.seek(0, SEEK_END)
+            is_long = start.startswith(b"RF64")
+            bext = start.index(b"bext") + 8
+            fmt, data = (start.index(name, bext + _BEXT_BYTES) + 8 for name in (b"fmt ", b"data"))
+            (size,) = struct.unpack_from("<Q", start, 28) if is_long else struct.unpack_from("<I", start, data - 4)
+            end = data + size + size % 2
+            head = header(
+                frames=size // SAMPLE_BYTES,
+                rate_hz=struct.unpack_from("<I", start, fmt + 4)[0],
+                time_reference=struct.unpack_from("<Q", start, bext + 338)[0],
+                description=start[bext : bext + 256].rstrip(b"\0").decode("ascii"),
+                tail=file_bytes - end,
+                riff_limit=0 if is_long else RIFF_LIMIT,
+            )
+            if not start.startswith(head) or size // SAMPLE_BYTES > MARKER_LIMIT:
+                return None
+            file.seek(end)
+            tail = file.read()
+        cues = _cues_of(tail)
+    except (OSError, ValueError, struct.error):
+        return None
+    return cues if tail == cue_chunks(cues) else None
+
+
+def _cues_of(tail: bytes) -> tuple[Cue, ...]:
+    """Return the markers in what follows the samples, read as `cue_chunks` writes them; ValueError where it did not."""
+    count = struct.unpack_from("<I", tail, 8)[0] if tail else 0
+    samples = [struct.unpack_from("<I", tail, 16 + 24 * index)[0] for index in range(count)]
+    cues, place = [], 12 + 24 * count + 12
+    for sample in samples:
+        (size,) = struct.unpack_from("<I", tail, place + 4)
+        label = tail[place + 12 : place + 8 + size - 1].decode()
+        place += 8 + size + size % 2
+        length = 0
+        if tail[place : place + 4] == b"ltxt":
+            (length,) = struct.unpack_from("<I", tail, place + 12)
+            place += 28
+        cues.append(Cue(sample, label, length))
+    return tuple(cues)
 
 
 def _bext(time_reference: int, description: str) -> bytes:
