@@ -1,6 +1,7 @@
 """The drive as other programs read it: samples, markers, time of day, size."""
 
 import errno
+import os
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -148,6 +149,12 @@ def test_the_markers_of_a_drive_are_told_as_long_as_nobody_else_saved_it(
     soundfile.write(path, steps(10), RATE_HZ, subtype="PCM_24")
     assert written_cues(path) is None
     assert written_cues(path.with_name("none.wav")) is None
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes")
+def test_a_pipe_into_which_nobody_writes_is_not_waited_for(path: Path) -> None:
+    os.mkfifo(path)
+    assert written_cues(path) is None
 
 
 @pytest.mark.parametrize("riff_limit", [0xFFFFFFFF, 500])

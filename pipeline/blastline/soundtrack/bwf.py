@@ -75,6 +75,8 @@ def written_cues(path: Path) -> tuple[Cue, ...] | None:
 
     What another program has saved may have lost some markers, or have more: those of its own user.
     """
+    if not path.is_file():  # a pipe would be waited for
+        return None
     try:
         with path.open("rb") as file:
             start, file_bytes = file.read(_HEAD_BYTES), file.seek(0, SEEK_END)
