@@ -63,6 +63,7 @@ CHANGES: Mapping[Quality, tuple[str, ...]] = {
         "verify.speeds=[1.1, 1.2]",
         f"scan.band_jump_db={OFF}",
         f"verify.gate_from={OFF}",
+        "verify.look_from=0.008",
         "verify.look_from=0.02",
         "render.tolerance=1e-4",
     ),
