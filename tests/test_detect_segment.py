@@ -8,8 +8,8 @@ from scipy.signal import butter, sosfilt
 
 from blastline.detect.bursts import drop_claimed_reflections
 from blastline.detect.segment import peak_dbfs, running_peak, segment
-from blastline.model import Shot
-from blastline.ruleset import load_rules
+from blastline.model import Shot, Span
+from blastline.ruleset import SegmentRules, load_rules
 from blastline.units import db_from_gain, gain_from_db
 
 RATE_HZ = 48_000
@@ -24,7 +24,7 @@ def decaying(fall_db_per_s: float, *, seconds: float = 2.0, seed: int = 0) -> ND
     return np.asarray(0.1 * noise * 10.0 ** (-fall_db_per_s * time_s / 20.0), np.float64)
 
 
-def measured(film: NDArray[np.float64]) -> Shot:
+def measured(film: NDArray[np.float64], rules: SegmentRules = RULES) -> Shot:
     """Return the shot on the onset of a film."""
     return segment(
         film.astype(np.float32),
@@ -33,7 +33,7 @@ def measured(film: NDArray[np.float64]) -> Shot:
         film_stop=film.size,
         confidence=1.0,
         rate_hz=RATE_HZ,
-        rules=RULES,
+        rules=rules,
     )
 
 
@@ -208,3 +208,11 @@ def test_after_the_decay_only_what_is_as_strong_as_what_was_before_is_a_reflecti
 def test_an_earlier_shot_drowns_no_reflection() -> None:
     shot = segmented((-100.0, 2.0 * cracking(seed=5)), (0.0, cracking()), (330.0, 0.1 * cracking()))
     assert any(abs(each.delay_ms - 330.0) < 0.1 for each in settled(shot).reflections)
+
+
+@pytest.mark.parametrize("longest_blast_ms", [5e-324, 0.01, 0.02])
+def test_a_blast_lasts_for_a_sample_at_least_however_short_its_rule_is(longest_blast_ms: float) -> None:
+    rules = msgspec.structs.replace(RULES, longest_blast_ms=longest_blast_ms)
+    shot = measured(np.concatenate([np.zeros(ONSET), decaying(60.0)]), rules)
+    assert len(shot.blast) == 1
+    assert all(len(Span(each.start, each.stop)) == 1 for each in shot.reflections)

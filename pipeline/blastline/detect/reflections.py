@@ -40,7 +40,7 @@ def discrete_reflections(
     """
     from scipy.signal import find_peaks
 
-    template = wave[: samples_from_ms(rules.longest_blast_ms, rate_hz)]
+    template = wave[: max(1, samples_from_ms(rules.longest_blast_ms, rate_hz))]
     latest = min(samples_from_ms(rules.latest_reflection_ms, rate_hz), wave.shape[0] - template.shape[0])
     earliest = samples_from_ms(rules.earliest_reflection_ms, rate_hz)
     if latest <= earliest or not template.any():

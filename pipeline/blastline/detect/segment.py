@@ -112,7 +112,8 @@ def _constant(samples: NDArray[np.float32], onset: int, rate_hz: int) -> float:
 
 def _blast_length(wave: NDArray[np.float64], peak: float, usual: float, *, rate_hz: int, rules: SegmentRules) -> int:
     """Return where the envelope has first fallen by `blast_decay_db` or into the usual power, in samples."""
-    longest = min(wave.shape[0], samples_from_ms(rules.longest_blast_ms, rate_hz))
+    # no blast is shorter than a sample, though its rule may be
+    longest = min(wave.shape[0], max(1, samples_from_ms(rules.longest_blast_ms, rate_hz)))
     if longest == 0:
         return 0
     grain = max(1, samples_from_ms(_GRAIN_MS, rate_hz))
