@@ -222,6 +222,25 @@ def test_an_interruption_after_all_is_done_changes_no_exit_code() -> None:
     assert (done.returncode, done.stdout) == (0, f"blastline {__version__}\n")
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="processes are ended otherwise there")
+def test_python_says_nothing_of_an_interruption_that_it_swallows() -> None:
+    """It would tell of an exception that it ignores, though the run ends by it."""
+    code = (
+        "import signal, sys\n"
+        "class Dying:\n"
+        "    def __del__(self): signal.raise_signal(signal.SIGTERM)\n"
+        "from blastline.cli import main, rulefiles\n"
+        "def interrupted(*_):\n"
+        "    Dying()\n"
+        "    raise ValueError('what a library makes of it')\n"
+        "rulefiles.load_rules = interrupted\n"
+        "sys.argv[1:] = ['rules', 'show']\n"
+        "sys.exit(main())"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, "blastline: interrupted; nothing was written\n")
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes break otherwise there")
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 def test_a_reader_that_goes_away_ends_the_command_quietly(unbuffered: str) -> None:

@@ -1,11 +1,14 @@
 """What a killed run leaves: no seal of a result that is not whole, and nothing that the next run cannot clear away."""
 
 import os
+import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import threading
 import time
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -14,6 +17,7 @@ import pytest
 
 from blastline import abandoned
 from blastline.errors import OutputError
+from blastline.interruption import let_signals_interrupt
 from blastline.moving import alone_in
 from blastline.staging import staged
 from moments import moments, shown
@@ -183,3 +187,52 @@ def test_earlier_results_in_what_a_killed_run_left_stay(tmp_path: Path) -> None:
     (left / "earlier-1" / "a.wav").write_text("mine")
     run_into(tmp_path, "next")
     assert (left / "earlier-1" / "a.wav").read_text() == "mine"
+
+
+@pytest.fixture
+def asked_to_end() -> Iterator[Callable[[], None]]:
+    """Return what asks the run to end, as `timeout` does; the process listens meanwhile as the command does."""
+    heeded = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    before = {number: signal.signal(number, signal.SIG_DFL) for number in heeded}
+    let_signals_interrupt()
+    yield lambda: signal.raise_signal(signal.SIGTERM)
+    let_signals_interrupt()  # forget it
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+def test_a_second_request_to_end_does_not_disturb_what_is_tidied_up_after_the_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, asked_to_end: Callable[[], None]
+) -> None:
+    """`timeout` asks twice, and so does who presses Ctrl-C again."""
+
+    def asked_again(self: Path, target: Path) -> Path:
+        moved = real_replace(self, target)
+        asked_to_end()
+        return moved
+
+    def removed(*words: Any, **options: Any) -> None:
+        asked_to_end()
+        real_remove(*words, **options)
+
+    run_into(tmp_path / "out", "earlier", EARLIER)
+    real_replace, real_remove = Path.replace, shutil.rmtree
+    monkeypatch.setattr(Path, "replace", asked_again)
+    monkeypatch.setattr("blastline.staging.shutil.rmtree", removed)
+    with pytest.raises(KeyboardInterrupt):
+        run_into(tmp_path / "out", "later")
+    assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == whole("earlier", EARLIER)
+
+
+def test_a_request_to_end_that_comes_when_all_is_in_place_leaves_nothing_hidden(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, asked_to_end: Callable[[], None]
+) -> None:
+    def removed(*words: Any, **options: Any) -> None:
+        asked_to_end()
+        real_remove(*words, **options)
+
+    real_remove = shutil.rmtree
+    monkeypatch.setattr("blastline.staging.shutil.rmtree", removed)
+    with pytest.raises(KeyboardInterrupt):
+        run_into(tmp_path / "out", "later")
+    assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == whole("later")

@@ -2,9 +2,12 @@
 
 Python swallows an exception that is raised while an object is being destroyed, and a signal may well come there. So a
 request is remembered, and heeded at the next place that asks. Libraries written in C turn it into errors of their own.
+Requests often come in pairs: `timeout` asks a command and then its group, and people press Ctrl-C again. What a run
+tidies up after the first is not left half-done for the second.
 """
 
 import signal
+import sys
 from collections.abc import Iterator
 from threading import Event
 from types import FrameType
@@ -20,6 +23,11 @@ def let_signals_interrupt() -> None:
     for number in _numbers():
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _interrupt)
+
+
+def hush_swallowed() -> None:
+    """Let Python say nothing of an interruption that it swallows: it is heeded soon, and told then."""
+    sys.unraisablehook = _without_interruptions
 
 
 def ignore_interruption() -> None:
@@ -58,5 +66,12 @@ def _numbers() -> Iterator[signal.Signals]:
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
+    is_ending = _ASKED.is_set() and sys.exception() is not None  # the first is on its way out
     _ASKED.set()
-    raise KeyboardInterrupt
+    if not is_ending:
+        raise KeyboardInterrupt
+
+
+def _without_interruptions(swallowed: "sys.UnraisableHookArgs") -> None:
+    if not (_ASKED.is_set() and issubclass(swallowed.exc_type, KeyboardInterrupt)):
+        sys.__unraisablehook__(swallowed)

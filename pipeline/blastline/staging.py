@@ -87,7 +87,7 @@ def staged(folder: Path, *, seal: str | None = None, **files: Unpack[Files]) -> 
             raise told from error
         finally:
             if whole or not keeps_earlier(hidden):  # what could not be put back is nowhere else
-                shutil.rmtree(hidden, ignore_errors=True)
+                _remove(hidden)
             if held is not None:
                 os.close(held)
     finally:
@@ -116,6 +116,15 @@ def _hidden_folder(folder: Path) -> tuple[Path, int | None]:
         return held_folder(folder)
     except OSError as error:
         raise OutputError(f"{folder}: cannot write here: {error.strerror}") from error
+
+
+def _remove(hidden: Path) -> None:
+    """Remove a hidden folder to its end, though an end of the run is asked for meanwhile."""
+    try:
+        shutil.rmtree(hidden, ignore_errors=True)
+    except KeyboardInterrupt:  # while this one is on its way out, no other is raised
+        shutil.rmtree(hidden, ignore_errors=True)
+        raise
 
 
 def _require_nameable(hidden: Path, names: Collection[str]) -> None:

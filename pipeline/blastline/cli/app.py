@@ -17,7 +17,7 @@ import typer
 
 from .. import __version__
 from ..errors import BlastlineError
-from ..interruption import ignore_interruption, is_interrupted, let_signals_interrupt
+from ..interruption import hush_swallowed, ignore_interruption, is_interrupted, let_signals_interrupt
 from . import actuators, conform, film, results, rulefiles, study, synthesis
 from .complaints import complaint
 from .interruption import INTERRUPTED, told_interrupted
@@ -67,10 +67,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     Without `arguments` it is that of the process, which ends then.
     """
-    let_signals_interrupt()
-    _make_output_whole()
-    _spell_out_what_has_no_letter()
     try:
+        let_signals_interrupt()
+        if arguments is None:
+            hush_swallowed()
+        _make_output_whole()
+        _spell_out_what_has_no_letter()
         words = (sys.argv[1:] if arguments is None else arguments) or ["--help"]
         code = app(words, prog_name="blastline", standalone_mode=False) or 0
     except (BrokenPipeError, SystemExit):  # typer turns the first into the second
