@@ -241,6 +241,24 @@ def test_a_rate_without_drop_frame_names_the_start_that_was_said_earlier() -> No
     assert (again.start_timecode, again.frame_rate) == ("10:00:00:00", "25")
 
 
+@pytest.mark.parametrize(
+    ("start", "rate", "anew", "told"),
+    [
+        ("01:00:00:29", "30", "25", "frames up to 24"),
+        ("01:00:00:24", "25", "23.976", "frames up to 23"),
+        ("01:01:00:00", "29.97", "29.97df", "drop-frame has no such number"),
+    ],
+)
+def test_a_start_that_was_said_earlier_is_not_told_as_one_that_is_said_now(
+    start: str, rate: str, anew: str, told: str
+) -> None:
+    earlier = with_timebase(SOUND, parse_timebase(start, rate))
+    with pytest.raises(
+        RuleError, match=f"--frame-rate {anew}: the start of the timeline.*{told}.*give --start-timecode"
+    ):
+        recalled(parse_timebase(None, anew), earlier, SOUND)
+
+
 @pytest.mark.parametrize("text", ["01:00:00", "10:75:00.5", "1:99:99", "１０:00:00:00", "100:00:00.5", "01:00:00."])
 def test_a_start_that_is_no_timecode_is_not_taken_for_a_clock(text: str) -> None:
     with pytest.raises(RuleError, match=r"expected HH:MM:SS:FF, .* or HH:MM:SS\.mmm of a clock"):

@@ -116,7 +116,7 @@ def recalled(said: Timebase, earlier: Source, filmed: Source) -> Timebase:
     """
     before = _said_before(earlier, filmed)
     if said.start_timecode is None and said.frame_rate is not None and before.start_timecode is not None:
-        _require_countable(before.start_timecode, said.frame_rate)
+        _require_countable(before.start_timecode, said.frame_rate, said.drop_frame)
     return Timebase(
         said.start_timecode or before.start_timecode,
         said.frame_rate or before.frame_rate,
@@ -124,14 +124,29 @@ def recalled(said: Timebase, earlier: Source, filmed: Source) -> Timebase:
     )
 
 
-def _require_countable(start: str, rate: Fraction) -> None:
-    """Raise RuleError for a start that was said earlier and counts drop-frame, at a rate that has none."""
+def _require_countable(start: str, rate: Fraction, drop_frame: bool | None) -> None:
+    """Raise RuleError for a start that was said earlier and that a rate which is said now does not count."""
     counts = LABEL.fullmatch(start)
-    if counts is not None and counts[4] != ":" and rate not in DROP_FRAME_RATES:
+    if counts is None:
+        return
+    mend = "give --start-timecode as well"
+    drops = counts[4] != ":" if drop_frame is None else drop_frame
+    if drops and rate not in DROP_FRAME_RATES:
         raise RuleError(
             f"--frame-rate {rate_text(rate)}: has no drop-frame, which the start {start!r} of the timeline that was "
-            "edited counts; give --start-timecode as well"
+            f"edited counts; {mend}"
         )
+    try:
+        frame_of(_marked(start, drops=drops), math.ceil(rate), drop_frame=drops)
+    except RuleError as error:
+        what = str(error).removeprefix("timecode ")
+        asked = f"{rate_text(rate)}{'df' if drop_frame else ''}"
+        raise RuleError(f"--frame-rate {asked}: the start of the timeline that was edited, {what}; {mend}") from error
+
+
+def _marked(start: str, *, drops: bool) -> str:
+    """Return a timecode as its mark before the frames says that it counts."""
+    return f"{start[:8]}{';' if drops else ':'}{start[9:]}"
 
 
 def _drop_frame(said: Timebase, source: Source) -> bool | None:
@@ -214,7 +229,7 @@ def _counted(source: Source, rate: Fraction, timebase: Timebase) -> Source:
     whose = "--start-timecode" if timebase.start_timecode else f"--frame-rate: {source.name}: its start timecode"
     if drops and rate not in DROP_FRAME_RATES:
         raise RuleError(f"{whose} {start!r}: {rate_text(rate)} frames a second have no drop-frame")
-    text = f"{start[:8]}{';' if drops else ':'}{start[9:]}"
+    text = _marked(start, drops=drops)
     try:
         frame_of(text, nominal, drop_frame=drops)
     except RuleError as error:
