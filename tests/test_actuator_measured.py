@@ -1,5 +1,6 @@
 """Tables that users bring: what is written is read again, and what is no measurement is refused with one clear line."""
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -58,6 +59,18 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     np.testing.assert_allclose(again.phase_rad, measured.phase_rad, atol=1e-5)
     np.testing.assert_allclose(again.coherence, measured.coherence, atol=1e-6)
     assert (again.averages, again.delay_s, again.band_hz) == (37.9, 0.0123, (5.0, 40.0))
+
+
+@pytest.mark.parametrize("segment", [90_000, 180_000, 11_520])
+def test_all_rows_of_the_usable_band_are_in_it_when_they_are_read_again(tmp_path: Path, segment: int) -> None:
+    """The band's ends are rows; the bins of a segment at 44.1 kHz are no round numbers."""
+    frequencies_hz = np.arange(2, segment // 11, segment // 2000) * (44_100.0 / segment)
+    for first in range(3):
+        for last in range(len(frequencies_hz) - 12, len(frequencies_hz)):
+            band_hz = float(frequencies_hz[first]), float(frequencies_hz[last])
+            measured = MeasuredResponse(frequencies_hz, np.ones_like(frequencies_hz), band_hz=band_hz)
+            again = read_measured(table(tmp_path, measured_csv(measured, "a test")))
+            assert len(again.within(0.0, math.inf).gain) == last - first + 1
 
 
 def test_a_source_of_several_lines_leaves_the_table_readable(tmp_path: Path) -> None:

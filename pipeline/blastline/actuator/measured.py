@@ -27,6 +27,9 @@ _LEVEL_SPAN_DB = 6.0
 ratios."""
 
 
+_HZ_FORM = ".8g"
+
+
 @dataclass(frozen=True, eq=False)
 class MeasuredResponse:
     """An actuator's response at ascending frequencies, shape (rows,) each.
@@ -169,10 +172,12 @@ def measured_csv(measured: MeasuredResponse, source: str) -> str:
     """Return the text of a CSV file that `read_measured` reads."""
     low_hz, high_hz = measured.band_hz
     line = " ".join(source.splitlines())  # a file may be named over several
-    notes = {"source": line, "delay_s": f"{measured.delay_s:.9f}", "band_hz": f"{low_hz:.6g} {high_hz:.6g}"}
+    notes = {"source": line, "delay_s": f"{measured.delay_s:.9f}"}
+    # to as many digits as the rows have: an end that is rounded otherwise than its own row leaves that out
+    notes["band_hz"] = f"{low_hz:{_HZ_FORM}} {high_hz:{_HZ_FORM}}"
     if measured.averages is not None:
         notes["averages"] = f"{measured.averages:.6g}"
-    columns = {FREQUENCY: (measured.frequencies_hz, ".8g"), "gain_db": (measured.gain_db, ".4f")}
+    columns = {FREQUENCY: (measured.frequencies_hz, _HZ_FORM), "gain_db": (measured.gain_db, ".4f")}
     if measured.phase_rad is not None:
         columns["phase_deg"] = (np.degrees(measured.phase_rad), ".3f")
     if measured.coherence is not None:
