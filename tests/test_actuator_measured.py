@@ -64,7 +64,7 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
 @pytest.mark.parametrize("segment", [90_000, 180_000, 11_520])
 def test_all_rows_of_the_usable_band_are_in_it_when_they_are_read_again(tmp_path: Path, segment: int) -> None:
     """The band's ends are rows; the bins of a segment at 44.1 kHz are no round numbers."""
-    frequencies_hz = np.arange(2, segment // 11, segment // 2000) * (44_100.0 / segment)
+    frequencies_hz = np.arange(2.0, segment // 11, segment // 2000) * 44_100.0 / segment
     for first in range(3):
         for last in range(len(frequencies_hz) - 12, len(frequencies_hz)):
             band_hz = float(frequencies_hz[first]), float(frequencies_hz[last])

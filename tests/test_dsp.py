@@ -169,3 +169,21 @@ def test_filters_settle_until_nothing_of_their_slowest_ring_is_left(slowest: flo
     fast = dsp.Analogue(np.zeros(0, np.complex128), np.array([-5_000.0 + 0j]), 5_000.0)
     slow = dsp.Analogue(np.zeros(0, np.complex128), np.array([-slowest + 0j]), slowest)
     assert math.exp(-slowest * dsp.settle_s(fast, slow)) < 1e-6
+
+
+@pytest.mark.parametrize("q", [0.8, 3.0, 30.0, 300.0, 3_000.0])
+def test_the_frequencies_that_tell_a_response_hold_its_peak_however_sharp(q: float) -> None:
+    """A second-order low-pass peaks at Q / sqrt(1 - 1 / 4 Q^2)."""
+    for resonance_hz in np.geomspace(40.0, 5_000.0, 23):
+        pole = 2.0 * math.pi * resonance_hz * complex(-0.5 / q, math.sqrt(1.0 - 0.25 / q**2))
+        response = dsp.Analogue(np.zeros(0, np.complex128), np.array([pole, pole.conjugate()]), abs(pole) ** 2)
+        frequencies_hz = dsp.telling_hz(response, 1.0, 20_000.0, 500)
+        assert np.all(np.diff(frequencies_hz) >= 0.0)
+        assert (frequencies_hz[0], frequencies_hz[-1]) == pytest.approx((1.0, 20_000.0), rel=1e-12)
+        peak = q / math.sqrt(1.0 - 0.25 / q**2)
+        assert np.max(np.abs(response.at(frequencies_hz))) == pytest.approx(peak, rel=0.01)
+
+
+def test_what_resonates_beyond_the_frequencies_asked_for_is_left_out() -> None:
+    response = dsp.Analogue(np.zeros(0, np.complex128), np.array([-1.0 + 9e4j, -1.0 - 9e4j, -1.0 + 3j, -1.0 - 3j]), 1.0)
+    np.testing.assert_allclose(dsp.telling_hz(response, 1.0, 1_000.0, 4), [1.0, 10.0, 100.0, 1_000.0])

@@ -1,6 +1,7 @@
 """The filters of rendering: designed at every rate, settled where they begin, and what is felt through them."""
 
 import math
+from contextlib import nullcontext
 
 import msgspec
 import numpy as np
@@ -159,6 +160,18 @@ def test_an_actuator_in_a_unit_that_none_is_measured_in_is_refused(factor: float
         require_renderable(at_gain(10.0**power), RATE_HZ)
     with pytest.raises(RuleError, match=r"what is felt of a full drive peaks at \S+; expected 1e-06 to 1e\+06"):
         require_renderable(at_gain(factor), RATE_HZ)
+
+
+def test_a_sharp_resonance_that_no_unit_makes_so_strong_is_refused_wherever_it_lies() -> None:
+    """A full drive is felt there more than a hundred times as strongly as a little beside it."""
+    for at_hz in np.geomspace(800.0, 880.0, 12):
+        profile = resonating(float(at_hz))
+        felt = profile.response
+        peak = float(np.abs(dsp.felt_response(profile).at(np.array([at_hz])))[0])
+        for share, refused in ((0.9, False), (1.1, True)):
+            raised = msgspec.structs.replace(felt, gain=felt.gain * share * 1e6 / peak)
+            with pytest.raises(RuleError, match=r"peaks at 1\.1e") if refused else nullcontext():
+                require_renderable(msgspec.structs.replace(profile, response=raised), RATE_HZ)
 
 
 def resonating(at_hz: float) -> ActuatorProfile:

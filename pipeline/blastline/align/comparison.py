@@ -126,7 +126,7 @@ def compare(
     rate_hz = audio.rate_hz
     response, compensator = dsp.felt_response(profile), dsp.compensator(profile)
     felt = dsp.discretise(response, rate_hz)
-    frequencies_hz = np.geomspace(_LOWEST_HZ, rate_hz / 2.0, 2048)
+    frequencies_hz = dsp.telling_hz(response, _LOWEST_HZ, rate_hz / 2.0, 2048)
     return Comparison(
         audio,
         drive,

@@ -1,6 +1,6 @@
 """Filters as zeros, poles and a gain, and how they become digital; fades; what a film stands on."""
 
-from .analogue import Analogue, band, butterworth, compensator, felt_response, half_band, inverse, settle_s
+from .analogue import Analogue, band, butterworth, compensator, felt_response, half_band, inverse, settle_s, telling_hz
 from .digital import discretise, run_filter
 from .fades import cross_fade, fade
 from .offset import opening_frames, opening_level, without_offset
@@ -29,5 +29,6 @@ __all__ = [
     "settle_s",
     "settled_state",
     "settling",
+    "telling_hz",
     "without_offset",
 ]

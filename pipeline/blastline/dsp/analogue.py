@@ -85,6 +85,16 @@ def compensator(profile: ActuatorProfile) -> Analogue:
     return inverse(profile) * band(profile)
 
 
+def telling_hz(response: Analogue, low_hz: float, high_hz: float, points: int) -> NDArray[np.float64]:
+    """Return ascending frequencies that tell how strongly a filter responds from one to another.
+
+    They are so many at even steps of their logarithm, and those at which it resonates: sharp ones lie between these.
+    """
+    resonances_hz = np.abs(response.poles.imag) / (2.0 * math.pi)
+    inside = (resonances_hz > low_hz) & (resonances_hz < high_hz)
+    return np.sort(np.concatenate([np.geomspace(low_hz, high_hz, points), resonances_hz[inside]]))
+
+
 def settle_s(*filters: Analogue) -> float:
     """Return for how long filters have to run, from rest, before what leaves them is as if they had always run."""
     shortest_s, longest_s = _SETTLE_S

@@ -179,9 +179,7 @@ def _until_faded(response: Samples) -> Samples:
 def _longest_stride(profile: ActuatorProfile, rate_hz: int) -> int:
     """Return how many samples apart the corners of a drive may be: half their rate reaches as high as is well felt."""
     felt, low_hz, high_hz = dsp.felt_response(profile), profile.highpass.corner_hz, profile.lowpass.corner_hz
-    resonances_hz = np.abs(felt.poles.imag) / (2.0 * math.pi)  # sharp ones lie between the others
-    corners_hz = [low_hz, high_hz, *resonances_hz[resonances_hz > 0.0]]
-    frequencies_hz = np.sort(np.concatenate([np.geomspace(1.0, rate_hz / 2.0, 1000), corners_hz]))
+    frequencies_hz = np.sort([*dsp.telling_hz(felt, 1.0, rate_hz / 2.0, 1000), low_hz, high_hz])
     gain = np.abs(felt.at(frequencies_hz))
     in_band = (frequencies_hz >= low_hz) & (frequencies_hz <= high_hz)
     highest_hz = frequencies_hz[gain >= _WELL_FELT * np.max(gain[in_band])][-1]

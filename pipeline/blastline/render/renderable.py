@@ -19,8 +19,9 @@ def require_renderable(profile: ActuatorProfile, rate_hz: int) -> None:
 
 
 def _check_gain(profile: ActuatorProfile, rate_hz: int) -> None:
+    felt = dsp.felt_response(profile)
     with np.errstate(over="ignore", invalid="ignore"):
-        peak = float(np.max(np.abs(dsp.felt_response(profile).at(np.geomspace(1.0, rate_hz / 2.0, 200)))))
+        peak = float(np.max(np.abs(felt.at(dsp.telling_hz(felt, 1.0, rate_hz / 2.0, 200)))))
     if not 1.0 / _LARGEST_GAIN <= peak <= _LARGEST_GAIN:
         raise RuleError(
             f"{profile.name}: response.gain = {profile.response.gain:g}: what is felt of a full drive peaks at "
