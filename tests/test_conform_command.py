@@ -34,7 +34,7 @@ from blastline.study.cuts import CASES
 from blastline.timebase import parse_timebase, retimed
 from blastline.timecode import timecode_at
 from commands import blastline, write_wave
-from conform_films import RATE_HZ, Samples, film, seconds
+from conform_films import RATE_HZ, Samples, bang, film, murmur, put, seconds
 from moments import moments
 
 ONSETS_S = (2.0, 7.25, 12.0, 16.0, 18.5, 23.0)
@@ -262,6 +262,24 @@ def test_a_start_that_somebody_has_set_does_not_reach_out_of_its_scene(
     blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
     made = {each.id: each for each in read_timeline(tmp_path / "out" / "timeline.json").events}
     assert made["shot-4"].window.start == pytest.approx(7.0 * RATE_HZ, abs=RATE_HZ // 50)
+
+
+def test_a_shot_in_a_scene_that_was_dubbed_over_is_felt_to_its_end(
+    films: tuple[Path, Path, Path], tmp_path: Path
+) -> None:
+    """The films part where another sound begins, but the shot in it is still there, and its echo with it."""
+    timeline, old, _ = films
+    dubbed = OLD.copy()
+    since = 21 * RATE_HZ
+    dubbed[since:] = 0.2 * murmur(5.0, seed=977)
+    put(dubbed, 0.2 * bang(seed=40_005), ONSETS_S[-1])
+    new = write_wave(tmp_path / "dubbed.wav", dubbed, rate_hz=RATE_HZ)
+    blastline("conform", timeline, "--from", old, "--to", new, "-o", tmp_path / "out")
+    with (tmp_path / "out" / "stretches.csv").open(newline="") as file:
+        [stretch] = csv.DictReader(file)
+    assert float(stretch["old_stop_s"]) == pytest.approx(21.0, abs=0.05)
+    before, after = (read_timeline(path).events[-1] for path in (timeline, tmp_path / "out" / "timeline.json"))
+    assert (after.window, after.blast, after.reflections) == (before.window, before.blast, before.reflections)
 
 
 def test_no_window_reaches_into_the_scene_after_its_own(films: tuple[Path, Path, Path], tmp_path: Path) -> None:

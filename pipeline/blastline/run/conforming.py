@@ -153,7 +153,7 @@ def _conformed(
     onsets_s = [event.onset_sample / old.rate_hz for event in events]
     places = place(onsets_s, courses, old, new, hearing, mixes=[event.heard_in for event in events])
     shots = [
-        (event, retimed(event, each, courses[each.course], old, new))
+        (event, retimed(event, each, courses, old, new))
         for event, each in zip(events, places, strict=True)
         if isinstance(each, Placed)
     ]
