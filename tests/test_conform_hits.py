@@ -197,3 +197,24 @@ def test_around_a_segment_that_was_found_as_a_whole_nothing_shorter_is_looked_fo
     covered = [is_covered(at, [sure, doubtful]) for at in (45.9, 46.0, 50.0, 54.0, 54.1, 70.0)]
     assert covered == [False, True, True, True, False, False]
     assert not is_covered(50.0, [])
+
+
+@pytest.mark.parametrize("missing", range(0, 40, 3))
+def test_a_film_that_ends_a_little_early_still_has_what_comes_before(missing: int) -> None:
+    """Where its last segment leads is too near the end to hold all of it, by any number of frames."""
+    sound = lively(24.0, seed=17)
+    old = printed(sound)
+    for ended in range(missing, missing + 3):
+        hits = found(old, printed(sound[: len(sound) - ended]), [8.0, 20.0])
+        assert hits[0].new_s == pytest.approx(8.0, abs=HALF_FRAME_S)
+
+
+@pytest.mark.parametrize(("left", "is_found"), [(0.4, False), (0.5, True)])
+def test_against_next_to_nothing_a_segment_is_not_believed(left: float, is_found: bool) -> None:
+    """A fifth of its energy has to be there, both where it is followed and where it is searched for."""
+    sound = lively(32.0, seed=18)
+    fainter = sound.copy()
+    fainter[1500:] *= left
+    for centres in ([8.0, 24.0], [24.0]):
+        hits = found(printed(sound), printed(fainter), centres)
+        assert any(hit.old_s == 24.0 for hit in hits) == is_found
