@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from blastline import run
-from blastline.detect import LATENCY_S, Detection, find_shots, verifier_of
+from blastline.detect import LATENCY_S, Detection, find, find_shots, verifier_of
 from blastline.detect.backdrop import LEVELS
 from blastline.detect.company import in_company
 from blastline.detect.find import ChunkResult, with_what_the_film_tells
@@ -347,3 +347,16 @@ def test_what_the_mains_are_sure_of_is_not_moved_by_the_sides() -> None:
     sides = [shot(10_400, 0.99), shot(10_001 + gap, 0.99), shot(50_400, 0.99)], list[Rejection]()
     shots, _ = merge_mixes(mains, sides, rate_hz=RATE_HZ, tier=RULES.tier)
     assert [each.onset for each in shots] == [10_000, 50_000, 10_001 + gap, 50_400]
+
+
+def test_only_what_is_not_left_to_the_mains_is_heard_in_the_sides(
+    film: tuple[Samples, Truth], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    samples, _ = film
+    assert any(shot.heard_in == "sides" for shot in found_in(samples).shots)
+
+    def all_of(sides: Samples, mains: Samples, onsets: NDArray[np.intp], *, rate_hz: int) -> NDArray[np.bool_]:
+        return np.ones(onsets.size, np.bool_)
+
+    monkeypatch.setattr(find, "left_to_mains", all_of)
+    assert all(shot.heard_in == "mains" for shot in found_in(samples).shots)

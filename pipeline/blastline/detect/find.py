@@ -22,6 +22,7 @@ from .company import in_company, unlike_a_shot, worth_segmenting
 from .copies import attack
 from .direction import with_azimuths
 from .fire import ScoredCandidates, even_rows
+from .middle import left_to_mains
 from .rate import LISTENING_HZ, film_sample, in_film, resampled
 from .rounds import before_a_round
 from .scan import loudest_around
@@ -176,7 +177,7 @@ def _search_chunk(
 ) -> ChunkResult:
     """Return what is found in a chunk of one mix, with its places in the samples of a film of that rate.
 
-    What the mix `over` it covers is not looked at.
+    What the mix `over` it covers is not looked at, and what is heard there as well is left to that mix.
     """
     found = worth_looking_at(chunk, grid, tier, verifier, over)
     loudest = loudest_around(chunk.peak, found.onsets // grid.step, grid=grid)
@@ -192,6 +193,9 @@ def _search_chunk(
     rows = even_rows(scored, rate_hz=grid.rate_hz, tier=tier)
     worth = worth_segmenting(scored, rows, rate_hz=grid.rate_hz, tier=tier, core=chunk.core)
     chosen = np.flatnonzero(worth)
+    if over is not None:
+        judged = left_to_mains(chunk.samples, over.samples, found.onsets[chosen], rate_hz=grid.rate_hz)
+        chosen = chosen[~judged]
     shots = _segmented(chunk, found, verdicts, shown, scored.sounds, chosen, grid=grid, tier=tier)
     refused = [
         unlike_a_shot(int(scored.onsets[index]), float(verdicts.probability[index]))

@@ -1,0 +1,63 @@
+"""What the middle does not drown: where the mains hear a sound as the sides do, their verdict on it counts alone.
+
+mains  ~~~~~~~~~|\\/\\/\\~~~~     the dialogue in the middle goes on through the shot: it rises less, or is another wave
+sides  _________|\\/\\_____     a shot beside it: only they can tell
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..units import gain_from_db, samples_from_ms
+from .gather import gather
+
+_BEGINNING_MS, _BEFORE_MS, _GUARD_MS = 10.0, 200.0, 1.0
+_DROWNED_DB = 3.0
+"""Where a sound rises by so much more in the sides, over what was before it, the middle takes something of it away;
+where it rises by so much less, they have only what is left there of something in the middle."""
+
+_ALIKE = 0.8
+"""Where it does not, but the waves of both mixes are less alike than that, something in the middle began with it."""
+
+_TOGETHER_MS = 400.0
+_SHARE = 0.75
+"""What goes on in turns is one sound, which stands or falls as a whole: it is the mains' where so much of it is."""
+
+
+def left_to_mains(
+    sides: NDArray[np.float32], mains: NDArray[np.float32], onsets: NDArray[np.intp], *, rate_hz: int
+) -> NDArray[np.bool_]:
+    """Return which of n sounds of the sides, at ascending indices into both mixes, the mains can judge, shape (n,)."""
+    heard = _heard_as_well(sides, mains, onsets, rate_hz)
+    parted = np.flatnonzero(np.diff(onsets) > samples_from_ms(_TOGETHER_MS, rate_hz)) + 1
+    for together in np.split(np.arange(onsets.size), parted):
+        heard[together] = together.size > 0 and heard[together].mean() >= _SHARE
+    return heard
+
+
+def _heard_as_well(
+    sides: NDArray[np.float32], mains: NDArray[np.float32], onsets: NDArray[np.intp], rate_hz: int
+) -> NDArray[np.bool_]:
+    beside, middle = (_Beginnings(mix, onsets, rate_hz) for mix in (sides, mains))
+    risen, before = beside.peak * middle.before, middle.peak * beside.before
+    # what was silent before rises without end, and as much where it was in both
+    more = np.divide(risen, before, out=np.where(risen > 0.0, np.inf, 1.0), where=before > 0.0)
+    product = np.abs(np.sum(beside.wave * middle.wave, axis=1))
+    most = np.sqrt(np.sum(beside.wave**2, axis=1) * np.sum(middle.wave**2, axis=1))
+    alike = (product >= _ALIKE * most) & (most > 0.0)  # where the mains are still they hear nothing
+    return np.asarray((more < gain_from_db(-_DROWNED_DB)) | (alike & (more < gain_from_db(_DROWNED_DB))), np.bool_)
+
+
+class _Beginnings:
+    """The first 10 ms of n sounds of a mix, shape (n, frames), their peaks, and the rms before them, shape (n,).
+
+    All is held against the constant that the mix stands on there.
+    """
+
+    def __init__(self, mix: NDArray[np.float32], onsets: NDArray[np.intp], rate_hz: int) -> None:
+        """Measure the sounds that begin at indices into the mix."""
+        frames, reach, guard = (samples_from_ms(ms, rate_hz) for ms in (_BEGINNING_MS, _BEFORE_MS, _GUARD_MS))
+        before = gather(mix, onsets - reach, reach - guard).astype(np.float64)
+        constant = before.mean(axis=1, keepdims=True)
+        self.wave = gather(mix, onsets, frames).astype(np.float64) - constant
+        self.peak = np.max(np.abs(self.wave), axis=1, initial=0.0)
+        self.before = np.sqrt(np.mean(np.square(before - constant), axis=1))
