@@ -34,8 +34,8 @@ def middle_over(sides: Samples, spans: list[tuple[int, int]], level: float = 0.1
     return mains
 
 
-def left(sides: Samples, mains: Samples, onsets: NDArray[np.intp]) -> list[bool]:
-    found: list[bool] = left_to_mains(sides, mains, onsets, rate_hz=RATE_HZ).tolist()
+def left(sides: Samples, mains: Samples, onsets: NDArray[np.intp], fewest: int = 1) -> list[bool]:
+    found: list[bool] = left_to_mains(sides, mains, onsets, rate_hz=RATE_HZ, fewest=fewest).tolist()
     return found
 
 
@@ -83,6 +83,12 @@ def test_what_goes_on_in_turns_stands_or_falls_as_a_whole(drowned: int, expected
     for at in onsets[:drowned].tolist():
         mains[at + 1 : at + 2_000 : 2] *= -1.0  # as loud, but another wave
     assert left(sides, mains, onsets) == [expected] * 8
+
+
+@pytest.mark.parametrize(("count", "expected"), [(1, False), (3, False), (4, True), (9, True)])
+def test_only_rows_are_left_to_the_mains(count: int, expected: bool) -> None:
+    sides, onsets = rounds(count)
+    assert left(sides, sides, onsets, fewest=4) == [expected] * count
 
 
 def test_what_stands_apart_is_judged_by_itself() -> None:

@@ -355,7 +355,9 @@ def test_only_what_is_not_left_to_the_mains_is_heard_in_the_sides(
     samples, _ = film
     assert any(shot.heard_in == "sides" for shot in found_in(samples).shots)
 
-    def all_of(sides: Samples, mains: Samples, onsets: NDArray[np.intp], *, rate_hz: int) -> NDArray[np.bool_]:
+    def all_of(
+        sides: Samples, mains: Samples, onsets: NDArray[np.intp], *, rate_hz: int, fewest: int
+    ) -> NDArray[np.bool_]:
         return np.ones(onsets.size, np.bool_)
 
     monkeypatch.setattr(find, "left_to_mains", all_of)

@@ -177,7 +177,7 @@ def _search_chunk(
 ) -> ChunkResult:
     """Return what is found in a chunk of one mix, with its places in the samples of a film of that rate.
 
-    What the mix `over` it covers is not looked at, and what is heard there as well is left to that mix.
+    What the mix `over` it covers is not looked at, and rows that are heard there as well are left to it.
     """
     found = worth_looking_at(chunk, grid, tier, verifier, over)
     loudest = loudest_around(chunk.peak, found.onsets // grid.step, grid=grid)
@@ -194,8 +194,8 @@ def _search_chunk(
     worth = worth_segmenting(scored, rows, rate_hz=grid.rate_hz, tier=tier, core=chunk.core)
     chosen = np.flatnonzero(worth)
     if over is not None:
-        judged = left_to_mains(chunk.samples, over.samples, found.onsets[chosen], rate_hz=grid.rate_hz)
-        chosen = chosen[~judged]
+        both, fewest = (chunk.samples, over.samples), tier.bursts.fewest_even
+        chosen = chosen[~left_to_mains(*both, found.onsets[chosen], rate_hz=grid.rate_hz, fewest=fewest)]
     shots = _segmented(chunk, found, verdicts, shown, scored.sounds, chosen, grid=grid, tier=tier)
     refused = [
         unlike_a_shot(int(scored.onsets[index]), float(verdicts.probability[index]))

@@ -1,4 +1,4 @@
-"""What the middle does not drown: where the mains hear a sound as the sides do, their verdict on it counts alone.
+"""What the middle does not drown: of a row of sounds that the mains hear as the sides do, their verdict counts alone.
 
 mains  ~~~~~~~~~|\\/\\/\\~~~~     the dialogue in the middle goes on through the shot: it rises less, or is another wave
 sides  _________|\\/\\_____     a shot beside it: only they can tell
@@ -11,7 +11,7 @@ from ..units import gain_from_db, samples_from_ms
 from .gather import gather
 
 _BEGINNING_MS, _BEFORE_MS, _GUARD_MS = 10.0, 200.0, 1.0
-_DROWNED_DB = 3.0
+_DROWNED_DB = 2.0
 """Where a sound rises by so much more in the sides, over what was before it, the middle takes something of it away;
 where it rises by so much less, they have only what is left there of something in the middle."""
 
@@ -20,17 +20,22 @@ _ALIKE = 0.8
 
 _TOGETHER_MS = 400.0
 _SHARE = 0.75
-"""What goes on in turns is one sound, which stands or falls as a whole: it is the mains' where so much of it is."""
+"""What goes on in turns is one gun or one machine, which stands or falls as a whole: it is the mains' where so much of
+it is."""
 
 
 def left_to_mains(
-    sides: NDArray[np.float32], mains: NDArray[np.float32], onsets: NDArray[np.intp], *, rate_hz: int
+    sides: NDArray[np.float32], mains: NDArray[np.float32], onsets: NDArray[np.intp], *, rate_hz: int, fewest: int
 ) -> NDArray[np.bool_]:
-    """Return which of n sounds of the sides, at ascending indices into both mixes, the mains can judge, shape (n,)."""
+    """Return which of n sounds of the sides, at ascending indices into both mixes, the mains can judge, shape (n,).
+
+    Those are in rows of `fewest` and more. What stands alone, or nearly so, has a second chance in the sides: each mix
+    may be wrong about it by itself, but a row is many looks at one sound.
+    """
     heard = _heard_as_well(sides, mains, onsets, rate_hz)
     parted = np.flatnonzero(np.diff(onsets) > samples_from_ms(_TOGETHER_MS, rate_hz)) + 1
-    for together in np.split(np.arange(onsets.size), parted):
-        heard[together] = together.size > 0 and heard[together].mean() >= _SHARE
+    for row in np.split(np.arange(onsets.size), parted):
+        heard[row] = row.size >= fewest and heard[row].mean() >= _SHARE
     return heard
 
 
