@@ -17,7 +17,8 @@ class BurstRules(Table, frozen=True):
     sounds or more, each gap within `unevenness` of the one before, peaks within `echo_drop_db` of the first; from
     `fewest_as_one` on it is believed as a whole or not at all. From `fewest_sustained` on, a row may be sustained fire
     (`sustained_threshold`), and then peaks lie within `sustained_within_db` of the first. Of an even run of more than
-    `most_unsure`, half have to be sure by themselves or sustained fire.
+    `most_unsure`, half have to be sure by themselves or sustained fire. Of `fewest_even` sounds in a row and more,
+    those that the mains hear as well are not judged in the sides.
     """
 
     shortest_gap_ms: Annotated[float, Meta(ge=2.0, le=1000.0)]
