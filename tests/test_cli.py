@@ -241,6 +241,29 @@ def test_python_says_nothing_of_an_interruption_that_it_swallows() -> None:
     assert (done.returncode, done.stderr) == (130, "blastline: interrupted; nothing was written\n")
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="processes are ended otherwise there")
+@pytest.mark.parametrize("error", ["KeyboardInterrupt", "ValueError('what a library makes of it')"])
+def test_a_second_request_to_end_that_comes_when_the_first_is_told_changes_nothing(error: str) -> None:
+    """Until requests are ignored, each may come: here one right before that."""
+    code = (
+        "import signal, sys\n"
+        "from blastline.cli import main, rulefiles\n"
+        "set_handler = signal.signal\n"
+        "def set_late(number, handler):\n"
+        "    if handler is signal.SIG_IGN: signal.raise_signal(number)\n"
+        "    return set_handler(number, handler)\n"
+        "signal.signal = set_late\n"
+        "def interrupted(*_):\n"
+        "    try: signal.raise_signal(signal.SIGTERM)\n"
+        f"    except KeyboardInterrupt: raise {error}\n"
+        "rulefiles.load_rules = interrupted\n"
+        "sys.argv[1:] = ['rules', 'show']\n"
+        "sys.exit(main())"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, "blastline: interrupted; nothing was written\n")
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes break otherwise there")
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 def test_a_reader_that_goes_away_ends_the_command_quietly(unbuffered: str) -> None:

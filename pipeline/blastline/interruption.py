@@ -9,17 +9,19 @@ tidies up after the first is not left half-done for the second.
 import signal
 import sys
 from collections.abc import Iterator
-from threading import Event
 from types import FrameType
 
-_ASKED = Event()
-_WRITTEN = Event()
+
+class _Run:
+    """What is remembered of a run, without a lock: one that a second request waits for is held by the first."""
+
+    is_asked_to_end = False
+    has_written = False
 
 
 def let_signals_interrupt() -> None:
     """Make every request to end clean up as Ctrl-C does, but for those that whoever started us has us ignore."""
-    _ASKED.clear()
-    _WRITTEN.clear()
+    _Run.is_asked_to_end = _Run.has_written = False
     for number in _numbers():
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _interrupt)
@@ -38,22 +40,22 @@ def ignore_interruption() -> None:
 
 def is_interrupted() -> bool:
     """Return whether an end was asked for, so that what goes wrong since then may come from that."""
-    return _ASKED.is_set()
+    return _Run.is_asked_to_end
 
 
 def remember_written() -> None:
     """Remember that the results of the run are in place, for who is asked to end from then on."""
-    _WRITTEN.set()
+    _Run.has_written = True
 
 
 def has_written() -> bool:
     """Return whether the results of the run are in place."""
-    return _WRITTEN.is_set()
+    return _Run.has_written
 
 
 def heed_interruption() -> None:
     """Raise KeyboardInterrupt where an end was asked for, though the one raised then may have been swallowed."""
-    if _ASKED.is_set():
+    if _Run.is_asked_to_end:
         raise KeyboardInterrupt
 
 
@@ -66,12 +68,12 @@ def _numbers() -> Iterator[signal.Signals]:
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    is_ending = _ASKED.is_set() and sys.exception() is not None  # the first is on its way out
-    _ASKED.set()
+    is_ending = _Run.is_asked_to_end and sys.exception() is not None  # the first is on its way out
+    _Run.is_asked_to_end = True
     if not is_ending:
         raise KeyboardInterrupt
 
 
 def _without_interruptions(swallowed: "sys.UnraisableHookArgs") -> None:
-    if not (_ASKED.is_set() and issubclass(swallowed.exc_type, KeyboardInterrupt)):
+    if not (_Run.is_asked_to_end and issubclass(swallowed.exc_type, KeyboardInterrupt)):
         sys.__unraisablehook__(swallowed)

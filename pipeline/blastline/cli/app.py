@@ -75,16 +75,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _spell_out_what_has_no_letter()
         words = (sys.argv[1:] if arguments is None else arguments) or ["--help"]
         code = app(words, prog_name="blastline", standalone_mode=False) or 0
-    except (BrokenPipeError, SystemExit):  # typer turns the first into the second
-        _drop_unwritten_output()
-        code = CLOSED_PIPE
-    except KeyboardInterrupt:
-        code = INTERRUPTED
-    except Exception as error:
-        code = INTERRUPTED if is_interrupted() else _told(error)
+        if arguments is None:
+            ignore_interruption()
+    except BaseException as error:
+        if arguments is None and is_interrupted():  # while this one is on its way out, no other is raised
+            ignore_interruption()
+        code = _code_of(error)
     if arguments is None:
         ignore_interruption()
     return told_interrupted() if code == INTERRUPTED else code
+
+
+def _code_of(error: BaseException) -> int:
+    """Return the exit code of a run that ended by an error, which is told unless an end was asked for."""
+    if isinstance(error, BrokenPipeError | SystemExit):  # typer turns the first into the second
+        _drop_unwritten_output()
+        return CLOSED_PIPE
+    if is_interrupted() or not isinstance(error, Exception):
+        return INTERRUPTED
+    return _told(error)
 
 
 def _told(error: Exception) -> int:
