@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 import typer
 
-from blastline import __version__
+from blastline import __version__, interruption
 from blastline.cli import app
 from blastline.errors import OutputError, SoundtrackError
 from blastline.export import FORMATS
@@ -204,6 +204,7 @@ def test_an_interruption_that_was_swallowed_ends_the_run_at_its_next_step(
         signal.signal(signal.SIGTERM, before)
     assert (ended.code, ended.out, "second" in ended.err) == (130, "", False)
     assert ended.err.endswith("blastline: interrupted; nothing was written\n")
+    interruption.heed_interruption()  # nobody asked the program that called the command to end
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="processes are ended otherwise there")
@@ -222,17 +223,11 @@ def test_an_interruption_after_all_is_done_changes_no_exit_code() -> None:
     assert (done.returncode, done.stdout) == (0, f"blastline {__version__}\n")
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="processes are ended otherwise there")
-def test_python_says_nothing_of_an_interruption_that_it_swallows() -> None:
-    """It would tell of an exception that it ignores, though the run ends by it."""
+def require_told_interrupted(interrupting: str) -> None:
+    """Show the rules, whose reading is replaced by `interrupted` of some code, and hold the end against that of one."""
     code = (
-        "import signal, sys\n"
-        "class Dying:\n"
-        "    def __del__(self): signal.raise_signal(signal.SIGTERM)\n"
+        f"import signal, sys\n{interrupting}\n"
         "from blastline.cli import main, rulefiles\n"
-        "def interrupted(*_):\n"
-        "    Dying()\n"
-        "    raise ValueError('what a library makes of it')\n"
         "rulefiles.load_rules = interrupted\n"
         "sys.argv[1:] = ['rules', 'show']\n"
         "sys.exit(main())"
@@ -242,12 +237,22 @@ def test_python_says_nothing_of_an_interruption_that_it_swallows() -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="processes are ended otherwise there")
+def test_python_says_nothing_of_an_interruption_that_it_swallows() -> None:
+    """It would tell of an exception that it ignores, though the run ends by it."""
+    require_told_interrupted(
+        "class Dying:\n"
+        "    def __del__(self): signal.raise_signal(signal.SIGTERM)\n"
+        "def interrupted(*_):\n"
+        "    Dying()\n"
+        "    raise ValueError('what a library makes of it')"
+    )
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="processes are ended otherwise there")
 @pytest.mark.parametrize("error", ["KeyboardInterrupt", "ValueError('what a library makes of it')"])
 def test_a_second_request_to_end_that_comes_when_the_first_is_told_changes_nothing(error: str) -> None:
     """Until requests are ignored, each may come: here one right before that."""
-    code = (
-        "import signal, sys\n"
-        "from blastline.cli import main, rulefiles\n"
+    require_told_interrupted(
         "set_handler = signal.signal\n"
         "def set_late(number, handler):\n"
         "    if handler is signal.SIG_IGN: signal.raise_signal(number)\n"
@@ -255,13 +260,8 @@ def test_a_second_request_to_end_that_comes_when_the_first_is_told_changes_nothi
         "signal.signal = set_late\n"
         "def interrupted(*_):\n"
         "    try: signal.raise_signal(signal.SIGTERM)\n"
-        f"    except KeyboardInterrupt: raise {error}\n"
-        "rulefiles.load_rules = interrupted\n"
-        "sys.argv[1:] = ['rules', 'show']\n"
-        "sys.exit(main())"
+        f"    except KeyboardInterrupt: raise {error}"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (130, "blastline: interrupted; nothing was written\n")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes break otherwise there")

@@ -1,5 +1,6 @@
 """What the middle does not drown is left to the mains: laws of two mixes of one sound."""
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,10 +8,12 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from blastline.detect.middle import left_to_mains
+from blastline.ruleset import load_rules
 
 Samples = NDArray[np.float32]
 
 RATE_HZ = 48_000
+BURSTS = load_rules("standard").tier.bursts
 _APART_MS = 90.0
 
 
@@ -35,7 +38,8 @@ def middle_over(sides: Samples, spans: list[tuple[int, int]], level: float = 0.1
 
 
 def left(sides: Samples, mains: Samples, onsets: NDArray[np.intp], fewest: int = 1) -> list[bool]:
-    found: list[bool] = left_to_mains(sides, mains, onsets, rate_hz=RATE_HZ, fewest=fewest).tolist()
+    rules = msgspec.structs.replace(BURSTS, fewest_even=fewest)
+    found: list[bool] = left_to_mains(sides, mains, onsets, rate_hz=RATE_HZ, rules=rules).tolist()
     return found
 
 

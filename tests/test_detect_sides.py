@@ -17,7 +17,7 @@ from blastline.detect.fire import ScoredCandidates
 from blastline.detect.sides import merge_mixes
 from blastline.detect.verify import LogOdds
 from blastline.model import Rejection, Shot, ShotEvidence, Span
-from blastline.ruleset import QualityRules, load_rules
+from blastline.ruleset import BurstRules, QualityRules, load_rules
 from blastline.soundtrack import open_soundtrack
 from blastline.soundtrack.mix import mix_matrix
 from blastline.soundtrack.reader import Soundtrack
@@ -356,7 +356,7 @@ def test_only_what_is_not_left_to_the_mains_is_heard_in_the_sides(
     assert any(shot.heard_in == "sides" for shot in found_in(samples).shots)
 
     def all_of(
-        sides: Samples, mains: Samples, onsets: NDArray[np.intp], *, rate_hz: int, fewest: int
+        sides: Samples, mains: Samples, onsets: NDArray[np.intp], *, rate_hz: int, rules: BurstRules
     ) -> NDArray[np.bool_]:
         return np.ones(onsets.size, np.bool_)
 

@@ -43,6 +43,11 @@ def is_interrupted() -> bool:
     return _Run.is_asked_to_end
 
 
+def forget_request() -> None:
+    """Forget that an end was asked for: the command has ended, but the program that called it goes on."""
+    _Run.is_asked_to_end = False
+
+
 def remember_written() -> None:
     """Remember that the results of the run are in place, for who is asked to end from then on."""
     _Run.has_written = True

@@ -28,6 +28,8 @@ ratios."""
 
 
 _HZ_FORM = ".8g"
+"""How frequencies are written, the ends of the band as the rows: an end that is rounded otherwise than its own row
+leaves that out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,9 +174,8 @@ def measured_csv(measured: MeasuredResponse, source: str) -> str:
     """Return the text of a CSV file that `read_measured` reads."""
     low_hz, high_hz = measured.band_hz
     line = " ".join(source.splitlines())  # a file may be named over several
-    notes = {"source": line, "delay_s": f"{measured.delay_s:.9f}"}
-    # to as many digits as the rows have: an end that is rounded otherwise than its own row leaves that out
-    notes["band_hz"] = f"{low_hz:{_HZ_FORM}} {high_hz:{_HZ_FORM}}"
+    band = f"{low_hz:{_HZ_FORM}} {high_hz:{_HZ_FORM}}"
+    notes = {"source": line, "delay_s": f"{measured.delay_s:.9f}", "band_hz": band}
     if measured.averages is not None:
         notes["averages"] = f"{measured.averages:.6g}"
     columns = {FREQUENCY: (measured.frequencies_hz, _HZ_FORM), "gain_db": (measured.gain_db, ".4f")}

@@ -43,10 +43,10 @@ def changed_shots(timeline: Timeline, markers: Mapping[str, int] | None) -> tupl
         if lost or added:
             return lost, added
     rendered = rendered_shots(timeline)
-    excess = len(driven) - len(rendered) if timeline.checks else 0
-    return sorted(rendered - driven.keys()) if excess < 0 else (), sorted(
-        driven.keys() - rendered
-    ) if excess > 0 else ()
+    if not timeline.checks or len(driven) == len(rendered):
+        return (), ()
+    lost, added = sorted(rendered - driven.keys()), sorted(driven.keys() - rendered)
+    return (lost, ()) if len(driven) < len(rendered) else ((), added)
 
 
 def rendered_shots(timeline: Timeline) -> frozenset[str]:

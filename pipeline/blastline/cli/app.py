@@ -17,7 +17,13 @@ import typer
 
 from .. import __version__
 from ..errors import BlastlineError
-from ..interruption import hush_swallowed, ignore_interruption, is_interrupted, let_signals_interrupt
+from ..interruption import (
+    forget_request,
+    hush_swallowed,
+    ignore_interruption,
+    is_interrupted,
+    let_signals_interrupt,
+)
 from . import actuators, conform, film, results, rulefiles, study, synthesis
 from .complaints import complaint
 from .interruption import INTERRUPTED, told_interrupted
@@ -76,13 +82,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         words = (sys.argv[1:] if arguments is None else arguments) or ["--help"]
         code = app(words, prog_name="blastline", standalone_mode=False) or 0
         if arguments is None:
-            ignore_interruption()
+            ignore_interruption()  # here as well: a request right before it is still told
     except BaseException as error:
         if arguments is None and is_interrupted():  # while this one is on its way out, no other is raised
             ignore_interruption()
         code = _code_of(error)
     if arguments is None:
         ignore_interruption()
+    else:
+        forget_request()
     return told_interrupted() if code == INTERRUPTED else code
 
 

@@ -194,8 +194,8 @@ def _search_chunk(
     worth = worth_segmenting(scored, rows, rate_hz=grid.rate_hz, tier=tier, core=chunk.core)
     chosen = np.flatnonzero(worth)
     if over is not None:
-        both, fewest = (chunk.samples, over.samples), tier.bursts.fewest_even
-        chosen = chosen[~left_to_mains(*both, found.onsets[chosen], rate_hz=grid.rate_hz, fewest=fewest)]
+        sides, mains, onsets = chunk.samples, over.samples, found.onsets[chosen]
+        chosen = chosen[~left_to_mains(sides, mains, onsets, rate_hz=grid.rate_hz, rules=tier.bursts)]
     shots = _segmented(chunk, found, verdicts, shown, scored.sounds, chosen, grid=grid, tier=tier)
     refused = [
         unlike_a_shot(int(scored.onsets[index]), float(verdicts.probability[index]))

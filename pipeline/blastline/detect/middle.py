@@ -7,10 +7,13 @@ sides  _________|\\/\\_____     a shot beside it: only they can tell
 import numpy as np
 from numpy.typing import NDArray
 
+from ..ruleset import BurstRules
 from ..units import gain_from_db, samples_from_ms
 from .gather import gather
+from .rows import runs_of
+from .segment import BACKGROUND_MS
 
-_BEGINNING_MS, _BEFORE_MS, _GUARD_MS = 10.0, 200.0, 1.0
+_BEGINNING_MS, _GUARD_MS = 10.0, 1.0
 _DROWNED_DB = 2.0
 """Where a sound rises by so much more in the sides, over what was before it, the middle takes something of it away;
 where it rises by so much less, they have only what is left there of something in the middle."""
@@ -25,31 +28,30 @@ it is."""
 
 
 def left_to_mains(
-    sides: NDArray[np.float32], mains: NDArray[np.float32], onsets: NDArray[np.intp], *, rate_hz: int, fewest: int
+    sides: NDArray[np.float32], mains: NDArray[np.float32], onsets: NDArray[np.intp], *, rate_hz: int, rules: BurstRules
 ) -> NDArray[np.bool_]:
     """Return which of n sounds of the sides, at ascending indices into both mixes, the mains can judge, shape (n,).
 
-    Those are in rows of `fewest` and more. What stands alone, or nearly so, has a second chance in the sides: each mix
-    may be wrong about it by itself, but a row is many looks at one sound.
+    Those are in rows of `fewest_even` and more. What stands alone, or nearly so, has a second chance in the sides: each
+    mix may be wrong about it by itself, but a row is many looks at one sound.
     """
     heard = _heard_as_well(sides, mains, onsets, rate_hz)
-    parted = np.flatnonzero(np.diff(onsets) > samples_from_ms(_TOGETHER_MS, rate_hz)) + 1
-    for row in np.split(np.arange(onsets.size), parted):
-        heard[row] = row.size >= fewest and heard[row].mean() >= _SHARE
+    for row in runs_of(onsets, samples_from_ms(_TOGETHER_MS, rate_hz)):
+        heard[row] = row.size >= rules.fewest_even and heard[row].mean() >= _SHARE
     return heard
 
 
 def _heard_as_well(
     sides: NDArray[np.float32], mains: NDArray[np.float32], onsets: NDArray[np.intp], rate_hz: int
 ) -> NDArray[np.bool_]:
-    beside, middle = (_Beginnings(mix, onsets, rate_hz) for mix in (sides, mains))
-    risen, before = beside.peak * middle.before, middle.peak * beside.before
+    in_sides, in_mains = (_Beginnings(mix, onsets, rate_hz) for mix in (sides, mains))
+    sides_rise, mains_rise = in_sides.peak * in_mains.before, in_mains.peak * in_sides.before  # times both befores
     # what was silent before rises without end, and as much where it was in both
-    more = np.divide(risen, before, out=np.where(risen > 0.0, np.inf, 1.0), where=before > 0.0)
-    product = np.abs(np.sum(beside.wave * middle.wave, axis=1))
-    most = np.sqrt(np.sum(beside.wave**2, axis=1) * np.sum(middle.wave**2, axis=1))
+    ratio = np.divide(sides_rise, mains_rise, out=np.where(sides_rise > 0.0, np.inf, 1.0), where=mains_rise > 0.0)
+    product = np.abs(np.sum(in_sides.wave * in_mains.wave, axis=1))
+    most = np.sqrt(np.sum(in_sides.wave**2, axis=1) * np.sum(in_mains.wave**2, axis=1))
     alike = (product >= _ALIKE * most) & (most > 0.0)  # where the mains are still they hear nothing
-    return np.asarray((more < gain_from_db(-_DROWNED_DB)) | (alike & (more < gain_from_db(_DROWNED_DB))), np.bool_)
+    return np.asarray((ratio < gain_from_db(-_DROWNED_DB)) | (alike & (ratio < gain_from_db(_DROWNED_DB))), np.bool_)
 
 
 class _Beginnings:
@@ -60,7 +62,7 @@ class _Beginnings:
 
     def __init__(self, mix: NDArray[np.float32], onsets: NDArray[np.intp], rate_hz: int) -> None:
         """Measure the sounds that begin at indices into the mix."""
-        frames, reach, guard = (samples_from_ms(ms, rate_hz) for ms in (_BEGINNING_MS, _BEFORE_MS, _GUARD_MS))
+        frames, reach, guard = (samples_from_ms(ms, rate_hz) for ms in (_BEGINNING_MS, BACKGROUND_MS, _GUARD_MS))
         before = gather(mix, onsets - reach, reach - guard).astype(np.float64)
         constant = before.mean(axis=1, keepdims=True)
         self.wave = gather(mix, onsets, frames).astype(np.float64) - constant
