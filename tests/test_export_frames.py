@@ -468,6 +468,17 @@ def test_a_shot_before_midnight_is_written_or_refused_in_one_line(tmp_path: Path
         assert written(early, tmp_path, name).stat().st_size > 0
 
 
+@pytest.mark.parametrize("name", ["fcp7", "fcpxml", "otio"])
+@pytest.mark.parametrize("onsets", [[], [48_000]])
+def test_sound_alone_that_begins_before_midnight_is_told_without_a_shot_there(
+    tmp_path: Path, name: str, onsets: list[int]
+) -> None:
+    alone = film(Counting("24", "00:00:00:00"), onsets=onsets, has_picture=False)
+    early = msgspec.structs.replace(alone, source=msgspec.structs.replace(alone.source, start_offset_s=-0.04))
+    with pytest.raises(RuleError, match=r"film\.mkv: its sound begins 1 frame before 00:00:00:00; this format begins"):
+        export_timeline(early, tmp_path, formats=[name])
+
+
 @pytest.mark.parametrize("name", sorted(FRAME_FORMATS))
 @pytest.mark.parametrize(("late_s", "is_too_early"), [(-1.021, False), (-2.0, True), (-9.0, True)])
 def test_sound_that_begins_before_midnight_is_refused_before_the_work(

@@ -8,6 +8,7 @@ import msgspec
 
 from ..errors import RuleError
 from ..model import Event, Source, Timeline
+from ..plurals import counted
 from ..timebase import rate_text
 from ..timecode import FrameScale, FrameTime, clock, frame_scale, frame_time, frames_per_day
 from .order import with_ends
@@ -61,9 +62,9 @@ def frame_markers(timeline: Timeline, *, format_name: str) -> FrameMarkers:
     Raises RuleError where the film has no frame rate, or the format cannot hold an event so early.
     """
     require_frame_rate([format_name], timeline.source)
-    counted = counted_in(format_name, timeline.source)
-    assert counted is not None
-    source, scale = counted
+    as_held = counted_in(format_name, timeline.source)
+    assert as_held is not None
+    source, scale = as_held
     markers = []
     for event, stop in with_ends(timeline):
         place = marker_time(source, event.onset_sample, scale)
@@ -71,8 +72,9 @@ def frame_markers(timeline: Timeline, *, format_name: str) -> FrameMarkers:
         markers.append(Marker(event, place.frame, place.offset_s, max(1, frames)))
     start = min([scale.first_frame, *(marker.frame for marker in markers)])
     if format_name in CLIP_FORMATS and start < 0:
-        early = min(markers, key=lambda marker: marker.frame).event
-        where = f"{early.id} is {-start} frames before 00:00:00:00"
+        early = next((marker.event for marker in markers if marker.frame == start), None)  # sound alone may have none
+        who = "its sound begins" if early is None else f"{early.id} is"
+        where = f"{who} {counted(-start, 'frame')} before 00:00:00:00"
         raise RuleError(f"--format {format_name}: {source.name}: {where}; {_BEGINS_THERE}")
     stop = max([start + 1, _end(source, scale), *(marker.frame + marker.frames for marker in markers)])
     return FrameMarkers(scale, start, stop, tuple(markers))
@@ -114,9 +116,9 @@ def counted_in(format_name: str, source: Source) -> tuple[Source, FrameScale] | 
 def require_late_enough(formats: Iterable[str], source: Source) -> None:
     """Raise RuleError where a film begins long before 00:00:00:00, and one of the formats there."""
     for name in formats:
-        counted = counted_in(name, source) if name in CLIP_FORMATS else None
-        if counted is not None:
-            film, scale = counted
+        as_held = counted_in(name, source) if name in CLIP_FORMATS else None
+        if as_held is not None:
+            film, scale = as_held
             early_s = -frame_time(film, 0, scale).frame / scale.rate
             if early_s >= _LEAD_IN_S:
                 where = f"its sound begins {float(early_s):.3f} s before 00:00:00:00"
