@@ -2,8 +2,11 @@
 
 import csv
 import json
-from collections.abc import Mapping, Sequence
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 from random import Random
 
@@ -228,6 +231,53 @@ EVENT = msgspec.structs.replace(SHOT, id="shot-0001")
 MATE = msgspec.structs.replace(
     SHOT, id="shot-0002", onset_sample=57_601, onset_s=57_601 / 48_000, blast=Span(57_601, 57_700)
 )
+
+
+@pytest.mark.parametrize(
+    ("count_hz", "what"),
+    [
+        (Fraction(24_000, 1001), "frames"),
+        (Fraction(25), "frames"),
+        (Fraction(60), "frames"),
+        (Fraction(44_100), "samples at 44100 Hz"),
+        (Fraction(96_000), "samples at 96000 Hz"),
+    ],
+)
+@pytest.mark.parametrize("round_off", [math.floor, round])
+def test_numbers_of_another_ruler_are_no_samples(
+    tmp_path: Path, count_hz: Fraction, what: str, round_off: Callable[[Fraction], int]
+) -> None:
+    """Two of five shots were moved or renamed; two are in one frame."""
+    onsets = [48_001, 57_601, 58_001, 480_000, 9_600_007]
+    events = [
+        msgspec.structs.replace(EVENT, id=f"shot-{n:04}", onset_sample=at, blast=Span(at, at + 9), window=_around(at))
+        for n, at in enumerate(onsets, start=1)
+    ]
+    numbers = [round_off(at * count_hz / 48_000) for at in onsets]
+    numbers[3] += round_off(7 * count_hz)
+    file = tmp_path / "markers.csv"
+    rows = [f"M{n},shot-{n:04} 0.97,{number},,\n" for n, number in enumerate(numbers, start=1)]
+    file.write_text("".join(["#,Name,Start,End,Length\n", *rows[:4], "M5,mine,7,,\n"]))
+    said = f"line 2: Start = '{numbers[0]}': counts {what}, as the original's times tell; expected seconds, or samples"
+    with pytest.raises(TimelineError, match=re.escape(said)):
+        match(read_edits(file), {event.id: event for event in events}, rate_hz=48_000)
+
+
+def test_samples_of_few_shots_that_were_moved_are_samples(tmp_path: Path) -> None:
+    """Half of the rows tell nothing, and none does that fits as it is."""
+    file = tmp_path / "markers.csv"
+    file.write_text("#,Name,Start,End,Length\nM1,shot-0001,25,,\nM2,shot-0002,57602,,\nM3,shot-0003,1,,\n")
+    first = msgspec.structs.replace(EVENT, id="shot-0003", onset_sample=0, blast=Span(0, 9), window=_around(0))
+    wanted = match(read_edits(file), {event.id: event for event in (EVENT, MATE, first)}, rate_hz=48_000)
+    assert [(wish.id, wish.onset) for wish in wanted.wishes] == [
+        ("shot-0003", 1),
+        ("shot-0001", 25),
+        ("shot-0002", 57_602),
+    ]
+
+
+def _around(onset: int) -> Window:
+    return Window(max(0, onset - 200), onset + 300, 0, 0)
 
 
 def table(tmp_path: Path, text: str, *events: Event) -> Wanted:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from ...errors import TimelineError
 from ...model import Event, Origin, Window
+from .counts import refuse_other_counts
 from .meaning import WITH_CONFIDENCE, confidence, ends, gain_db, settled
 from .nexts import without_ends_at_the_next
 from .noted import notes_on
@@ -72,11 +73,12 @@ def match(edited: EditedFile, originals: Mapping[str, Event] | None, *, rate_hz:
     """Return what an edited file wants of a film at `rate_hz`; `originals` by id, None where they are not known.
 
     Raises TimelineError where two rows have one id or one onset, where two cells of a row contradict each other and
-    nothing tells which was edited, or where a window does not hold its onset.
+    nothing tells which was edited, where whole numbers count no samples, or where a window does not hold its onset.
     """
     known = edited.own if originals is None else originals
     pairs = list(_paired(edited, known, rate_hz))
     if edited.shows_ends:
+        refuse_other_counts(edited, pairs, rate_hz=rate_hz)
         pairs = without_ends_at_the_next(pairs, known.values(), rate_hz=rate_hz)
     if originals is None:
         pairs = with_shared_windows(pairs, rate_hz=rate_hz)
