@@ -225,6 +225,19 @@ def test_a_shot_whose_sound_was_replaced_is_listed_with_the_place_where_it_would
     assert lost.likeness < 0.3
 
 
+@pytest.mark.parametrize(("black_s", "is_there"), [(0.1, False), (0.03, False), (0.01, True)])
+@pytest.mark.parametrize("gain", [1.0, 0.01])
+def test_a_shot_whose_bang_is_black_is_gone_though_its_end_is_there(
+    black_s: float, is_there: bool, gain: float
+) -> None:
+    """One that lost some milliseconds of its attack is there; a softer copy is black nowhere."""
+    new = OLD.copy()
+    new[round(28.6 * RATE_HZ) : round((29.0 + black_s) * RATE_HZ)] = 0.0
+    found = conformed(OLD, gain * new)
+    expected = [None if onset_s == 29.0 and not is_there else onset_s for onset_s in ONSETS_S]
+    assert found == near(list(expected))
+
+
 def test_films_with_nothing_in_common_have_no_segment() -> None:
     assert courses(heard(OLD), heard(film(50.0, (10.0, 20.0), seed=27))) == []
 

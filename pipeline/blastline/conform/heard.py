@@ -3,11 +3,18 @@
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from ..model import HeardIn
 from ..ruleset import ConformRules
 from .courses import Course
 from .film import Film
-from .waveform import Found, look
+from .waveform import WORK_HZ, Found, Samples, look, piece
+
+_MUTED = 1e-4
+"""An attack whose share of a shot's energy is less than this part of what it was, 40 dB down, is not there: no limiter
+takes so much of it, and what is put over a shot only adds.
+"""
 
 
 @dataclass(frozen=True)
@@ -29,15 +36,9 @@ def hear_event(
     """Return where the event, as a mix of the old film has it, is heard on a course, by as much as both films have."""
     if course.keeps_pitch:
         return _attack_heard(onset_s, course, old, new, rules, mix)
-    segment, scale = course.segment, course.segment.line.scale
-    shortest_s = rules.shortest_ms / 1000.0
-    length_s = min(rules.after_ms / 1000.0, max(shortest_s, room_s * scale))
-    if onset_s < segment.start_s:  # what follows the cut would be alike without the shot, too
-        length_s = min(length_s, max(rules.attack_ms / 1000.0, (segment.start_s - onset_s) * scale))
-    elif onset_s < segment.stop_s:
-        length_s = min(length_s, max(shortest_s, (segment.stop_s - onset_s) * scale))
+    segment, length_s = course.segment, _length_s(onset_s, room_s, course, rules)
     least = rules.least if segment.outside_s(onset_s) <= rules.reach_s else rules.least_parted
-    if length_s < shortest_s:
+    if length_s < rules.shortest_ms / 1000.0:
         ways = [(length_s, rules.close_ms / 1000.0, rules.least_short)]
     else:
         ways = [(length_s, rules.close_ms / 1000.0, least), (length_s, rules.far_ms / 1000.0, rules.least_far)]
@@ -56,7 +57,30 @@ def hear_event(
         heard = HeardEvent(found, enough)
         if heard.is_alike:
             break
+    if heard.is_alike:  # perhaps by its end alone, behind black
+        attack = round(rules.attack_ms / 1000.0 * WORK_HZ)
+        before, _ = piece(old, onset_s, length_s / course.pitch_scale, scale=course.pitch_scale, mix=mix)
+        after, _ = piece(new, segment.line.at(onset_s) + found.late_s, length_s)
+        if _is_muted(after[:attack], after, before[:attack], before):
+            return HeardEvent(found, math.inf)
     return heard
+
+
+def _length_s(onset_s: float, room_s: float, course: Course, rules: ConformRules) -> float:
+    """Return how much is compared from the onset on, in the new film's time: as far as the next event, or a cut."""
+    segment, scale, shortest_s = course.segment, course.segment.line.scale, rules.shortest_ms / 1000.0
+    length_s = min(rules.after_ms / 1000.0, max(shortest_s, room_s * scale))
+    if onset_s < segment.start_s:  # what follows the cut would be alike without the shot, too
+        return min(length_s, max(rules.attack_ms / 1000.0, (segment.start_s - onset_s) * scale))
+    if onset_s < segment.stop_s:
+        return min(length_s, max(shortest_s, (segment.stop_s - onset_s) * scale))
+    return length_s
+
+
+def _is_muted(attack: Samples, whole: Samples, old_attack: Samples, old_whole: Samples) -> bool:
+    """Return whether an attack has next to nothing of the energy that it had in the old film, against the whole."""
+    now, before = (np.sum(part**2) * np.sum(other**2) for part, other in ((attack, old_whole), (old_attack, whole)))
+    return bool(now < _MUTED * before)
 
 
 def _attack_heard(
