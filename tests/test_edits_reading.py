@@ -256,8 +256,8 @@ def test_nothing_is_an_empty_label_track_or_a_table_without_rows(tmp_path: Path)
         ("id,onset_s\na,1,5\n", "line 2: 3 cells; expected 2, as many as the header has columns"),
         ('id,onset_s\n"a,1\n', "line 2: not a row of a table"),
         ("id,onset_s\na,1\nb,2\na,3\n", "line 4: id = 'a': line 2 has it too; expected each once"),
-        ("id,onset_s\na,1\nb,1\n", "line 3: onset_s = 1, sample 48000: line 2 has it too; expected each once"),
-        ("onset_s\n2.5\n2.500001\n", "line 3: onset_s = 2.500001, sample 120000: line 2 has it too; expected each"),
+        ("id,onset_s\na,1\nb,1\n", "line 3: onset_s = '1', sample 48000: line 2 has it too; expected each once"),
+        ("onset_s\n2.5\n2.500001\n", "line 3: onset_s = '2.500001', sample 120000: line 2 has it too; expected each"),
         ("onset_sample\n48000\n48000\n", "line 3: onset_sample = 48000: line 2 has it too; expected each once"),
         ("onset_s,confidence\n1,1.5\n", "line 2: confidence = 1.5: expected 0 to 1"),
         ("onset_s,confidence\n1,high\n", "line 2: confidence = 'high': expected a number"),
@@ -282,6 +282,15 @@ def test_nothing_is_an_empty_label_track_or_a_table_without_rows(tmp_path: Path)
             "line 2: Start = '5.1.00': expected a time to the millisecond or the sample",
         ),
         ("#,Name,Start,End\nM1,shot-1 a,1.0,\nM2,shot-1 b,2.0,\n", "line 3: id = 'shot-1': line 2 has it too"),
+        (
+            "#,Name,Start,End\nM1,a,0:05.000,\nM2,b,0:05.000,\n",
+            "line 3: Start = '0:05.000', sample 240000: line 2 has it",
+        ),
+        (
+            "#,Name,Start,End\nR1,a,1:05.0,1:05.0\n",
+            "line 2: End = '1:05.0': expected more than Start = '1:05.0', the onset",
+        ),
+        ("#,Name,Start,End\nR1,a,500,500\n", "line 2: End = '500': expected more than Start = '500', the onset"),
         (
             b"onset_s\n1\0\n",
             f"not text; expected {READ}",

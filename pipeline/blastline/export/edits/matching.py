@@ -151,7 +151,7 @@ def _said_onset(pair: Pair, wish: Wish) -> tuple[str, object, str]:
     """Return where a row is, the sample that it is on, and its time as the row has it."""
     onset, said = pair.edit.onset, f"onset_sample = {wish.onset}"
     if onset.sample is None and onset.seconds is not None:
-        said = f"onset_s = {float(onset.seconds):.9g}, sample {wish.onset}"
+        said = f"{onset.said[-1]}, sample {wish.onset}"
     return wish.place, wish.onset, said
 
 

@@ -56,7 +56,9 @@ def ends(
         if (end > onset) if name == "window_start" else (end <= onset):
             wanted = "at most" if name == "window_start" else "more than"
             said, limit = f"{name}_sample = {end}", str(onset)
-            if point is not None and point.sample != end and point.seconds is not None:  # the cell that was taken
+            if edited.shows_ends and point is not None:  # no column there has such a name
+                said, limit = point.said[-1], edit.onset.said[-1]
+            elif point is not None and point.sample != end and point.seconds is not None:  # the cell that was taken
                 said, limit = f"{name}_s = {float(point.seconds):.9g}", f"{onset / rate_hz:.9g}"
             raise TimelineError(f"{edited.path}: {edit.place}: {said}: expected {wanted} {limit}, the onset")
         found.append(None if end == before and not moved else end)
