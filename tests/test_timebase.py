@@ -50,6 +50,13 @@ def test_rates_are_read_as_people_write_them(text: str, rate: str, drop_frame: b
     assert (read.frame_rate, read.drop_frame) == (Fraction(rate), drop_frame)
 
 
+def test_a_refused_rate_is_told_every_rate_that_there_is() -> None:
+    with pytest.raises(RuleError) as refused:
+        parse_timebase(None, "26")
+    for rate in STANDARD_RATES:
+        assert re.search(rf"(?<![\d.]){re.escape(rate_text(rate))}(?![\d.])", str(refused.value))
+
+
 @pytest.mark.parametrize("rate", STANDARD_RATES)
 def test_a_rate_is_read_by_the_name_it_is_called(rate: Fraction) -> None:
     assert parse_timebase(None, rate_text(rate)).frame_rate == rate

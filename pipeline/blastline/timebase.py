@@ -61,7 +61,8 @@ def parse_timebase(start_timecode: str | None, frame_rate: str | None) -> Timeba
     match = _RATE.fullmatch(frame_rate)
     rate = standard_rate(Fraction(match[1])) if match else None
     if match is None or rate is None:
-        expected = "23.976, 24, 25, 29.97, 30, 48, 50, 59.94, 60, 100, 119.88 or 120, or 29.97df, 29.97ndf and the like"
+        rates = "23.976, 24, 25, 29.97, 30, 47.952, 48, 50, 59.94, 60, 100, 119.88 or 120"
+        expected = f"{rates}, or 29.97df, 29.97ndf and the like"
         raise RuleError(f"--frame-rate {frame_rate!r}: no rate of film timecode; expected {expected}")
     drop_frame = None if match[2] is None else match[2].lower() == "df"
     if drop_frame and rate not in DROP_FRAME_RATES:

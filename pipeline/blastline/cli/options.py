@@ -168,8 +168,8 @@ FrameRate = Annotated[
     str | None,
     typer.Option(
         metavar="RATE",
-        help="Frames a second: 23.976, 24, 25, 29.97, 30, 48, 50, 59.94, 60, 100, 119.88 or 120. 29.97df and the like "
-        "drop frame numbers, 29.97ndf do not, 29.97 counts as the start timecode does.",
+        help="Frames a second: 23.976, 24, 25, 29.97, 30, 47.952, 48, 50, 59.94, 60, 100, 119.88 or 120. 29.97df and "
+        "the like drop frame numbers, 29.97ndf do not, 29.97 counts as the start timecode does.",
         show_default="as the film says",
         rich_help_panel=TIMECODE,
     ),
