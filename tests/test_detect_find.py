@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from blastline.detect import Detection, find_shots, load_verifier, verifier_of
 from blastline.detect.candidates import CandidateFeatures, describe_candidates, let_all_pass, well_apart
 from blastline.detect.chunks import CORE_PIECES, Chunk, chunks
+from blastline.detect.closer import worth_looking_at
 from blastline.detect.features import feature_names
 from blastline.detect.find import _nearest, search_chunks
 from blastline.detect.fire import ScoredCandidates
@@ -395,6 +396,40 @@ def test_a_gun_may_fire_for_as_long_as_its_belt_lasts(rounds: int) -> None:
     assert (np.abs(late).min(axis=1) < RATE_HZ // 1000).all(), "nothing else is"
     assert np.count_nonzero(np.abs(late).min(axis=0) < RATE_HZ // 1000) >= 0.9 * rounds
     assert np.diff(found).max() < 0.8 * RATE_HZ
+
+
+@pytest.mark.parametrize("before", [1, 12, 20, 39])
+def test_a_gun_may_fire_on_across_the_end_of_a_chunk(before: int) -> None:
+    """Of so many rounds before it and the rest behind it, each chunk sees one row of 40."""
+    rng, rounds = np.random.default_rng(before), 40
+    border = CORE_PIECES * Grid(RATE_HZ).piece
+    samples = 1e-4 * rng.standard_normal(border + 6 * RATE_HZ)
+    starts = [border + round((n - before + 0.5) * 0.1 * RATE_HZ) for n in range(rounds)]
+    for start in starts:
+        shot = 0.2 * 10.0 ** (rng.uniform(-1.0, 1.0) / 20.0) * gun(rng)
+        samples[start : start + shot.size] += shot
+    shots = find(samples.astype(np.float32)).shots
+    assert [shot.evidence.even_row for shot in shots if shot.evidence] == ["sustained fire"] * rounds
+    assert np.abs(np.array([shot.onset for shot in shots]) - starts).max() < RATE_HZ // 1000
+
+
+def test_beyond_a_core_only_what_is_in_a_row_with_what_is_in_it_is_looked_at() -> None:
+    rng = np.random.default_rng(3)
+    grid, sieve = Grid(RATE_HZ), AllAlike(VERIFIER.screen.forest, 0.01)
+    border = CORE_PIECES * grid.piece
+    starts = np.array([border + round(at_s * RATE_HZ) for at_s in (-4.0, -0.15, -0.05, 0.05, 0.15, 1.0, 1.73, 2.2)])
+    samples = np.zeros(border + 8 * RATE_HZ)
+    for start in starts:
+        samples[start : start + 4800] += 0.5 * np.exp(-np.arange(4800) / 480.0) * rng.standard_normal(4800)
+    film = pieces([Clip(samples.astype(np.float32)[:, None], RATE_HZ)], RATE_HZ)
+    verifier = Verifier(sieve, sieve, VERIFIER.networks)
+    own, beyond = [], []
+    for chunk in chunks(film):
+        found = worth_looking_at(chunk, grid, RULES.tier, verifier, None)
+        own.append(np.argmin(np.abs(found.onsets[:, None] + chunk.start - starts), axis=1).tolist())
+        beyond.append(np.argmin(np.abs(found.beyond[:, None] + chunk.start - starts), axis=1).tolist())
+    assert own == [[0, 1, 2], [3, 4, 5, 6, 7]]
+    assert beyond == [[3, 4], [1, 2]]
 
 
 @pytest.mark.parametrize("onset", [1_000, 1_004, 1_011, 1_030])

@@ -30,10 +30,14 @@ _SAME_ONSET_MS = 3.0  # candidates of one rise, which the refined onset has brou
 
 @dataclass(frozen=True, eq=False)
 class CandidateFeatures:
-    """Candidates of a chunk: onsets as indices into it, ascending, shape (n,), and their features, (n, features)."""
+    """Candidates of a chunk: onsets as indices into it, ascending, shape (n,), and their features, (n, features).
+
+    `beyond` are the onsets of those outside its core, which are another chunk's: rows go on there.
+    """
 
     onsets: NDArray[np.intp]
     rows: NDArray[np.float64]
+    beyond: NDArray[np.intp]
 
 
 Passes = Callable[[NDArray[np.float64], NDArray[np.intp]], NDArray[np.bool_]]
@@ -54,19 +58,17 @@ def candidate_places(chunk: Chunk, grid: Grid, tier: QualityRules) -> NDArray[np
 
 
 def describe_candidates(
-    chunk: Chunk, grid: Grid, tier: QualityRules, *, gate: Passes, screen: Passes
+    chunk: Chunk, grid: Grid, tier: QualityRules, *, gate: Passes, screen: Passes, reach: int = 0
 ) -> CandidateFeatures:
     """Return the core's candidates that pass the gate, by their rough shapes, and the screen, by all features.
 
-    The onset of those that are left is found to the sample.
+    The onset of those that are left is found to the sample. Both are also asked about those up to `reach` samples
+    outside the core.
     """
     places = candidate_places(chunk, grid, tier)
     bands = chunk.bands if chunk.bands.size else bands_near(chunk.samples, places, grid)
     levels = band_levels(bands, places, grid)
-    # a place outside the core may have its onset inside, so the core is narrowed to only when onsets are known
-    margin = samples_from_ms(farthest_ms(tier.onset), grid.rate_hz)
-    in_film = places + chunk.start
-    chosen = np.flatnonzero((in_film >= chunk.core.start - margin) & (in_film < chunk.core.stop + margin))
+    chosen = np.flatnonzero(near_core(chunk, places, max(reach, onset_margin(grid, tier))))
     bandshapes = bandshape(levels[chosen])
     passed = gate(bandshapes, places[chosen])
     chosen, bandshapes = chosen[passed], bandshapes[passed]
@@ -75,9 +77,19 @@ def describe_candidates(
     chosen, rows = chosen[passed], rows[passed]
     onsets = _onsets(chunk.samples, places, chosen, rate_hz=grid.rate_hz, rules=tier.onset)
     kept = well_apart(onsets, samples_from_ms(_SAME_ONSET_MS, grid.rate_hz))
-    in_film = onsets[kept] + chunk.start
-    kept = kept[(in_film >= chunk.core.start) & (in_film < min(chunk.core.stop, chunk.stop))]
-    return CandidateFeatures(onsets[kept], rows[kept])
+    inside = near_core(chunk, onsets[kept], 0) & (onsets[kept] + chunk.start < chunk.stop)
+    return CandidateFeatures(onsets[kept[inside]], rows[kept[inside]], beyond=onsets[kept[~inside]])
+
+
+def near_core(chunk: Chunk, places: NDArray[np.intp], reach: int) -> NDArray[np.bool_]:
+    """Return which of n places of a chunk lie in its core or at most so many samples outside, shape (n,)."""
+    in_film = places + chunk.start
+    return np.asarray((in_film >= chunk.core.start - reach) & (in_film < chunk.core.stop + reach))
+
+
+def onset_margin(grid: Grid, tier: QualityRules) -> int:
+    """Return how far outside the core a candidate may be seen whose onset is found to lie inside."""
+    return samples_from_ms(farthest_ms(tier.onset), grid.rate_hz)
 
 
 def _onsets(

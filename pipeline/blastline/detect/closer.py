@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..ruleset import QualityRules
+from .across import RowSounds, in_core_or_row, rows_reach
 from .candidates import CandidateFeatures, describe_candidates
 from .chunks import Chunk, track_peaks_dbfs
 from .features import features_as_in_a_burst
@@ -23,12 +24,18 @@ from .verify import LogOdds, Verifier, log_odds_in
 def worth_looking_at(
     chunk: Chunk, grid: Grid, tier: QualityRules, verifier: Verifier, over: Chunk | None
 ) -> CandidateFeatures:
-    """Return the candidates that gate and screen do not find hopeless, and that no mix `over` theirs covers."""
+    """Return the candidates that gate and screen do not find hopeless, and that no mix `over` theirs covers.
+
+    Those beyond the core are looked at where a row goes on there.
+    """
 
     def gate(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
         asked = tier.verify.gate_from
         passed = verifier.gate.probabilities(rows) >= (verifier.gate.threshold if asked is None else asked)
-        return passed if over is None else passed & are_audible(chunk, over, places, grid)
+        if over is not None:
+            passed &= are_audible(chunk, over, places, grid)
+        passed[passed] = in_core_or_row(chunk, places[passed], grid, tier)
+        return passed
 
     def screen(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
         likely, peaks_dbfs = verifier.screen.probabilities(rows), track_peaks_dbfs(chunk, places, grid)
@@ -40,14 +47,15 @@ def worth_looking_at(
             passed[row] |= bool(np.median(as_burst) >= tier.verify.look_from)
         return passed
 
-    return describe_candidates(chunk, grid, tier, gate=gate, screen=screen)
+    reach = rows_reach(tier.bursts, grid.rate_hz)
+    return describe_candidates(chunk, grid, tier, gate=gate, screen=screen, reach=reach)
 
 
 def with_long_rows(
     odds: LogOdds,
     found: CandidateFeatures,
     shown: Spectrograms,
-    peaks_dbfs: NDArray[np.float64],
+    sounds: RowSounds,
     grid: Grid,
     tier: QualityRules,
     verifier: Verifier,
@@ -57,7 +65,8 @@ def with_long_rows(
     Screen and networks have learnt from made bursts of 3 to 12 rounds, and that what goes on for longer is a machine.
     """
     as_burst = odds.as_burst.copy()
-    for row in in_long_rows(found.onsets, peaks_dbfs, rate_hz=grid.rate_hz, rules=tier.bursts):
-        again = Spectrograms(shown.near[row], shown.wide[row])
-        as_burst[row] = log_odds_in(verifier.verdicts(features_as_in_a_burst(found.rows[row]), again)).by_networks
+    for row in in_long_rows(sounds.onsets, sounds.peaks_dbfs, rate_hz=grid.rate_hz, rules=tier.bursts):
+        own = sounds.of_core(row)
+        again = Spectrograms(shown.near[own], shown.wide[own])
+        as_burst[own] = log_odds_in(verifier.verdicts(features_as_in_a_burst(found.rows[own]), again)).by_networks
     return replace(odds, as_burst=as_burst)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..model import FIRE, Channels, Clip, EvenRow, HeardIn, Rejection, Shot
 from ..ruleset import QualityRules
 from ..units import samples_from_ms
+from .across import RowSounds
 from .backdrop import backdrops, sounds
 from .beat import on_the_beat
 from .bursts import drop_claimed_reflections, group_bursts, suppress_non_maxima, without_echoes
@@ -188,10 +189,12 @@ def _search_chunk(
     shown = seen(slice(None), 1.0)
     verdicts = verifier.verdicts(found.rows, shown, [partial(seen, speed=speed) for speed in tier.verify.speeds])
     peaks_dbfs = np.array([peak_dbfs(chunk.samples, onset, grid.rate_hz) for onset in found.onsets.tolist()])
-    odds = with_long_rows(log_odds_in(verdicts), found, shown, peaks_dbfs, grid, tier, verifier)
+    around = RowSounds.around(chunk, found, peaks_dbfs, grid.rate_hz)
+    odds = with_long_rows(log_odds_in(verdicts), found, shown, around, grid, tier, verifier)
     scored = ScoredCandidates(found.onsets + chunk.start, peaks_dbfs, odds, sounds(shown))
     rows = even_rows(scored, rate_hz=grid.rate_hz, tier=tier)
     worth = worth_segmenting(scored, rows, rate_hz=grid.rate_hz, tier=tier, core=chunk.core)
+    worth |= around.going_on(rate_hz=grid.rate_hz, rules=tier.bursts)
     chosen = np.flatnonzero(worth)
     if over is not None:
         sides, mains, onsets = chunk.samples, over.samples, found.onsets[chosen]
