@@ -16,7 +16,7 @@ from blastline.detect.candidates import CandidateFeatures, describe_candidates, 
 from blastline.detect.chunks import CORE_PIECES, Chunk, chunks
 from blastline.detect.closer import worth_looking_at
 from blastline.detect.features import feature_names
-from blastline.detect.find import _nearest, search_chunks
+from blastline.detect.find import _nearest, search_chunks, select_shots
 from blastline.detect.fire import ScoredCandidates
 from blastline.detect.forest import ForestFile, forest_from, probabilities
 from blastline.detect.spectrogram import Spectrograms, spectrograms
@@ -35,7 +35,7 @@ from blastline.detect.verify import (
     log_odds_of,
 )
 from blastline.errors import RuleError
-from blastline.model import Clip, Shot
+from blastline.model import Clip, EvenRow, Shot, ShotEvidence, Span
 from blastline.ruleset import load_rules, verifier_path
 from blastline.synth import Scene, Truth, render_scene, truth_of
 
@@ -437,3 +437,25 @@ def test_a_shot_is_the_candidate_that_is_nearest_to_its_onset(onset: int) -> Non
     onsets, none = np.array([400, 1_000, 1_010, 1_024]), np.zeros(4)
     scored = ScoredCandidates(onsets, none, LogOdds(none, none, none), np.zeros((4, 1), np.int16))
     assert _nearest(scored, onset, 48) == np.argmin(np.abs(onsets - onset))
+
+
+@pytest.mark.parametrize("row", [None, "no fire"])
+def test_only_near_misses_are_listed(row: EvenRow | None) -> None:
+    rules = RULES.tier.verify
+    known = ShotEvidence(None, 0, None, "background", even_row=row)
+    shots = [
+        Shot(
+            RATE_HZ * n,
+            confidence,
+            -6.0,
+            40.0,
+            Span(RATE_HZ * n, RATE_HZ * n + 480),
+            (),
+            Span(RATE_HZ * n, RATE_HZ * n + 4800),
+            evidence=known,
+        )
+        for n, confidence in enumerate((rules.report_from - 1e-3, rules.report_from, rules.company_threshold - 1e-3))
+    ]
+    found = select_shots(shots, (), rate_hz=RATE_HZ, tier=RULES.tier)
+    assert not found.shots
+    assert [each.at_sample for each in found.rejections] == [shot.onset for shot in shots[1:]]

@@ -132,9 +132,10 @@ def select_shots(
     kept, dropped = suppress_non_maxima(believed, rate_hz=rate_hz, rules=tier.bursts, sure=sure)
     fired, echoes = without_echoes(kept, rate_hz=rate_hz, rules=tier.bursts)
     segmented = drop_claimed_reflections(fired, rate_hz=rate_hz, rules=tier.bursts)
+    missed = (each for each in alone if each.evidence["probability"] >= tier.verify.report_from)
     return Detection(
         shots=group_bursts(segmented, rate_hz=rate_hz, rules=tier.bursts),
-        rejections=tuple(sorted(chain(rejections, alone, dropped, echoes), key=lambda r: r.at_sample)),
+        rejections=tuple(sorted(chain(rejections, missed, dropped, echoes), key=lambda r: r.at_sample)),
     )
 
 
