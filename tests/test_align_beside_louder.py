@@ -3,14 +3,26 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 import soundfile
+from hypothesis import given
+from hypothesis import strategies as st
 
+from align_films import make_film
 from blastline import run
-from blastline.model import Background, DriveChoice, Phase, Timeline
+from blastline.align.hearing import _relative_gain
+from blastline.align.shots import parts_of
+from blastline.model import Background, DriveChoice, Phase, Span, Timeline, Window
+from blastline.render.heard import _gains
+from blastline.render.windows import PlannedWindow
+from blastline.ruleset import load_rules
 from blastline.run import RenderOptions
+from blastline.units import gain_from_db, samples_from_ms
 from checked_films import RATE_HZ, Samples, failures, film, rendered, seat, with_booms
 
 BEFORE_A_LOUDER = [14_400, 17_600, 24_000]
@@ -31,6 +43,41 @@ def test_a_direct_shot_before_one_that_is_asked_to_be_louder_passes(
     path = film(tmp_path / "film.wav", BEFORE_A_LOUDER, peaks, decay_s=0.03)
     options = RenderOptions(report=False, drive="direct", phase=phase)
     assert failures(rendered(path, BEFORE_A_LOUDER, options, gains_db)) == []
+
+
+def test_a_direct_shot_before_two_that_differ_passes(tmp_path: Path) -> None:
+    """The band spreads the shot after the next over it as well, by what that was asked to be, not by the next one's."""
+    onsets = [10_000, 15_000, 15_500]
+    path = film(tmp_path / "film.wav", onsets, [0.07, 1.4, 1.4], decay_s=0.3)
+    made = rendered(path, onsets, RenderOptions(report=False, drive="direct", quality="draft"), [-12.0, 4.0, -20.0])
+    assert failures(made) == []
+    assert len({event.window for event in made.events}) == 1
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 2_000), st.sampled_from([-20.0, -6.0, 0.0, 4.0])), min_size=1, max_size=8),
+    st.integers(-500, 2_000),
+    st.integers(1, 3_000),
+)
+def test_a_shot_is_held_to_the_gains_that_its_window_is_rendered_with(
+    shots: list[tuple[int, float]], start: int, length: int
+) -> None:
+    window = Window(0, 2_500, 0, 100)
+    gains = tuple(sorted(dict(shots).items()))
+    rules = load_rules("standard").tier.render
+    filters: Any = SimpleNamespace(rate_hz=RATE_HZ)
+    made_with = _gains(PlannedWindow(window, tuple(range(len(gains))), gains), filters, rules)
+    made = make_film(onsets_s=tuple(onset / RATE_HZ for onset, _ in gains), peaks=(0.1,) * len(gains), seconds=0.1)
+    events = [
+        msgspec.structs.replace(event, window=window, gain_db=gain_db)
+        for event, (_, gain_db) in zip(made.timeline.events, gains, strict=True)
+    ]
+    shared: Any = SimpleNamespace(lead_ms=rules.lead_ms, samples=lambda ms: samples_from_ms(ms, RATE_HZ))
+    span = Span(start, start + length)
+    held_to = made_with[np.clip(np.arange(span.start, span.stop), 0, len(made_with) - 1)]
+    for event, part in zip(events, parts_of(events, lead=shared.samples(rules.lead_ms)), strict=True):
+        relative = _relative_gain(shared, event, part, span)
+        np.testing.assert_allclose(relative * gain_from_db(event.gain_db), held_to, rtol=1e-9)
 
 
 @pytest.mark.parametrize("phase", ["causal", "zero"])

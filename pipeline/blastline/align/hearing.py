@@ -1,6 +1,9 @@
 """A shot's sound in the band of vibration, and what the drive that belongs to it is to do."""
 
+import math
+from bisect import bisect_right
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +20,10 @@ class Part:
     """What belongs to a shot alone: `span` of its sound, and `driven`, where the drive is its own.
 
     `opens` says that the shot is the first of its window. `since` is from where on the drive before it is known, by the
-    window or by the shot before, which was asked to be `before_db` stronger; the next shot of the window was asked to
-    be `after_db` stronger. `earlier_stop` is where the window before its own ends, 0 where there is none: a seat that
-    rings for long still moves with that.
+    window or by the shot before, which was asked to be `before_db` stronger. `gains` are the onset of each shot of the
+    window with how much stronger than usual it was asked to be, in dB; empty where all of them were by as much.
+    `earlier_stop` is where the window before its own ends, 0 where there is none: a seat that rings for long still
+    moves with that.
     """
 
     span: Span
@@ -27,7 +31,7 @@ class Part:
     since: int
     driven: Span
     before_db: float = 0.0
-    after_db: float = 0.0
+    gains: tuple[tuple[int, float], ...] = ()
     earlier_stop: int = 0
 
 
@@ -93,8 +97,8 @@ def hear(shared: Comparison, event: Event, part: Part, span: Span) -> Heard:
     background = _background(shared, event, dry, wide)
     wet, undelayed, delayed = _wanted(shared, event, part, audio, background, wide)
     is_linear = not is_solved(event) and not is_direct(event)
-    # H rings on with the shot before, however soft this one
-    intended = dsp.run_filter(shared.felt, wet) if is_linear and part.before_db else delayed
+    # H rings on with the shots before, however soft this one
+    intended = dsp.run_filter(shared.felt, wet) if is_linear and part.gains else delayed
     return Heard(
         span,
         slice(part.span.start - span.start, part.span.stop - span.start),
@@ -126,7 +130,7 @@ def _wanted(
 
     All is against the gain of the shot.
     """
-    relative = _relative_gain(shared, part, span)
+    relative = _relative_gain(shared, event, part, span)
     if is_direct(event):
         wet = relative * audio
         drive = _as_driven(shared, event, wet, background, span)
@@ -164,11 +168,20 @@ def _expected(
     return intended + dsp.run_filter(shared.felt, resting_until(part.earlier_stop, opening - own, span))
 
 
-def _relative_gain(shared: Comparison, part: Part, span: Span) -> Samples:
-    """Return the gain against the shot's own over a span: each shot's is reached over the lead before its onset."""
-    lead, onset, stop = shared.samples(shared.lead_ms), part.span.start, part.driven.stop
-    gains = [gain_from_db(part.before_db), 1.0, 1.0, gain_from_db(part.after_db)]
-    return np.interp(np.arange(span.start, span.stop), [onset - lead, onset, stop, stop + lead], gains)
+def _relative_gain(shared: Comparison, event: Event, part: Part, span: Span) -> Samples:
+    """Return the gain against the shot's own over a span: each shot's is reached over the lead before its onset.
+
+    Shots that are further away than the next ones count as well: the band without delay spreads them over this one.
+    """
+    at, lead = np.arange(span.start, span.stop), shared.samples(shared.lead_ms)
+    first = max(0, bisect_right(part.gains, (span.start, math.inf)) - 1)
+    known = part.gains[first : max(first + 1, bisect_right(part.gains, (span.stop + lead, math.inf)))]
+    relative = np.full(len(span), gain_from_db(known[0][1] - event.gain_db) if known else 1.0)
+    for (before, before_db), (onset, gain_db) in pairwise(known):
+        start = min(onset, max(before + 1, onset - lead))
+        ramp = np.interp(at, [start, onset], [gain_from_db(each - event.gain_db) for each in (before_db, gain_db)])
+        relative = np.where(at < start, relative, ramp)
+    return relative
 
 
 def _as_driven(shared: Comparison, event: Event, wet: Samples, background: Samples, span: Span) -> Samples:

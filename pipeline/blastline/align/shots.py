@@ -8,7 +8,7 @@ import numpy as np
 
 from .. import dsp
 from ..correlate import Match, lag_of_product
-from ..model import Event, Span
+from ..model import Event, Span, Window
 from ..units import db_from_gain
 from .above import added_above_band
 from .attack import PreEcho, late_start, pre_echo
@@ -55,7 +55,7 @@ def parts_of(events: Sequence[Event], *, lead: int) -> tuple[Part, ...]:
     onsets     ^         ^
     parts      [-------) [---------)
     """
-    parts, earlier_stop = [], 0
+    parts, earlier_stop, gains = [], 0, _gains_of(events)
     for before, event, after in zip([None, *events[:-1]], events, [*events[1:], None], strict=True):
         stop = whole = max(event.window.stop - event.window.fade_out_samples, event.onset_sample + 1)
         if after is not None and after.onset_sample > event.onset_sample:
@@ -65,11 +65,19 @@ def parts_of(events: Sequence[Event], *, lead: int) -> tuple[Part, ...]:
             earlier_stop = min(before.window.stop, event.window.start)
         since = event.window.start if before is None or opens else before.onset_sample - lead
         before_db = 0.0 if before is None or opens else before.gain_db - event.gain_db
-        after_db = after.gain_db - event.gain_db if after is not None and stop < whole else 0.0
         begins = event.window.start if opens else max(event.window.start, event.onset_sample - lead)
         driven = Span(begins, max(begins + 1, stop if stop < whole else event.window.stop))
-        parts.append(Part(Span(event.onset_sample, stop), opens, since, driven, before_db, after_db, earlier_stop))
+        of_window = gains.get(event.window, ())
+        parts.append(Part(Span(event.onset_sample, stop), opens, since, driven, before_db, of_window, earlier_stop))
     return tuple(parts)
+
+
+def _gains_of(events: Sequence[Event]) -> dict[Window, tuple[tuple[int, float], ...]]:
+    """Return the onsets and gains of the shots of each window in which not all are asked to be as strong, in order."""
+    by_window: dict[Window, list[tuple[int, float]]] = {}
+    for event in events:
+        by_window.setdefault(event.window, []).append((event.onset_sample, event.gain_db))
+    return {window: tuple(sorted(gains)) for window, gains in by_window.items() if len({gain for _, gain in gains}) > 1}
 
 
 def measure(shared: Comparison, event: Event, part: Part, *, time_map: TimeMap, in_place: bool) -> ShotFigures | None:
