@@ -5,11 +5,12 @@ VENV := .venv
 RUN := $(VENV)/bin
 INSTALLED := $(VENV)/installed
 
-.PHONY: help demo test study schema clean
+.PHONY: help demo test oldest study schema clean
 
 help:
 	@echo "make demo     synthesise a film-like scene, find its shots, render their vibration drive"
 	@echo "make test     style, types and tests"
+	@echo "make oldest   the tests with the oldest libraries that pyproject.toml allows, in a folder of their own"
 	@echo "make study    measure speed against accuracy; writes README.md's table and docs/pareto.svg anew"
 	@echo "make schema   write docs/timeline.schema.json anew after a change of the timeline's types"
 	@echo "make clean    remove .venv and build"
@@ -26,6 +27,12 @@ test: $(INSTALLED)
 	$(RUN)/ruff format --check
 	$(RUN)/mypy
 	$(RUN)/pytest -n auto --maxprocesses 4 --dist loadfile
+
+oldest:
+	$(PYTHON) -m venv --clear build/oldest
+	sed -n '/^dependencies/,/^]/s/^ *"\(.*\)>=\(.*\)",$$/\1==\2/p' pyproject.toml > build/oldest.txt
+	build/oldest/bin/python -m pip install -q --no-compile --disable-pip-version-check -e ".[dev]" -c build/oldest.txt
+	build/oldest/bin/pytest -n auto --maxprocesses 4 --dist loadfile
 
 # 1 says that a tier is not where it should be: a finding, and written down
 study: $(INSTALLED)
