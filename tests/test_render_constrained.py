@@ -209,6 +209,36 @@ def test_limit_binds_under_a_target_far_beyond_it() -> None:
     assert np.array_equal(np.sign(drive[drive != 0.0]), np.sign(aligned[drive != 0.0]))
 
 
+def ring_over_boom(frequency_hz: float, peak: float, boom_hz: float) -> tuple[Samples, Samples]:
+    """Return the target and first guess of something that rings high and dies away, over a soft boom."""
+    time_s = np.arange(round(0.15 * RATE_HZ)) / RATE_HZ
+    ring = peak * np.sin(2.0 * np.pi * frequency_hz * time_s) * np.exp(-time_s / 0.02)
+    boom = 0.03 * np.sin(2.0 * np.pi * boom_hz * time_s) * np.exp(-time_s / 0.05)
+    sound = np.concatenate([np.zeros(RATE_HZ // 1000), ring + boom])
+    return in_band(sound, CAUSAL), compensated(sound, CAUSAL)
+
+
+@pytest.mark.parametrize("ring", [(2000.0, 0.8, 80.0), (2500.0, 0.8, 200.0), (1500.0, 0.2, 40.0), (1200.0, 0.4, 80.0)])
+def test_what_straight_lines_cannot_follow_is_solved_all_the_same(ring: tuple[float, float, float]) -> None:
+    target, warm = ring_over_boom(*ring)
+    coarse, finest = (
+        constrained_drive(
+            target,
+            starts=[0],
+            impulse=CAUSAL.impulse,
+            recursion=CAUSAL.recursion,
+            rate_hz=RATE_HZ,
+            warm_start=warm,
+            rules=rules,
+        )[1][0].explained
+        for rules in (
+            altered(solver_rate_hz=4000, polish_iterations=0),
+            altered(solver_rate_hz=RATE_HZ, polish_iterations=300, tolerance=1e-7),
+        )
+    )
+    assert coarse > 0.99 * finest
+
+
 def test_zero_target_needs_no_drive() -> None:
     drive = solved(np.zeros(500), np.zeros(500))
     assert not np.any(drive)

@@ -25,8 +25,9 @@ from .interior import fewest_unknowns, solve_box_qp
 Samples = NDArray[np.float64]
 
 _UNAIDED = 300
-"""Gradient steps where the interior-point method cannot do it all: for a few samples, where rounding has ended it, or
-where H remembers so much that its corners are wider apart than asked: by themselves they would lose 2 to 4 % of energy.
+"""Gradient steps where the interior-point method cannot do it all: for a few samples, where rounding has ended it,
+where its straight lines are felt less like the sound than the compensator's drive cut off at the limit, or where H
+remembers so much that its corners are wider apart than asked: by themselves they would lose 2 to 4 % of energy.
 """
 
 _UNSETTLED, _SETTLING = 0.01, 4
@@ -159,7 +160,8 @@ def _piece(
     asked = min(max(1, rate_hz // rules.solver_rate_hz), recursion.longest_stride)
     stride = well_conditioned_stride(recursion, asked, rate_hz)
     corners = corner_rhs(problem.rhs, stride)
-    steps, polish, best = 0, _UNAIDED, problem.at(start)
+    steps, polish, guess = 0, _UNAIDED, problem.at(start)
+    best = guess
     if energy + best.objective <= _ALREADY * rules.tolerance * energy:
         polish = rules.polish_iterations
     elif len(corners) >= fewest_unknowns(recursion, stride):
@@ -174,9 +176,9 @@ def _piece(
         steps, polish = found.steps, rules.polish_iterations if found.finished and stride == asked else _UNAIDED
         # where the limit is hardly met, the compensator's drive is better than straight lines
         straight = problem.at(between_corners(found.drive, stride, len(start)))
-        best = min(straight, best, key=lambda each: each.objective)
+        best = min(straight, guess, key=lambda each: each.objective)
         if _is_unsettled(problem, best):
-            polish = max(polish, _SETTLING)
+            polish = max(polish, _UNAIDED if best is guess else _SETTLING)
     solution = restarted_fista(problem, best, iterations=polish, tolerance=rules.tolerance)
     return solution.drive, SolveSummary(steps, max(0.0, -solution.objective / energy) if energy > 0.0 else 1.0)
 
