@@ -129,6 +129,28 @@ def test_anchors_that_are_ever_less_late_are_believed_as_those_that_are_ever_lat
     assert later.near.tolist() == sooner.near.tolist() == [True] * 3 + [False] * 6
 
 
+AT_S = np.array([0.51, 8.42, 14.90, 16.74, 24.07, 27.27, 36.45, 38.37])
+SHARPLY_LATE_S = -3.4825e-3 + 1e-6 * np.array([-0.3, -0.1, -0.1, 0.2, 0.0, 0.2, 0.1, 0.3])
+
+
+@pytest.mark.parametrize("hummed", [0, 6])
+@pytest.mark.parametrize("slope", [0.0, -3.24e-5])
+def test_an_anchor_that_a_hum_has_put_aside_bends_no_line_that_the_others_are_sharp_on(
+    hummed: int, slope: float
+) -> None:
+    late_s = slope * AT_S + SHARPLY_LATE_S
+    late_s[hummed] += 0.74e-3
+    likeness = np.array([0.97, 0.98, 0.97, 0.99, 0.97, 0.98, 0.97, 0.96])
+    found = consensus(Anchors(AT_S, late_s, likeness), 0.5e-3)
+    assert found.near.tolist() == [index != hummed for index in range(8)]
+    assert found.slope == pytest.approx(slope, abs=1e-7)
+
+
+def test_of_three_anchors_none_is_dropped_for_two_that_are_on_a_line() -> None:
+    found = consensus(Anchors(np.array([0.0, 10.0, 20.0]), np.array([0.0, 1e-4, -1e-4]), np.ones(3)), 0.5e-3)
+    assert found.near.all()
+
+
 @pytest.mark.parametrize("anchors", [(30, 4), (4, 30)])
 def test_of_two_stretches_on_one_line_the_one_that_more_anchors_tell_of_has_the_say(anchors: tuple[int, int]) -> None:
     one, other = (

@@ -27,6 +27,8 @@ _ROUNDS = 3
 SHARP_S = 20e-6
 """Anchors are exact to some microseconds; those that are not are dropped, round by round."""
 
+_FEWEST_TELLING = 4  # of three, two are always on a line, and the third may be the one that is right
+
 
 @dataclass(frozen=True, eq=False)
 class Anchors:
@@ -98,7 +100,11 @@ def find_anchors(
 
 
 def consensus(anchors: Anchors, agree_s: float) -> Consensus:
-    """Return the line near most anchors, of all lines through two of them and all level ones through one."""
+    """Return the line near most anchors, of all lines through two of them and all level ones through one.
+
+    Where more than half of these are sharp on a line, it is that one: an anchor that a hum has put a period aside would
+    bend it, and shut out another for it.
+    """
     old_s, late_s, weight = anchors.old_s, anchors.late_s, anchors.likeness
     best_weight, best = -1.0, np.zeros(len(old_s), bool)
     for one, other in [*itertools.combinations(range(len(old_s)), 2), *((n, n) for n in range(len(old_s)))]:
@@ -109,12 +115,40 @@ def consensus(anchors: Anchors, agree_s: float) -> Consensus:
         total = float(weight[near].sum())
         if total > best_weight:
             best_weight, best = total, near
+    best = _near_sharp_line(anchors, best)
     for _ in range(_ROUNDS):
         slope, level_s = _fitted(old_s[best], late_s[best], weight[best])
         line = Consensus(slope, level_s, best)
         beside_s = line.beside_s(anchors)
-        best = best & (beside_s <= max(SHARP_S, 3.0 * float(np.median(beside_s[best]))))
+        best = best & (beside_s <= _agreeing_s(float(np.median(beside_s[best]))))
     return replace(line, near=best)
+
+
+def _near_sharp_line(anchors: Anchors, among: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return which anchors lie near the line beside which more than half of some lie nearest, shape (n,).
+
+    It goes through two of these, and a third has to bear it out. Where it is not sharp, they are those it was told of.
+    """
+    old_s, late_s = anchors.old_s[among], anchors.late_s[among]
+    one, other = np.triu_indices(len(old_s), 1)
+    apart = np.abs(late_s[other] - late_s[one]) <= _STEEPEST * np.abs(old_s[other] - old_s[one])
+    apart &= old_s[one] != old_s[other]
+    if len(old_s) < _FEWEST_TELLING or not apart.any():
+        return among
+    one, other = one[apart], other[apart]
+    slopes = (late_s[other] - late_s[one]) / (old_s[other] - old_s[one])
+    levels_s = late_s[one] - slopes * old_s[one]
+    beside_s = np.sort(np.abs(late_s - slopes[:, None] * old_s - levels_s[:, None]), axis=1)[:, len(old_s) // 2]
+    best = int(np.argmin(beside_s))
+    if beside_s[best] > SHARP_S:
+        return among
+    line = Consensus(float(slopes[best]), float(levels_s[best]), among)
+    return line.beside_s(anchors) <= _agreeing_s(float(beside_s[best]))
+
+
+def _agreeing_s(median_s: float) -> float:
+    """Return how near to a line an anchor has to lie to agree with others, half of which are so near to it."""
+    return max(SHARP_S, 3.0 * median_s)
 
 
 def _fitted(x: NDArray[np.float64], y: NDArray[np.float64], weight: NDArray[np.float64]) -> tuple[float, float]:
