@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from blastline.model import Clip, Span, Timeline, encode, schema
+from blastline.model import Check, Clip, Span, Timeline, encode, schema
 from timelines import SHOT, any_timeline, timeline
 
 SCHEMA_FILE = Path(__file__).parents[1] / "docs" / "timeline.schema.json"
@@ -104,6 +104,12 @@ def test_detection_listens_to_the_first_column_and_the_last_one_drives() -> None
 @given(any_timeline())
 def test_a_timeline_survives_its_file(original: Timeline) -> None:
     assert msgspec.json.decode(encode(original), type=Timeline) == original
+
+
+def test_a_timeline_that_was_read_is_written_as_it_was() -> None:
+    """A check may have counted: 48000, where a number belongs."""
+    counted = msgspec.structs.replace(timeline(SHOT), checks=(Check("sample_rate", None, True, 48_000, 48_000, "Hz"),))
+    assert encode(msgspec.json.decode(encode(counted), type=Timeline)) == encode(counted)
 
 
 def test_the_files_keys_are_those_that_were_promised() -> None:
