@@ -290,7 +290,8 @@ def test_what_was_decoded_last_can_be_read_again(size: int) -> None:
 def test_a_time_stamp_is_read_in_its_byte_order_and_none_is_a_week_late(
     tmp_path: Path, form: bytes, order: str, reference: int
 ) -> None:
-    bext = bytes(338) + struct.pack(f"{order}Q", reference) + bytes(256)
+    """EBU Tech 3285: TimeReferenceLow, then TimeReferenceHigh, 32 bits each; libsndfile writes a RIFX so, too."""
+    bext = bytes(338) + struct.pack(f"{order}II", reference & 0xFFFFFFFF, reference >> 32) + bytes(256)
     fmt = struct.pack(f"{order}HHIIHH", 1, 1, 48_000, 96_000, 2, 16)
     data = np.arange(4_800, dtype=f"{order}i2").tobytes()
     body = b"WAVE" + b"".join(

@@ -199,7 +199,11 @@ def _offset(file: BinaryIO, body: int, comm: bytes, data_bytes: int) -> int:
 
 
 def _time_reference(bext: bytes, form: Form) -> int | None:
-    return int(struct.unpack_from(f"{form.byte_order}Q", bext, 338)[0]) if len(bext) >= 346 else None
+    """Return the time stamp of a broadcast extension: two numbers of 32 bits, the lower first in either byte order."""
+    if len(bext) < 346:
+        return None
+    low, high = struct.unpack_from(f"{form.byte_order}II", bext, 338)
+    return int(high << 32 | low)
 
 
 def _frame_bytes(fmt: bytes, form: Form) -> int | None:
