@@ -228,6 +228,9 @@ def test_packed_sound_beyond_the_declared_size_is_told(tmp_path: Path) -> None:
         ("CAF", b"mine" + struct.pack(">q", 5_001) + b"\3" * 5_001),
         ("W64", b"mine" + bytes(12) + struct.pack("<q", 5_001 + 24) + b"\3" * 5_001 + bytes(7)),
         ("W64", bytes(100_000)),
+        ("AIFF", b"own1" + struct.pack(">I", 10) + b"\3" * 10 + bytes(9_000)),
+        ("CAF", b"mine" + struct.pack(">q", 11) + b"\3" * 11 + bytes(9_000)),
+        ("W64", b"mine" + bytes(12) + struct.pack("<q", 8 + 24) + b"\3" * 8 + bytes(9_000)),
     ],
 )
 def test_what_properly_follows_the_sound_of_other_containers_is_no_sound(
@@ -260,6 +263,10 @@ def test_a_size_that_started_again_beyond_4_gib_is_seen(tmp_path: Path) -> None:
         b"ID3\4" + b"\7" * 6_000,
         b"odd1" + struct.pack("<I", 5_001) + b"\3" * 5_001 + b"\0",
         b"even" + struct.pack("<I", 5_000) + b"\3" * 5_000 + b"more" + struct.pack("<I", 10) + b"\3" * 10,
+        b"own1" + struct.pack("<I", 10) + b"\3" * 10 + b"own2" + struct.pack("<I", 501) + b"\3" * 501 + bytes(9_001),
+        b"own1" + struct.pack("<I", 10) + b"\3" * 10 + b"ID3\4" + b"\7" * 6_000,
+        b"own1" + struct.pack("<I", 6_001) + b"\3" * 6_001 + b"\0TAG" + b"\7" * 125,
+        b"own1" + struct.pack("<I", 10) + b"\3" * 10 + b"LIST" + struct.pack("<I", 5_000) + b"INFO" * 1_250 + bytes(99),
         b"LIST" + struct.pack("<I", 50_000) + b"cut off" * 1_000,
         bytes(100_000),
         b"crumbs" * 500,

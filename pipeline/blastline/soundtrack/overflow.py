@@ -2,6 +2,7 @@
 
 RIFF size  fmt  data 1000 [ 1000 bytes ][ 1.7 MB that are no chunk ]    more sound, the size is wrong
 RIFF size  fmt  data n    [  n bytes   ][ LIST ][ id3 ][ zeros     ]    all as it should be
+RIFF size  fmt  data n    [  n bytes   ][ any  ][ any ][ ID3 tag   ]    so is this, whatever the chunks are called
 """
 
 from typing import BinaryIO
@@ -28,21 +29,29 @@ def more_follows(file: BinaryIO, end: int, file_bytes: int, form: Form) -> bool:
         return False
     if any(_is_proper(file, place, file_bytes, form) for place in form.places_after(end)):
         return False
-    behind = behind_zeros(file, end)
-    return behind < file_bytes and find_begun(file, [behind], file_bytes) is None
+    return not _is_padding(file, end, file_bytes)
 
 
 def _is_proper(file: BinaryIO, place: int, file_bytes: int, form: Form) -> bool:
-    """Return whether a chunk of a known kind, a tag, or a row of chunks up to the end or another file begins here."""
-    file.seek(place)
-    start = file.read(BEGINNING_BYTES)
-    if start.startswith(_TAGS) or start[:4].rstrip(b" \0") in _KNOWN or begins_file(start):
-        return True
+    """Return whether a chunk of a known kind, a tag or another file begins here, or chunks up to one, to padding or to
+    the end of the file.
+    """
+    is_behind_chunks = False
     while (chunk := form.chunk_at(file, place, file_bytes)) is not None:
         name, body, size = chunk
+        file.seek(place)
+        start = file.read(BEGINNING_BYTES)
+        if start.startswith(_TAGS) or name.rstrip(b" \0") in _KNOWN or begins_file(start):
+            return True
         if size < 0 or not is_name(name):
-            return False
-        place = form.after(body, size)
+            return is_behind_chunks and _is_padding(file, place, file_bytes)
+        place, is_behind_chunks = form.after(body, size), True
         if find_begun(file, form.places_after(body + size), file_bytes) is not None:
             return True
     return place < file_bytes + form.alignment
+
+
+def _is_padding(file: BinaryIO, place: int, file_bytes: int) -> bool:
+    """Return whether nothing but zeros follows, up to the end of the file or to another file."""
+    behind = behind_zeros(file, place)
+    return behind >= file_bytes or find_begun(file, [behind], file_bytes) is not None
