@@ -125,11 +125,10 @@ def test_a_healthy_film_says_nothing(
     assert read(path)[1].warnings == ()
 
 
-@pytest.mark.parametrize("counted", [True, False])
-def test_an_mp3_of_varying_rate_lacks_no_end(tmp_path: Path, *, counted: bool) -> None:
-    """Where it does not say how long it is, FFmpeg takes the rate of its first frames for that of the whole."""
+def varying_mp3(path: Path, *, counted: bool = True) -> bytes:
+    """Write an MP3 whose first half takes few bytes, and return it; `counted` says whether it tells its length."""
     require_encoder("libmp3lame")
-    path, samples = tmp_path / "film.mp3", np.random.default_rng(0).uniform(-0.3, 0.3, (LONG, 2)).astype(np.float32)
+    samples = np.random.default_rng(0).uniform(-0.3, 0.3, (LONG, 2)).astype(np.float32)
     samples[: LONG // 2] *= 1e-4
     with av.open(str(path), "w", options={"write_xing": str(int(counted))}) as container:
         stream = container.add_stream("libmp3lame", rate=RATE_HZ, layout="stereo")
@@ -141,12 +140,52 @@ def test_an_mp3_of_varying_rate_lacks_no_end(tmp_path: Path, *, counted: bool) -
             frame.sample_rate, frame.pts = RATE_HZ, start
             container.mux(stream.encode(frame))
         container.mux(stream.encode(None))
+    return path.read_bytes()
+
+
+@pytest.mark.parametrize("counted", [True, False])
+def test_an_mp3_of_varying_rate_lacks_no_end(tmp_path: Path, *, counted: bool) -> None:
+    """Where it does not say how long it is, FFmpeg takes the rate of its first frames for that of the whole."""
+    path = tmp_path / "film.mp3"
+    whole = varying_mp3(path, counted=counted)
     tag = b"ID3\3\0\0\0\0\x4e\x10" + bytes(10_000)  # as players write it before a file
-    for whole in (path.read_bytes(), tag + path.read_bytes()):
-        path.write_bytes(whole)
+    for written in (whole, tag + whole):
+        path.write_bytes(written)
         with open_soundtrack(path) as track:
             assert (track.expected_frames == LONG) == counted
         assert read(path)[1].warnings == ()
+
+
+@pytest.mark.parametrize("name", [b"APETAGEX", b"LYRICSBEGIN"])
+def test_an_mp3_lacks_no_end_where_a_tag_with_a_picture_follows(tmp_path: Path, name: bytes) -> None:
+    """Longer by more than a sixteenth than it says: FFmpeg takes the bytes of the tag for sound, and guesses."""
+    path = tmp_path / "film.mp3"
+    whole = varying_mp3(path)
+    for share, is_counted in ((1 / 20, True), (1 / 10, False), (3.0, False)):
+        path.write_bytes(whole + name + b"\1" * round(share * len(whole)))
+        with open_soundtrack(path) as track:
+            assert (track.expected_frames is not None) == is_counted
+        assert not [line for line in read(path)[1].warnings if "declares" in line]
+
+
+def test_mp3s_that_are_joined_end_to_end_are_not_told_to_be_too_short_or_too_long(tmp_path: Path) -> None:
+    path = tmp_path / "film.mp3"
+    whole = varying_mp3(path)
+    path.write_bytes(whole + whole)
+    samples, source = read(path)
+    assert len(samples) == pytest.approx(2 * LONG, abs=4 * 1_152)
+    assert not [line for line in source.warnings if "declares" in line]
+
+
+@pytest.mark.parametrize("counted", [0, 2])
+def test_an_mp3_whose_first_frame_counts_no_frames_lacks_no_end(tmp_path: Path, counted: int) -> None:
+    """It may hold the name and other numbers alone."""
+    path = tmp_path / "film.mp3"
+    data = bytearray(varying_mp3(path))
+    place = max(data.find(b"Xing", 0, 2_000), data.find(b"Info", 0, 2_000))
+    struct.pack_into(">I", data, place + 4, counted)
+    path.write_bytes(data)
+    assert not [line for line in read(path)[1].warnings if "declares" in line]
 
 
 @pytest.mark.parametrize("plays_s", [5.0, 9.5, 10.0])
