@@ -28,8 +28,8 @@ _PEAK_MS = 50.0  # after an onset; a shot has peaked by then
 class Levels(NamedTuple):
     """How far a sound stands over the bed, from one level to another: its highest peak, or its rms, over the bed's rms.
 
-    The rms of a sound is that from its first onset to its end, and the bed's that of the same stretch: the
-    event-to-background ratio of DCASE 2017. A shot's peak is some 20 dB over its rms.
+    The rms of a sound is that from its first onset to its end, nearly the event-to-background ratio of DCASE 2017; the
+    bed's is that under the whole sound, what comes before the onset included. A shot's peak is some 20 dB over its rms.
     """
 
     low_db: float

@@ -111,7 +111,7 @@ def scene_films(folder: Path) -> Iterator[Film]:
 
 
 def random_films(seeds: Iterable[int]) -> Iterator[Film]:
-    """Yield a minute of film for each seed, with 30 shots or bursts and 20 sounds that are none."""
+    """Yield a minute of film for each seed, with 30 shots, some in bursts, and 20 sounds that are none."""
     for seed in seeds:
         audio = render_scene(film_scene(seed, FILM_S, FILM_SHOTS, FILM_NEGATIVES))
         samples = as_16_bit(audio.read(0, audio.frames)[:, 0])

@@ -13,7 +13,10 @@ _TABLE = 4_096
 
 
 def coloured(rng: np.random.Generator, count: int, *, slope: float, rate_hz: int) -> Samples:
-    """Return noise whose power falls with frequency as 1 / f^slope (1 pink, 2 brown), flat below 20 Hz."""
+    """Return noise whose power falls with frequency as 1 / f^slope (1 pink, 2 brown) up to an eighth of the rate.
+
+    It is flat below 20 Hz.
+    """
     from scipy.signal import bilinear_zpk, sosfilt, zpk2sos
 
     fall = slope / 2.0
