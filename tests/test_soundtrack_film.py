@@ -58,6 +58,18 @@ def test_lossless_sound_is_exact(tmp_path: Path, codec: str, extension: str, cha
         assert (source.channels, source.sample_rate_hz, source.warnings) == (channels, RATE_HZ, ())
 
 
+@pytest.mark.parametrize("more", [1, 1_000, 2_048, 3_000, 4_095, 4_096])
+@pytest.mark.parametrize("extension", ["caf", "m4a"])
+def test_the_last_packet_of_alac_is_heard_to_its_end(tmp_path: Path, extension: str, more: int) -> None:
+    """A CAF tells what a whole packet of 4096 would have more: it is not there, and not to be cut off."""
+    written = impulses(10 * 4_096 + more, [4_800, 10 * 4_096 + more - 1], channels=2)
+    kind = "ipod" if extension == "m4a" else None
+    path = write_media(tmp_path / f"film.{extension}", [written], codec="alac", container_format=kind)
+    samples, source = read(path, mix="0")
+    np.testing.assert_array_equal(samples[:, 0], written[:, 0])
+    assert source.warnings == ()
+
+
 @pytest.mark.parametrize(("codec", "extension", "channels"), LOSSY)
 def test_lossy_sound_keeps_its_delay_within_a_millisecond(
     tmp_path: Path, codec: str, extension: str, channels: int

@@ -129,10 +129,16 @@ def _reason(error: "FFmpegError") -> str:
     return "damage" if isinstance(error, BlockingIOError) else str(error.strerror)
 
 
-def check_sums(stream: "AudioStream") -> None:
-    """Have the decoder of a stream refuse frames whose checksum is wrong; only before the first one is decoded."""
+def make_strict(stream: "AudioStream") -> None:
+    """Have the decoder of a stream refuse frames whose checksum is wrong, and cut nothing off ALAC in a CAF.
+
+    Only before the first frame is decoded. The last packet of ALAC is as short as its sound; what it lacks of a whole
+    one, which a CAF tells, FFmpeg takes off again.
+    """
     if stream.codec_context.codec.name in _CHECKSUMMED:
         stream.codec_context.options = {"err_detect": "crccheck+explode"}
+    elif (stream.container.format.name, stream.codec_context.codec.name) == ("caf", "alac"):
+        stream.codec_context.options = {"flags2": "+skip_manual"}
 
 
 def _frames(packet: "Packet[AudioStream]", tally: Tally) -> list["AudioFrame"]:
