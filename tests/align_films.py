@@ -289,6 +289,7 @@ def checks_of(film: Film, phase: Phase = "causal", background: Background = "mut
         profile=PROFILE,
         rules=RULES,
         lead_ms=1.0,
+        preroll_ms=600.0,
         corner_ms=1000.0 / RATE_HZ,
         phase=phase,
         background=background,

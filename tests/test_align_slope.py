@@ -21,6 +21,7 @@ def shared_with(path: Path, resonance_hz: float, q: float) -> Comparison:
         profile=load_actuator(seat(path, resonance_hz, q))[0],
         rules=RULES,
         lead_ms=1.0,
+        preroll_ms=600.0,
         phase="causal",
         background="mute",
         level_db=0.0,

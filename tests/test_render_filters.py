@@ -211,6 +211,15 @@ def test_filters_that_ring_for_long_have_settled_as_well_when_a_window_begins(ze
     assert np.linalg.norm(part - whole) < 1e-4 * np.linalg.norm(whole)
 
 
+@pytest.mark.parametrize("zero_rad_s", [-1.0, -20.0, -300.0])
+@pytest.mark.parametrize("phase", ["causal", "zero"])
+def test_checks_know_the_pre_roll_that_a_drive_was_made_with(zero_rad_s: float, phase: Phase) -> None:
+    response = msgspec.structs.replace(PROFILE.response, zeros_rad_s=((zero_rad_s, 0.0),))
+    profile = msgspec.structs.replace(PROFILE, response=response)
+    roll_ms = dsp.preroll_ms(RENDER.preroll_ms, dsp.slowest_s(dsp.compensator(profile)))
+    assert preroll(drive_filters(profile, 8_000, phase), RENDER) == pytest.approx(8.0 * roll_ms, abs=24.0)
+
+
 def test_needed_audio_is_the_window_with_its_pre_roll_inside_the_film() -> None:
     film, shot = film_with_shot(before_s=0.8)
     planned = only_window(film, shot)

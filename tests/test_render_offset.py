@@ -83,6 +83,20 @@ def test_a_shot_soon_after_a_film_begins_off_zero_passes_its_checks(tmp_path: Pa
     assert [check.name for check in made.checks if not check.passed] == []
 
 
+@pytest.mark.parametrize("onset_s", [0.5, 0.7, 1.7])
+def test_what_a_film_stands_on_at_its_end_is_one_for_the_drive_and_its_checks(tmp_path: Path, onset_s: float) -> None:
+    """Where a band runs backwards, it hears that as a step, up to what was taken for the constant."""
+    onset = round(onset_s * RATE_HZ)
+    film = 0.1 * shot_film(frames=onset + round(0.19 * RATE_HZ), onset=onset) + 0.02
+    film[onset - round(0.3 * RATE_HZ) :] += 0.03
+    film += 1e-4 * np.random.default_rng(5).standard_normal(film.size)
+    soundfile.write(tmp_path / "film.wav", film, RATE_HZ, subtype="FLOAT")
+    (tmp_path / "shots.csv").write_text(f"onset_sample\n{onset}\n{onset + 4_800}\n")
+    options = RenderOptions(report=False, timeline=tmp_path / "shots.csv", phase="zero", drive="filter")
+    made = run.render(tmp_path / "film.wav", tmp_path / "out", options)
+    assert [check.name for check in made.checks if not check.passed] == []
+
+
 @pytest.mark.parametrize("phase", ["causal", "zero"])
 def test_a_faint_film_on_a_large_constant_passes_its_checks(tmp_path: Path, phase: Phase) -> None:
     film = 0.01 * shot_film(frames=3 * RATE_HZ, onset=ONSET) + 0.9

@@ -28,6 +28,7 @@ def check_files(
     profile: ActuatorProfile,
     rules: AlignRules,
     lead_ms: float,
+    preroll_ms: float,
     corner_ms: float,
     phase: Phase,
     background: Background,
@@ -36,7 +37,8 @@ def check_files(
     """Return the checks of a drive as it was written, first of the film, then of each shot in order.
 
     `audio` has been decoded and has the timeline's number of frames; `drive` is decoded here, once. A drive may begin
-    `lead_ms` before its shot's onset, and a solved one is made of straight lines between corners `corner_ms` apart.
+    `lead_ms` before its shot's onset, its filters were started `preroll_ms` before its window, earlier where they are
+    slow, and a solved one is made of straight lines between corners `corner_ms` apart.
     `markers` are the samples of the shots that it was rendered with, by their ids, where these are known.
     Figures are None where there is nothing to measure: a drive in which no shot is found has failed, a film without
     shots has not.
@@ -49,6 +51,7 @@ def check_files(
         profile=profile,
         rules=rules,
         lead_ms=lead_ms,
+        preroll_ms=preroll_ms,
         phase=phase,
         background=background,
         level_db=timeline.level_db,

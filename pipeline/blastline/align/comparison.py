@@ -49,8 +49,9 @@ class Comparison:
     are second-order sections, shape (sections, 6); `band_gains` gives the band's magnitudes for a real transform of so
     many samples. `above_band` keeps what lies above it, None where a film holds nothing there. `compensated` makes of a
     sound the drive that is felt like it where nothing limits it. `step` is 1 / max |H|^2: so long a step down the slope
-    of |H u - t|^2 / 2 never overshoots. `settle` is how many samples the filters run before what is compared, `memory`
-    how many H remembers. `bend_ms` is by how much the limit alone may displace what is felt.
+    of |H u - t|^2 / 2 never overshoots. `settle` is how many samples the filters run before what is compared, `preroll`
+    how many they ran before a window when its drive was made, `memory` how many H remembers. `bend_ms` is by how
+    much the limit alone may displace what is felt.
     """
 
     audio: Sound
@@ -68,6 +69,7 @@ class Comparison:
     compensated: Callable[[Samples], Samples]
     step: float
     settle: int
+    preroll: int
     memory: int
     bend_ms: float
 
@@ -117,6 +119,7 @@ def compare(
     profile: ActuatorProfile,
     rules: AlignRules,
     lead_ms: float,
+    preroll_ms: float,
     phase: Phase,
     background: Background,
     level_db: float,
@@ -143,6 +146,7 @@ def compare(
         compensated=_compensation(profile, rate_hz, phase),
         step=1.0 / float(np.max(np.abs(response.at(frequencies_hz)) ** 2)),
         settle=round(dsp.settle_s(response, compensator) * rate_hz),
+        preroll=samples_from_ms(dsp.preroll_ms(preroll_ms, dsp.slowest_s(compensator)), rate_hz),
         memory=_memory(felt, rate_hz),
         bend_ms=_BEND_MS[phase] * max(1.0, _BEND_AT_HZ / profile.lowpass.corner_hz),
     )

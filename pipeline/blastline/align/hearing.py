@@ -145,13 +145,14 @@ def _wanted(
 def _centred(shared: Comparison, event: Event, audio: Samples, span: Span) -> Samples:
     """Return the sound of a span without what it stands off zero; beside the film are zeros."""
     begun, ended = max(0, -span.start), max(0, shared.audio.frames - span.start)
-    film = audio[begun:ended]
-    if span.start > 0:
-        film = dsp.without_offset(film, shared.settle, shared.rate_hz)
-    else:
-        opening = Span(0, dsp.opening_frames(shared.audio.frames, shared.rate_hz))
-        film = film - dsp.opening_level(read_padded(shared.audio, opening, event.made_of), shared.rate_hz)
-    return np.concatenate([audio[:begun], film, audio[ended:]])
+    level = dsp.level_at(
+        event.window.start,
+        lambda start, stop: read_padded(shared.audio, Span(start, stop), event.made_of),
+        preroll=shared.preroll,
+        frames=shared.audio.frames,
+        rate_hz=shared.rate_hz,
+    )
+    return np.concatenate([audio[:begun], audio[begun:ended] - level, audio[ended:]])
 
 
 def _expected(

@@ -21,6 +21,9 @@ _SETTLE_TIMES = 18.0
 
 A film that stands off zero is a step where they begin: the band's high-pass needs 0.6 s for 1e-8 of it."""
 
+_PREROLL_FOR_S = 0.05
+"""The time constant of filters for which rules state their pre-roll; slower ones get more."""
+
 
 @dataclass(frozen=True, eq=False)
 class Analogue:
@@ -95,11 +98,20 @@ def telling_hz(response: Analogue, low_hz: float, high_hz: float, points: int) -
     return np.sort(np.concatenate([np.geomspace(low_hz, high_hz, points), resonances_hz[inside]]))
 
 
+def slowest_s(*filters: Analogue) -> float:
+    """Return the longest time constant of filters."""
+    return max(float(np.max(-1.0 / each.poles.real, initial=0.0)) for each in filters)
+
+
+def preroll_ms(asked_ms: float, slowest: float) -> float:
+    """Return for how long filters run before a window, by what rules ask and their longest time constant in s."""
+    return asked_ms * max(1.0, slowest / _PREROLL_FOR_S)
+
+
 def settle_s(*filters: Analogue) -> float:
     """Return for how long filters have to run, from rest, before what leaves them is as if they had always run."""
     shortest_s, longest_s = _SETTLE_S
-    slowest = min(float(np.min(-each.poles.real, initial=math.inf)) for each in filters)  # 1/s
-    return max(shortest_s, _SETTLE_TIMES / max(slowest, _SETTLE_TIMES / longest_s))
+    return max(shortest_s, min(_SETTLE_TIMES * slowest_s(*filters), longest_s))
 
 
 def butterworth(order: int, corner_hz: float, kind: str) -> Analogue:

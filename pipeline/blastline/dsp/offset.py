@@ -1,7 +1,11 @@
 """What a film stands on: a constant that is no sound, told by what comes before, or by the film's opening."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
+
+Read = Callable[[int, int], NDArray[np.floating]]
 
 _SILENT = 16  # so many zeros are no chance
 _BLOCK_S, _FEWEST_BLOCKS = 0.05, 5
@@ -30,16 +34,27 @@ def opening_level(opening: NDArray[np.floating], rate_hz: int) -> float:
     return level if abs(level) > _CLEAR * float(np.median(np.abs(means - level))) else 0.0
 
 
-def without_offset(samples: NDArray[np.float64], before: int, rate_hz: int) -> NDArray[np.float64]:
-    """Return samples less what they stand on, as the first `before` tell, in which filters settle.
+def level_at(window_start: int, read: Read, *, preroll: int, frames: int, rate_hz: int) -> float:
+    """Return what a film of so many frames stands on at a window: the level that its pre-roll tells.
 
-    From rest, a filter hears a constant as a step, and rings with that still when its pre-roll is over. A mean would
-    take a shot in there for one, and leave a step of that where the film ends. Less than five blocks tell no more.
+    `read` returns the film's samples from one up to another. From rest, a filter hears a constant as a step, and rings
+    with that still when its pre-roll is over; where the film ends, what it stands on is a step for a band that runs
+    backwards, however the film came there. So who makes a drive and who checks it have to ask here, both. A pre-roll
+    that begins with the film tells less than the film's opening.
     """
-    told = samples[:before]
+    if window_start <= preroll:
+        return opening_level(read(0, opening_frames(frames, rate_hz)), rate_hz)
+    return _level_before(read(window_start - preroll, window_start), rate_hz)
+
+
+def _level_before(told: NDArray[np.floating], rate_hz: int) -> float:
+    """Return the level of what is before a window. Less than five blocks tell no more than their mean.
+
+    The mean of more would take a shot in there for a constant, and leave a step of that where the film ends.
+    """
     if len(told) < _FEWEST_BLOCKS * _block(rate_hz):
-        return samples - told.mean() if told[:_SILENT].any() else samples
-    return samples - opening_level(told, rate_hz)
+        return float(told.mean(dtype=np.float64)) if told[:_SILENT].any() else 0.0
+    return opening_level(told, rate_hz)
 
 
 def _block(rate_hz: int) -> int:

@@ -26,8 +26,6 @@ _LONGEST_SUMMED_S = 2.0  # a longer pre-roll is run: with all of the film, to th
 
 _SLOWEST = 1.0 - 1e-6  # a pole nearer to the unit circle is taken as this one: it rings on for minutes
 
-PREROLL_FOR_S = 0.05  # the time constant of filters for which rules state their pre-roll; slower ones get more
-
 
 @dataclass(frozen=True, eq=False)
 class DriveFilters:
@@ -75,7 +73,7 @@ def drive_filters(profile: ActuatorProfile, rate_hz: int, phase: Phase) -> Drive
 def preroll(filters: DriveFilters, rules: RenderRules) -> int:
     """Return the samples before a window from which the filters start, so that they have settled when it begins."""
     slowest_s = filters.ring_samples / filters.rate_hz / -math.log(_NEGLIGIBLE_SHARE)
-    return samples_from_ms(rules.preroll_ms * max(1.0, slowest_s / PREROLL_FOR_S), filters.rate_hz)
+    return samples_from_ms(dsp.preroll_ms(rules.preroll_ms, slowest_s), filters.rate_hz)
 
 
 def needed_audio(planned: PlannedWindow, *, frames: int, filters: DriveFilters, rules: RenderRules) -> Span:

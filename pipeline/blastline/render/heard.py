@@ -9,7 +9,7 @@ from .. import dsp
 from ..model import Clip, MadeOf, Span
 from ..ruleset import RenderRules
 from ..units import gain_from_db, samples_from_ms
-from .filters import DriveFilters, Samples, filtered_audio, settled_band, settled_compensated
+from .filters import DriveFilters, Samples, filtered_audio, preroll, settled_band, settled_compensated
 from .windows import PlannedWindow
 
 
@@ -48,10 +48,13 @@ def hear_window(
     before = planned.window.start - clip.start
     inside = slice(before, before + len(planned.window.span))
     sound = np.asarray(clip.driving_of(made_of), dtype=np.float64)
-    if clip.start:
-        centred = dsp.without_offset(sound, before, filters.rate_hz)
-    else:
-        centred = sound - _opening_level(audio, made_of)
+    centred = sound - dsp.level_at(
+        planned.window.start,
+        lambda start, stop: audio.slice(Span(start, stop)).driving_of(made_of),
+        preroll=preroll(filters, rules),
+        frames=audio.span.stop,
+        rate_hz=filters.rate_hz,
+    )
     gains = _gains(planned, filters, rules)
     gain = gain_from_db(rules.level_db) * gains
     return HeardWindow(
@@ -66,12 +69,6 @@ def hear_window(
         background=np.asarray(clip.driving, dtype=np.float64)[inside],
         made_of=made_of,
     )
-
-
-def _opening_level(audio: Clip, made_of: MadeOf) -> float:
-    """Return what a film stands on, of audio that begins with it: a film begins at rest, at its own level."""
-    opening = Span(0, dsp.opening_frames(audio.span.stop, audio.rate_hz))
-    return dsp.opening_level(audio.slice(opening).driving_of(made_of), audio.rate_hz)
 
 
 def _gains(planned: PlannedWindow, filters: DriveFilters, rules: RenderRules) -> Samples:

@@ -92,6 +92,7 @@ def checked(
         profile=profile,
         rules=rules.align,
         lead_ms=rules.tier.render.lead_ms,
+        preroll_ms=rules.tier.render.preroll_ms,
         corner_ms=1000.0 / min(rules.tier.render.solver_rate_hz, track.rate_hz),
         phase=timeline.phase,
         background=timeline.background,
