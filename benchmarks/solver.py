@@ -18,7 +18,8 @@ from scipy.fft import irfft, next_fast_len, rfft
 
 from blastline.render import DriveFilters, drive_filters, needed_audio
 from blastline.render.banded import hat
-from blastline.render.constrained import BoxProblem, between_corners, corner_rhs, full_problem, restarted_fista
+from blastline.render.constrained import between_corners, corner_rhs
+from blastline.render.descent import BoxProblem, full_problem, restarted_fista
 from blastline.render.filters import compensated, in_band
 from blastline.render.interior import solve_box_qp
 from blastline.ruleset import load_actuator, load_rules

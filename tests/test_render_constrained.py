@@ -11,17 +11,12 @@ from numpy.typing import NDArray
 from scipy.linalg import toeplitz
 from scipy.optimize import lsq_linear
 
+from blastline.model import Quality
 from blastline.render import DriveFilters
-from blastline.render.constrained import (
-    _is_unsettled,
-    between_corners,
-    constrained_drive,
-    corner_rhs,
-    full_problem,
-    restarted_fista,
-)
+from blastline.render.constrained import _is_unsettled, between_corners, constrained_drive, corner_rhs
+from blastline.render.descent import full_problem, restarted_fista
 from blastline.render.filters import compensated, felt, in_band
-from blastline.ruleset import RenderRules
+from blastline.ruleset import RenderRules, load_rules
 from render_signals import CAUSAL, KINDS, RATE_HZ, RENDER, altered, film_with_shot
 
 Samples = NDArray[np.float64]
@@ -218,10 +213,15 @@ def ring_over_boom(frequency_hz: float, peak: float, boom_hz: float) -> tuple[Sa
     return in_band(sound, CAUSAL), compensated(sound, CAUSAL)
 
 
+@pytest.mark.parametrize(
+    ("tier", "share"), [("draft", 0.99), ("standard", 0.998), ("reference", 0.998)], ids=lambda each: str(each)
+)
 @pytest.mark.parametrize("ring", [(2000.0, 0.8, 80.0), (2500.0, 0.8, 200.0), (1500.0, 0.2, 40.0), (1200.0, 0.4, 80.0)])
-def test_what_straight_lines_cannot_follow_is_solved_all_the_same(ring: tuple[float, float, float]) -> None:
+def test_what_straight_lines_cannot_follow_is_solved_all_the_same(
+    ring: tuple[float, float, float], tier: Quality, share: float
+) -> None:
     target, warm = ring_over_boom(*ring)
-    coarse, finest = (
+    found, finest = (
         constrained_drive(
             target,
             starts=[0],
@@ -232,11 +232,22 @@ def test_what_straight_lines_cannot_follow_is_solved_all_the_same(ring: tuple[fl
             rules=rules,
         )[1][0].explained
         for rules in (
-            altered(solver_rate_hz=4000, polish_iterations=0),
+            load_rules(tier).tier.render,
             altered(solver_rate_hz=RATE_HZ, polish_iterations=300, tolerance=1e-7),
         )
     )
-    assert coarse > 0.99 * finest
+    assert found > share * finest
+
+
+@pytest.mark.parametrize("peak", [0.05, 0.3, 3.0])
+def test_no_drive_gains_more_than_is_said_to_be_left(peak: float) -> None:
+    problem = full_problem(blast_target(200, peak=peak), IMPULSE, frames=200)
+    rest = problem.at(np.zeros(200))
+    best = restarted_fista(problem, rest, iterations=5000, tolerance=0.0)
+    for steps in (0, 1, 10, 100):
+        found = restarted_fista(problem, rest, iterations=steps, tolerance=0.0)
+        assert found.objective - best.objective <= problem.to_gain(found) + 1e-9 * abs(best.objective)
+    assert 0.0 <= problem.to_gain(best) < 1e-3 * abs(best.objective)
 
 
 def test_zero_target_needs_no_drive() -> None:

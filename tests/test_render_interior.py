@@ -14,14 +14,8 @@ from blastline import dsp
 from blastline.model import Quality
 from blastline.render import DriveFilters, drive_filters
 from blastline.render.banded import Recursion, well_conditioned_stride
-from blastline.render.constrained import (
-    SolveSummary,
-    between_corners,
-    constrained_drive,
-    corner_rhs,
-    full_problem,
-    restarted_fista,
-)
+from blastline.render.constrained import SolveSummary, between_corners, constrained_drive, corner_rhs
+from blastline.render.descent import full_problem, restarted_fista
 from blastline.render.filters import compensated, felt, in_band
 from blastline.render.interior import SHORTEST, solve_box_qp
 from blastline.ruleset import ActuatorProfile, load_rules

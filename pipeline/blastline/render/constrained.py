@@ -6,7 +6,7 @@ H is the felt response as a convolution that may ring out after the window, t th
 method solves it (`interior`), at the full rate or for the corners of a drive that runs in straight lines between them
 (every `stride` samples, so that the limit at the corners is the limit everywhere and nothing shifts in time; but never
 further apart than steers what the actuator answers above the band). What it found is judged, and polished, on the
-problem itself, by FFT: with N = H'H and b = H't, the gradient is N u - b.
+problem itself (`descent`).
 docs/rendering.md tells what else was tried.
 """
 
@@ -20,14 +20,16 @@ from numpy.typing import NDArray
 
 from ..ruleset import RenderRules
 from .banded import Recursion, hat, well_conditioned_stride
+from .descent import BoxProblem, Iterate, full_problem, restarted_fista
 from .interior import fewest_unknowns, solve_box_qp
 
 Samples = NDArray[np.float64]
 
 _UNAIDED = 300
 """Gradient steps where the interior-point method cannot do it all: for a few samples, where rounding has ended it,
-where its straight lines are felt less like the sound than the compensator's drive cut off at the limit, or where H
-remembers so much that its corners are wider apart than asked: by themselves they would lose 2 to 4 % of energy.
+where its straight lines are felt less like the sound than the compensator's drive cut off at the limit, where they
+turn over too slowly for it, or where H remembers so much that its corners are wider apart than asked: by themselves
+they would lose 2 to 4 % of energy.
 """
 
 _UNSETTLED, _SETTLING = 0.01, 4
@@ -37,52 +39,15 @@ Corners 4 kHz apart tell too coarsely when a drive that is at its limit most of 
 18 dB and more, what was felt before the next shot of a burst was off by up to 0.15 of its peak. Nor do they tell enough
 of a loud boom under a shot: at 0 dB that was off by up to 0.08 of the peak where this share was 0.04."""
 
+_TURNING_HZ = 1000.0
+"""Straight lines that may leave more to be gained than a tone of this frequency loses by them do not follow the sound.
+
+At its limit, a drive that takes a time d to turn over has sin(x) / x of a square wave's tone, x = pi f d: 1 - x^2 / 6.
+Of sounds that ring at 1 to 2.5 kHz corners 12 kHz apart lost up to 6 % of energy. The seat hardly feels these, so that
+a safe step moves next to nothing there, and `_UNSETTLED` does not tell."""
+
 _ALREADY = 0.1
 """The compensator's drive is solution enough where it leaves no more than this share of the tolerance."""
-
-
-@dataclass(frozen=True, eq=False)
-class Iterate:
-    """A drive u and N u, shape (frames,) each, and the objective; worked out once, since N u takes two transforms."""
-
-    drive: Samples
-    normal: Samples
-    objective: float
-
-
-@dataclass(frozen=True, eq=False)
-class BoxProblem:
-    """1/2 u'Nu - b'u over |u| <= 1, N a symmetric Toeplitz matrix by its spectrum on a zero-padded circle.
-
-    `spectrum` is that of N's first row, around a circle of `padded` samples, `rhs` is b, shape (frames,). `lipschitz`
-    is the most by which N stretches a drive: a step down the slope over it never overshoots.
-    """
-
-    spectrum: Samples
-    padded: int
-    rhs: Samples
-    lipschitz: float
-
-    def normal(self, u: Samples) -> Samples:
-        """Return N u."""
-        from scipy.fft import irfft, rfft
-
-        product: Samples = irfft(self.spectrum * rfft(u, self.padded), self.padded)
-        return product[: len(u)]
-
-    def step_from(self, u: Samples, normal: Samples) -> Samples:
-        """Return where a step down the slope leads, within the limit."""
-        return np.asarray(np.clip(u - (normal - self.rhs) / self.lipschitz, -1.0, 1.0), dtype=np.float64)
-
-    def objective(self, u: Samples) -> float:
-        """Return 1/2 u'Nu - b'u."""
-        return self.at(u).objective
-
-    def at(self, u: Samples) -> Iterate:
-        """Return a drive with its N u and its objective."""
-        normal = self.normal(u)
-        # not np.dot: its threads burn more time than they save, and their number would change the last bit
-        return Iterate(u, normal, float(np.sum(u * (0.5 * normal - self.rhs))))
 
 
 @dataclass(frozen=True)
@@ -179,6 +144,9 @@ def _piece(
         best = min(straight, guess, key=lambda each: each.objective)
         if _is_unsettled(problem, best):
             polish = max(polish, _UNAIDED if best is guess else _SETTLING)
+        left = min(problem.to_gain(straight) - (straight.objective - best.objective), energy + best.objective)
+        if left > _left_by_lines(stride / rate_hz, rules.tolerance) * abs(best.objective):
+            polish = max(polish, _UNAIDED)
     solution = restarted_fista(problem, best, iterations=polish, tolerance=rules.tolerance)
     return solution.drive, SolveSummary(steps, max(0.0, -solution.objective / energy) if energy > 0.0 else 1.0)
 
@@ -189,23 +157,9 @@ def _is_unsettled(problem: BoxProblem, found: Iterate) -> bool:
     return bool(np.sum(moved * moved) > _UNSETTLED**2 * np.sum(found.drive * found.drive))
 
 
-def full_problem(wanted: Samples, impulse: Samples, *, frames: int) -> BoxProblem:
-    """Return the problem with one unknown for each of the first `frames` samples of what is wanted to be felt.
-
-    Every step needs N of the drive's own samples alone: its circle is short, however long H rings.
-    """
-    from scipy.fft import irfft, next_fast_len, rfft
-
-    padded = next_fast_len(max(len(wanted), frames + len(impulse) - 1), real=True)
-    response = rfft(impulse, padded)
-    rhs = irfft(np.conj(response) * rfft(wanted, padded), padded)[:frames]
-    power = response.real**2 + response.imag**2
-    lipschitz, short = float(np.max(power)), next_fast_len(2 * frames - 1, real=True)
-    if short >= padded:
-        return BoxProblem(power, padded, rhs, lipschitz)
-    row, lags = np.zeros(short), irfft(power, padded)[:frames]
-    row[:frames], row[short - frames + 1 :] = lags, lags[:0:-1]
-    return BoxProblem(rfft(row).real, short, rhs, lipschitz)
+def _left_by_lines(corner_s: float, tolerance: float) -> float:
+    """Return what share of the explained energy straight lines between corners so far apart may leave to be gained."""
+    return (math.pi * _TURNING_HZ * corner_s) ** 2 / 6.0 + 2.0 * tolerance
 
 
 def corner_rhs(rhs: Samples, stride: int) -> Samples:
@@ -223,29 +177,3 @@ def between_corners(corners: Samples, stride: int, frames: int) -> Samples:
     places = np.arange(len(corners) + 2) * stride - 1
     drive = np.interp(np.arange(frames), places, np.concatenate([[0.0], corners, [0.0]]))
     return np.asarray(np.clip(drive, -1.0, 1.0), dtype=np.float64)
-
-
-def restarted_fista(problem: BoxProblem, start: Iterate, *, iterations: int, tolerance: float) -> Iterate:
-    """Return the minimum, no worse than `start`, after at most so many iterations of the fast gradient method.
-
-    This is FISTA (Beck and Teboulle 2009) with restart (O'Donoghue and Candes 2015), each iteration one FFT there and
-    back. It stops where five iterations lower the objective by less than `tolerance` of its size, the explained energy.
-    """
-    best, y, ny, t = start, start.drive, start.normal, 1.0
-    lowest = [best.objective]
-    for _ in range(iterations):
-        step = problem.at(problem.step_from(y, ny))
-        if step.objective > lowest[-1]:
-            if y is best.drive:
-                break  # a plain gradient step that does not descend: at the minimum, to rounding
-            y, ny, t = best.drive, best.normal, 1.0
-            continue
-        t_next = (1.0 + (1.0 + 4.0 * t * t) ** 0.5) / 2.0
-        momentum = (t - 1.0) / t_next
-        y = step.drive + momentum * (step.drive - best.drive)
-        ny, t = step.normal + momentum * (step.normal - best.normal), t_next
-        best = step
-        lowest.append(step.objective)
-        if len(lowest) > 5 and lowest[-6] - step.objective <= tolerance * abs(step.objective):
-            break
-    return best

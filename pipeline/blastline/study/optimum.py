@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..render import DriveFilters
-from ..render.constrained import between_corners, corner_rhs, full_problem
+from ..render.constrained import between_corners, corner_rhs
+from ..render.descent import full_problem
 from ..render.interior import solve_box_qp
 from ..ruleset import RenderRules
 
