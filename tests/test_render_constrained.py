@@ -285,6 +285,17 @@ def test_drive_does_not_know_the_next_shot(gap: int) -> None:
     assert np.max(np.abs(with_next[gap:])) == 1.0
 
 
+@pytest.mark.parametrize("frequency_hz", [1500.0, 1800.0, 2200.0])
+def test_a_first_guess_that_is_wrong_where_a_shot_begins_is_not_kept_as_it_is(frequency_hz: float) -> None:
+    """The compensator does not know what the shot before rings, nor that its own drive is cut off before the lead."""
+    sound = 0.03 * np.sin(2.0 * np.pi * frequency_hz * np.arange(RATE_HZ) / RATE_HZ)
+    target, warm = in_band(sound, CAUSAL), compensated(sound, CAUSAL)
+    cut, first = slice(0, RATE_HZ // 500), slice(0, RATE_HZ // 250)
+    warm[cut] = 0.0
+    drive = solved(target, warm, rules=load_rules("draft").tier.render)
+    assert np.linalg.norm((felt(drive, CAUSAL) - target)[first]) < 0.5 * np.linalg.norm(target[first])
+
+
 @pytest.mark.parametrize("frequency_hz", [40.0, 200.0, 600.0])
 def test_pieces_join_where_the_limit_is_not_met(frequency_hz: float) -> None:
     sound = 0.05 * np.sin(2.0 * np.pi * frequency_hz / RATE_HZ * np.arange(6000)) * np.linspace(0.0, 1.0, 6000)

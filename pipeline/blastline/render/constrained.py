@@ -139,11 +139,14 @@ def _piece(
             tolerance=rules.tolerance,
         )
         steps, polish = found.steps, rules.polish_iterations if found.finished and stride == asked else _UNAIDED
-        # where the limit is hardly met, the compensator's drive is better than straight lines
+        # where the limit is hardly met, the compensator's drive is better than straight lines, though it knows
+        # nothing of what the shot before rings, or of the start before which it is 0
         straight = problem.at(between_corners(found.drive, stride, len(start)))
         best = min(straight, guess, key=lambda each: each.objective)
-        if _is_unsettled(problem, best):
-            polish = max(polish, _UNAIDED if best is guess else _SETTLING)
+        if best is guess and energy + best.objective > rules.tolerance * energy:
+            polish = max(polish, _UNAIDED)
+        elif _is_unsettled(problem, best):
+            polish = max(polish, _SETTLING)
         left = min(problem.to_gain(straight) - (straight.objective - best.objective), energy + best.objective)
         if left > _left_by_lines(stride / rate_hz, rules.tolerance) * abs(best.objective):
             polish = max(polish, _UNAIDED)
