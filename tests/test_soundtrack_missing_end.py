@@ -170,6 +170,29 @@ def test_a_matroska_that_stores_its_length_is_held_to_it(
     assert len(told) == (not zeroed)
 
 
+@pytest.mark.parametrize("picture_rate", [None, FILM_RATE])
+@pytest.mark.parametrize("codec", ["pcm_s16le", "flac", "aac"])
+@pytest.mark.parametrize("live", [False, True])
+def test_a_matroska_that_breaks_off_shortly_before_its_end_is_noticed(
+    tmp_path: Path, codec: str, picture_rate: Fraction | None, *, live: bool
+) -> None:
+    path, options = tmp_path / "film.mkv", {"live": "1"} if live else {}
+    samples = [impulses(LONG, LONG_SHOTS, channels=2)]
+    write_media(path, samples, codec=codec, picture_rate=picture_rate, container_options=options)
+    data = path.read_bytes()
+    behind = len(data) if live else data.rindex(b"\x1c\x53\xbb\x6b")  # the index
+    for whole in (data, data[:behind], data + bytes(5_000)):
+        path.write_bytes(whole)
+        assert read(path)[1].warnings == ()
+        assert not stops_early(path, "matroska,webm")
+    path.write_bytes(data[: behind - 1])
+    assert stops_early(path, "matroska,webm")
+    found, source = read(path)
+    assert len(found) < LONG
+    assert len(source.warnings) == 1
+    assert "the end of the sound is missing" in source.warnings[0] or "the end is missing" in source.warnings[0]
+
+
 def test_a_matroska_stores_its_length_from_where_that_is_written_on_however_it_is_cut(tmp_path: Path) -> None:
     whole = write_media(tmp_path / "film.mkv", [impulses(1_000, [10])], codec="pcm_s16le").read_bytes()
     begins = whole.index(b"\x44\x89\x88") + 3

@@ -1,6 +1,6 @@
 """Whether a file stops before its own end, where FFmpeg takes what is there for the whole.
 
-Ogg, AVI, MPEG transport and program streams, and NUT; MP4 in fragments is in `boxes.py`:
+Ogg, AVI, MPEG transport and program streams, and NUT; MP4 in fragments is in `boxes.py`, Matroska in `matroska.py`:
 
 Ogg   [page][page] ... [page, marked as the last of its stream]
 AVI   [RIFF, size, ...][RIFF, size, ...] ...    the further ones only beyond 1 GiB
@@ -13,6 +13,7 @@ import struct
 from pathlib import Path
 
 from .boxes import breaks_off_in_fragments
+from .matroska import breaks_off_in_a_cluster
 
 _PAGE = struct.Struct("<4sBB20xB")
 _LONGEST_PAGE_BYTES = 27 + 255 + 255 * 255
@@ -49,6 +50,8 @@ def stops_early(path: Path, container_format: str) -> bool:
         return not _has_last_page(path)
     if "mp4" in container_format.split(","):
         return breaks_off_in_fragments(path)
+    if container_format == "matroska,webm":
+        return breaks_off_in_a_cluster(path)
     if container_format == "mpegts":
         return _is_cut_in_a_packet(path)
     if container_format == "mpeg":

@@ -181,6 +181,8 @@ def _declared(
     own: Length = "rounded" if in_header is None else "packets"
     if _is_pcm(stream) and (container.format.name == "mxf" or _is_mp4(container)):
         own = "counted"
+    if is_cut and container.format.name == "matroska,webm":
+        own = "counted"  # in a file that is known to break off nothing is taken for rounding
     of_all: Length = "shared" if has_picture else own
     duration = told_duration(stream)
     if duration is not None:

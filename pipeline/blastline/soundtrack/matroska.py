@@ -1,4 +1,4 @@
-"""Whether a Matroska or WebM file says how long it is; where it does not, FFmpeg guesses, and does not tell.
+"""Whether a Matroska or WebM file says how long it is, where FFmpeg guesses if not, and whether it breaks off.
 
 file      [EBML][Segment [SeekHead][Info [Duration]][Tracks][Cluster][Cluster] ... ]
 element   [name][size][body]    the first bits of name and size tell how long these are; all others 1: size unknown
@@ -10,7 +10,7 @@ import struct
 from pathlib import Path
 from typing import BinaryIO
 
-_SEGMENT, _INFO, _DURATION = 0x18538067, 0x1549A966, 0x4489
+_SEGMENT, _INFO, _DURATION, _CLUSTER = 0x18538067, 0x1549A966, 0x4489, 0x1F43B675
 _FLOATS = {4: ">f", 8: ">d"}
 
 
@@ -26,6 +26,25 @@ def stores_duration(path: Path) -> bool:
         file.seek(start)
         kind = _FLOATS.get(end - start)
         return kind is not None and struct.unpack(kind, file.read(end - start))[0] > 0
+
+
+def breaks_off_in_a_cluster(path: Path) -> bool:
+    """Return whether the last cluster of a file, which holds its sound, is longer than what is there of it.
+
+    What else is missing, as the index behind all clusters, is no sound; nor is it told of clusters of unknown size.
+    """
+    with path.open("rb") as file:
+        file_bytes = path.stat().st_size
+        place, end = _body(file, _SEGMENT, 0, file_bytes) or (0, 0)
+        while place < end:
+            file.seek(place)
+            name, size = _number(file, keeps_length=True), _number(file)
+            if name is None or size is None:
+                return False
+            place = file.tell() + size
+            if place > file_bytes:
+                return name == _CLUSTER
+    return False
 
 
 def _body(file: BinaryIO, wanted: int, start: int, end: int) -> tuple[int, int] | None:
