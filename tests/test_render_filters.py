@@ -212,11 +212,15 @@ def test_filters_that_ring_for_long_have_settled_as_well_when_a_window_begins(ze
 
 
 @pytest.mark.parametrize("zero_rad_s", [-1.0, -20.0, -300.0])
+@pytest.mark.parametrize(("low_hz", "order"), [(5.0, 1), (5.0, 4), (2.0, 1), (0.5, 3)])
 @pytest.mark.parametrize("phase", ["causal", "zero"])
-def test_checks_know_the_pre_roll_that_a_drive_was_made_with(zero_rad_s: float, phase: Phase) -> None:
+def test_checks_know_the_pre_roll_that_a_drive_was_made_with(
+    zero_rad_s: float, low_hz: float, order: int, phase: Phase
+) -> None:
     response = msgspec.structs.replace(PROFILE.response, zeros_rad_s=((zero_rad_s, 0.0),))
-    profile = msgspec.structs.replace(PROFILE, response=response)
-    roll_ms = dsp.preroll_ms(RENDER.preroll_ms, dsp.slowest_s(dsp.compensator(profile)))
+    highpass = msgspec.structs.replace(PROFILE.highpass, corner_hz=low_hz, order=order)
+    profile = msgspec.structs.replace(PROFILE, response=response, highpass=highpass)
+    roll_ms = dsp.preroll_ms(RENDER.preroll_ms, dsp.compensator_slowest_s(profile, phase))
     assert preroll(drive_filters(profile, 8_000, phase), RENDER) == pytest.approx(8.0 * roll_ms, abs=24.0)
 
 

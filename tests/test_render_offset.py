@@ -2,11 +2,13 @@
 
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 import soundfile
 
 from blastline import dsp, run
+from blastline.actuator.profile import profile_text
 from blastline.model import DriveModel, Phase
 from blastline.render import drive_filters
 from blastline.ruleset import load_actuator
@@ -93,6 +95,29 @@ def test_what_a_film_stands_on_at_its_end_is_one_for_the_drive_and_its_checks(tm
     soundfile.write(tmp_path / "film.wav", film, RATE_HZ, subtype="FLOAT")
     (tmp_path / "shots.csv").write_text(f"onset_sample\n{onset}\n{onset + 4_800}\n")
     options = RenderOptions(report=False, timeline=tmp_path / "shots.csv", phase="zero", drive="filter")
+    made = run.render(tmp_path / "film.wav", tmp_path / "out", options)
+    assert [check.name for check in made.checks if not check.passed] == []
+
+
+@pytest.mark.parametrize(
+    ("low_hz", "order", "onset_s", "moved_s"), [(2.0, 4, 2.2, 0.6), (5.0, 4, 0.9, 0.45), (2.0, 1, 1.3, 0.7)]
+)
+def test_the_checks_of_any_seat_take_off_what_its_drive_was_made_without(
+    tmp_path: Path, low_hz: float, order: int, onset_s: float, moved_s: float
+) -> None:
+    """Half a band, as it is without phase, rings for longer or shorter than the whole, and has another pre-roll."""
+    highpass = msgspec.structs.replace(PROFILE.highpass, corner_hz=low_hz, order=order)
+    seat = tmp_path / "seat.toml"
+    seat.write_text(profile_text(msgspec.structs.replace(PROFILE, highpass=highpass)), "utf-8")
+    onset = round(onset_s * RATE_HZ)
+    film = 0.1 * shot_film(frames=onset + round(0.19 * RATE_HZ), onset=onset) + 0.02
+    film[round(moved_s * RATE_HZ) :] += 0.03
+    film += 1e-4 * np.random.default_rng(5).standard_normal(film.size)
+    soundfile.write(tmp_path / "film.wav", film, RATE_HZ, subtype="FLOAT")
+    (tmp_path / "shots.csv").write_text(f"onset_sample\n{onset}\n{onset + 4_800}\n")
+    options = RenderOptions(
+        report=False, timeline=tmp_path / "shots.csv", phase="zero", drive="filter", actuator=str(seat)
+    )
     made = run.render(tmp_path / "film.wav", tmp_path / "out", options)
     assert [check.name for check in made.checks if not check.passed] == []
 

@@ -146,7 +146,7 @@ def compare(
         compensated=_compensation(profile, rate_hz, phase),
         step=1.0 / float(np.max(np.abs(response.at(frequencies_hz)) ** 2)),
         settle=round(dsp.settle_s(response, compensator) * rate_hz),
-        preroll=samples_from_ms(dsp.preroll_ms(preroll_ms, dsp.slowest_s(compensator)), rate_hz),
+        preroll=samples_from_ms(dsp.preroll_ms(preroll_ms, dsp.compensator_slowest_s(profile, phase)), rate_hz),
         memory=_memory(felt, rate_hz),
         bend_ms=_BEND_MS[phase] * max(1.0, _BEND_AT_HZ / profile.lowpass.corner_hz),
     )

@@ -10,13 +10,12 @@ from .analogue import (
     inverse,
     preroll_ms,
     settle_s,
-    slowest_s,
     telling_hz,
 )
 from .digital import discretise, run_filter
 from .fades import cross_fade, fade
 from .offset import level_at, opening_frames, opening_level
-from .phase import band_sections, compensator_sections, run_backwards, run_both_ways
+from .phase import band_sections, compensator_sections, compensator_slowest_s, run_backwards, run_both_ways
 from .settled import Settling, settled_state, settling
 
 __all__ = [
@@ -27,6 +26,7 @@ __all__ = [
     "butterworth",
     "compensator",
     "compensator_sections",
+    "compensator_slowest_s",
     "cross_fade",
     "discretise",
     "fade",
@@ -43,6 +43,5 @@ __all__ = [
     "settle_s",
     "settled_state",
     "settling",
-    "slowest_s",
     "telling_hz",
 ]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..model import Phase
 from ..ruleset import ActuatorProfile
-from .analogue import Analogue, band, half_band, inverse
+from .analogue import Analogue, band, half_band, inverse, slowest_s
 from .digital import discretise, run_filter
 
 Samples = NDArray[np.float64]
@@ -23,6 +23,11 @@ def band_sections(profile: ActuatorProfile, rate_hz: int, phase: Phase, *, lean:
 def compensator_sections(profile: ActuatorProfile, rate_hz: int, phase: Phase, *, lean: bool = False) -> Samples:
     """Return the compensator in the band of vibration, or in half of it with phase "zero"; see `discretise`."""
     return discretise(inverse(profile) * _shape(profile, phase), rate_hz, lean=lean)
+
+
+def compensator_slowest_s(profile: ActuatorProfile, phase: Phase) -> float:
+    """Return the longest time constant of the compensator: half a band has other poles than the whole."""
+    return slowest_s(inverse(profile) * _shape(profile, phase))
 
 
 def run_backwards(sections: Samples, samples: Samples) -> Samples:
