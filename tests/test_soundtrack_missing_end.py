@@ -193,6 +193,21 @@ def test_a_matroska_that_breaks_off_shortly_before_its_end_is_noticed(
     assert "the end of the sound is missing" in source.warnings[0] or "the end is missing" in source.warnings[0]
 
 
+@pytest.mark.parametrize("codec", ["pcm_s16le", "flac", "aac"])
+def test_a_matroska_that_gives_one_length_for_all_its_streams_is_noticed_to_break_off(
+    tmp_path: Path, codec: str
+) -> None:
+    """With a picture its sound may be meant to end earlier, but some of this one is gone, be it only 16 ms."""
+    path = tmp_path / "film.mkv"
+    write_media(path, [impulses(LONG, LONG_SHOTS, channels=2)], codec=codec, picture_rate=FILM_RATE)
+    data = path.read_bytes().replace(b"DURATION", b"PURPOSES")
+    path.write_bytes(data)
+    assert read(path)[1].warnings == ()
+    path.write_bytes(data[: data.rindex(b"\x1c\x53\xbb\x6b") - 1])
+    (told,) = read(path)[1].warnings
+    assert told.endswith("some of it may be missing")
+
+
 def test_a_matroska_stores_its_length_from_where_that_is_written_on_however_it_is_cut(tmp_path: Path) -> None:
     whole = write_media(tmp_path / "film.mkv", [impulses(1_000, [10])], codec="pcm_s16le").read_bytes()
     begins = whole.index(b"\x44\x89\x88") + 3

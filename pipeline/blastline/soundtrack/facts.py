@@ -83,6 +83,7 @@ def film_facts(
         declared_frames=declared,
         length=length,
         unsure_frames=int(unsure_s * first.sample_rate),
+        breaks_off=is_cut and container.format.name == "matroska,webm",
         stream=index,
         is_pcm=_is_pcm(stream),
         start_timecode=timecode,
@@ -181,8 +182,6 @@ def _declared(
     own: Length = "rounded" if in_header is None else "packets"
     if _is_pcm(stream) and (container.format.name == "mxf" or _is_mp4(container)):
         own = "counted"
-    if is_cut and container.format.name == "matroska,webm":
-        own = "counted"  # in a file that is known to break off nothing is taken for rounding
     of_all: Length = "shared" if has_picture else own
     duration = told_duration(stream)
     if duration is not None:

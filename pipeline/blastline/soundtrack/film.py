@@ -77,7 +77,7 @@ class FilmTrack:
         self._table = table
         self._played = 0
         # where a length is declared, that tells whether any sound is missing
-        tells = self.facts.declared_frames is not None and container.format.name == "matroska,webm"
+        tells = self.facts.declared_frames is not None and self.facts.breaks_off
         self._end_is_missing = is_cut and not tells and header_frames(container, stream, self.facts.rate_hz) is None
 
     @property

@@ -45,6 +45,8 @@ def lacking_warning(lacking_bytes: int) -> str:
 
 def _tolerated(facts: TrackFacts, declared: int) -> float:
     """Return how many frames may be missing from what is declared."""
+    if facts.breaks_off:
+        return _MIN_OFF_COUNTED_S * facts.rate_hz
     if facts.length == "packets":
         return _MIN_OFF_S * facts.rate_hz
     if facts.length in ("rounded", "shared"):

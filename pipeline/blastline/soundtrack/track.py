@@ -41,8 +41,8 @@ class TrackFacts:
 
     `layout` is None where the file does not name its channels, empty where they may be in any order; `declared_frames`
     is None where it does not say how long the track is, and then `guessed_s` is what its size suggests, if anything;
-    `length` tells how it says so, and `unsure_frames` how many of these may be time in which no sound was ever meant to
-    play.
+    `length` tells how it says so, `unsure_frames` how many of these may be time in which no sound was ever meant to
+    play, and `breaks_off` that the file is known to stop before its end, so that what is missing is no rounding.
     `is_integer` tells that no sample can be NaN, `is_pcm` that samples are stored as they are; `stored` is where, None
     where that is not known, and `lacking_bytes` how many of their bytes were lost by what the header says. `beside`
     names the file's other sound streams.
@@ -56,6 +56,7 @@ class TrackFacts:
     declared_frames: int | None
     length: Length = "rounded"
     unsure_frames: int = 0
+    breaks_off: bool = False
     stream: Streams = 0
     is_integer: bool = False
     is_pcm: bool = False
