@@ -146,6 +146,18 @@ def test_an_anchor_that_a_hum_has_put_aside_bends_no_line_that_the_others_are_sh
     assert found.slope == pytest.approx(slope, abs=1e-7)
 
 
+@pytest.mark.parametrize("count", [5, 9, 20])
+@pytest.mark.parametrize("off_s", [2e-6, 10e-6])
+def test_anchors_that_lie_together_by_chance_lead_away_from_no_others(count: int, off_s: float) -> None:
+    """Of some that are a little off, more than half may be on a line that misses the rest by half a millisecond."""
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        old_s, late_s = np.sort(rng.uniform(0.0, 100.0, count)), off_s * rng.standard_normal(count)
+        found = consensus(Anchors(old_s, late_s, np.ones(count)), 0.5e-3)
+        assert abs(found.level_s) < 8.0 * off_s
+        assert abs(found.level_s + 100.0 * found.slope) < 8.0 * off_s
+
+
 def test_of_three_anchors_none_is_dropped_for_two_that_are_on_a_line() -> None:
     found = consensus(Anchors(np.array([0.0, 10.0, 20.0]), np.array([0.0, 1e-4, -1e-4]), np.ones(3)), 0.5e-3)
     assert found.near.all()

@@ -102,8 +102,9 @@ def find_anchors(
 def consensus(anchors: Anchors, agree_s: float) -> Consensus:
     """Return the line near most anchors, of all lines through two of them and all level ones through one.
 
-    Where more than half of these are sharp on a line, it is that one: an anchor that a hum has put a period aside would
-    bend it, and shut out another for it.
+    Where that is not sharp, but more than half of these are so on another line, it is that one: an anchor that a hum
+    has put a period aside would bend it, and shut out another for it. Where it is sharp, some of them may lie together
+    on another by chance, which leads away from those that are far off.
     """
     old_s, late_s, weight = anchors.old_s, anchors.late_s, anchors.likeness
     best_weight, best = -1.0, np.zeros(len(old_s), bool)
@@ -115,13 +116,19 @@ def consensus(anchors: Anchors, agree_s: float) -> Consensus:
         total = float(weight[near].sum())
         if total > best_weight:
             best_weight, best = total, near
-    best = _near_sharp_line(anchors, best)
+    if float(np.median(_line_by(anchors, best).beside_s(anchors)[best])) > SHARP_S:
+        best = _near_sharp_line(anchors, best)
     for _ in range(_ROUNDS):
-        slope, level_s = _fitted(old_s[best], late_s[best], weight[best])
-        line = Consensus(slope, level_s, best)
+        line = _line_by(anchors, best)
         beside_s = line.beside_s(anchors)
         best = best & (beside_s <= _agreeing_s(float(np.median(beside_s[best]))))
     return replace(line, near=best)
+
+
+def _line_by(anchors: Anchors, near: NDArray[np.bool_]) -> Consensus:
+    """Return the line by some of the anchors."""
+    slope, level_s = _fitted(anchors.old_s[near], anchors.late_s[near], anchors.likeness[near])
+    return Consensus(slope, level_s, near)
 
 
 def _near_sharp_line(anchors: Anchors, among: NDArray[np.bool_]) -> NDArray[np.bool_]:
