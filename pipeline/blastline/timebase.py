@@ -14,6 +14,7 @@ from .timecode import (
     CLOCK,
     DROP_FRAME_RATES,
     LABEL,
+    STANDARD_RATES,
     clock_seconds,
     clock_text,
     exact_offset,
@@ -61,8 +62,7 @@ def parse_timebase(start_timecode: str | None, frame_rate: str | None) -> Timeba
     match = _RATE.fullmatch(frame_rate)
     rate = standard_rate(Fraction(match[1])) if match else None
     if match is None or rate is None:
-        rates = "23.976, 24, 25, 29.97, 30, 47.952, 48, 50, 59.94, 60, 100, 119.88 or 120"
-        expected = f"{rates}, or 29.97df, 29.97ndf and the like"
+        expected = f"{rates_text()}, or 29.97df, 29.97ndf and the like"
         raise RuleError(f"--frame-rate {frame_rate!r}: no rate of film timecode; expected {expected}")
     drop_frame = None if match[2] is None else match[2].lower() == "df"
     if drop_frame and rate not in DROP_FRAME_RATES:
@@ -77,6 +77,12 @@ def rate_text(rate: Fraction) -> str:
     ('59.94', '100', '13.5')
     """
     return f"{float(rate):.3f}".rstrip("0").rstrip(".")
+
+
+def rates_text() -> str:
+    """Return all rates of film timecode in words, as `23.976, 24 or 25`."""
+    *most, last = (rate_text(rate) for rate in sorted(STANDARD_RATES))
+    return f"{', '.join(most)} or {last}"
 
 
 def with_timebase(source: Source, timebase: Timebase) -> Source:

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from ..model import Background, DriveChoice, Phase, Quality
+from ..timebase import rates_text
 from .values import edited_by_name, film_file, result_by_name, results_folder, rules_folder
 
 FINDING, DRIVING, TIMECODE = "Finding shots", "Making the drive", "The film's timecode"
@@ -168,8 +169,8 @@ FrameRate = Annotated[
     str | None,
     typer.Option(
         metavar="RATE",
-        help="Frames a second: 23.976, 24, 25, 29.97, 30, 47.952, 48, 50, 59.94, 60, 100, 119.88 or 120. 29.97df and "
-        "the like drop frame numbers, 29.97ndf do not, 29.97 counts as the start timecode does.",
+        help=f"Frames a second: {rates_text()}. 29.97df and the like drop frame numbers, 29.97ndf do not, 29.97 counts "
+        "as the start timecode does.",
         show_default="as the film says",
         rich_help_panel=TIMECODE,
     ),

@@ -39,12 +39,13 @@ def in_core_or_row(chunk: Chunk, places: NDArray[np.intp], grid: Grid, tier: Qua
 class RowSounds:
     """All sounds that a core's may be in a row with, in order of time: onsets as indices into the chunk, and peaks.
 
-    `own` is the place of each among the core's n candidates, n and more for those beyond the core. Shape (sounds,).
+    `candidates` are their places among the core's `count` candidates, `count` and more for those beyond the core. The
+    arrays have shape (sounds,).
     """
 
     onsets: NDArray[np.intp]
     peaks_dbfs: NDArray[np.float64]
-    own: NDArray[np.intp]
+    candidates: NDArray[np.intp]
     count: int
 
     @classmethod
@@ -54,13 +55,13 @@ class RowSounds:
         """Return the candidates of a core, whose peaks are given, and those beyond it."""
         beyond_dbfs = [peak_dbfs(chunk.samples, onset, rate_hz) for onset in found.beyond.tolist()]
         onsets = np.concatenate([found.onsets, found.beyond])
-        own = np.argsort(onsets, kind="stable")
-        return cls(onsets[own], np.concatenate([peaks_dbfs, beyond_dbfs])[own], own, found.onsets.size)
+        order = np.argsort(onsets, kind="stable")
+        return cls(onsets[order], np.concatenate([peaks_dbfs, beyond_dbfs])[order], order, found.onsets.size)
 
     def of_core(self, row: NDArray[np.intp]) -> NDArray[np.intp]:
         """Return which of the core's candidates are in a row of all sounds."""
-        own = self.own[row]
-        return own[own < self.count]
+        candidates = self.candidates[row]
+        return candidates[candidates < self.count]
 
     def going_on(self, *, rate_hz: int, rules: BurstRules) -> NDArray[np.bool_]:
         """Return which of the core's n candidates are in a row that goes on beyond it, shape (n,): it may be fire."""

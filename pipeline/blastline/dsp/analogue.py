@@ -103,9 +103,9 @@ def slowest_s(*filters: Analogue) -> float:
     return max(float(np.max(-1.0 / each.poles.real, initial=0.0)) for each in filters)
 
 
-def preroll_ms(asked_ms: float, slowest: float) -> float:
-    """Return for how long filters run before a window, by what rules ask and their longest time constant in s."""
-    return asked_ms * max(1.0, slowest / _PREROLL_FOR_S)
+def preroll_ms(asked_ms: float, time_constant_s: float) -> float:
+    """Return for how long filters run before a window, by what rules ask and their longest time constant."""
+    return asked_ms * max(1.0, time_constant_s / _PREROLL_FOR_S)
 
 
 def settle_s(*filters: Analogue) -> float:

@@ -129,7 +129,7 @@ def _reason(error: "FFmpegError") -> str:
     return "damage" if isinstance(error, BlockingIOError) else str(error.strerror)
 
 
-def make_strict(stream: "AudioStream") -> None:
+def set_up_decoder(stream: "AudioStream") -> None:
     """Have the decoder of a stream refuse frames whose checksum is wrong, and cut nothing off ALAC in a CAF.
 
     Only before the first frame is decoded. The last packet of ALAC is as short as its sound; what it lacks of a whole

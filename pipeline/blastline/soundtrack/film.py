@@ -13,7 +13,7 @@ from .appended import Appended, appended_warning, find_appended
 from .boxes import ends_before_its_index
 from .chunks import ChunkTable, overflow_warning
 from .corrections import correction_warnings
-from .decode import Tally, decoded, make_strict, packed
+from .decode import Tally, decoded, packed, set_up_decoder
 from .ending import stops_early
 from .facts import UNSTAMPED, film_facts, header_frames, origin_of, sound_streams, title_of
 from .first_stamp import origin_by_others
@@ -60,7 +60,7 @@ class FilmTrack:
         self._container, self._stream, self._names, self._hint = container, stream, names, hint
         self.number = container.streams.audio.index(stream)
         self._tally = Tally()
-        make_strict(stream)
+        set_up_decoder(stream)
         self._frames = decoded(container, stream, self._tally)
         first = next(self._frames, None)
         if first is None:
