@@ -19,7 +19,7 @@ from scipy.fft import irfft, next_fast_len, rfft
 from blastline.render import DriveFilters, drive_filters, needed_audio
 from blastline.render.banded import hat
 from blastline.render.constrained import between_corners, corner_rhs
-from blastline.render.descent import BoxProblem, full_problem, restarted_fista
+from blastline.render.descent import BoxProblem, Convolution, restarted_fista
 from blastline.render.filters import compensated, in_band
 from blastline.render.interior import solve_box_qp
 from blastline.ruleset import load_actuator, load_rules
@@ -60,7 +60,7 @@ def cases(names: list[str], shots: int) -> Iterator[Case]:
                 continue
             taken += 1
             target = in_band(sound, filters)[first:]
-            problem = full_problem(target, filters.impulse, frames=len(target))
+            problem = Convolution.of(filters.impulse, len(target)).problem(target)
             yield Case(problem, 0.5 * float(np.sum(target**2)), np.clip(drive, -1.0, 1.0), filters)
 
 

@@ -14,7 +14,7 @@ from scipy.optimize import lsq_linear
 from blastline.model import Quality
 from blastline.render import DriveFilters
 from blastline.render.constrained import _is_unsettled, between_corners, constrained_drive, corner_rhs
-from blastline.render.descent import full_problem, restarted_fista
+from blastline.render.descent import Convolution, restarted_fista
 from blastline.render.filters import compensated, felt, in_band
 from blastline.ruleset import RenderRules, load_rules
 from render_signals import CAUSAL, KINDS, RATE_HZ, RENDER, altered, film_with_shot
@@ -37,7 +37,7 @@ def test_a_drive_is_settled_where_a_step_moves_it_by_less_than_a_hundredth(
     share: float, peak: float, *, is_unsettled: bool
 ) -> None:
     drive = peak * np.sin(np.arange(200) / 3.0)
-    problem = full_problem(blast_target(200, peak=peak), IMPULSE, frames=200)
+    problem = Convolution.of(IMPULSE, 200).problem(blast_target(200, peak=peak))
     moved = replace(problem, rhs=problem.normal(drive) + problem.lipschitz * share * drive)
     assert _is_unsettled(moved, moved.at(drive)) == is_unsettled
 
@@ -78,7 +78,7 @@ def test_normal_operator_and_right_side_are_those_of_the_matrix(frames: int) -> 
     random = np.random.default_rng(frames)
     target, u = random.standard_normal(frames), random.standard_normal(frames)
     matrix = convolution(IMPULSE, frames)
-    problem = full_problem(target, IMPULSE, frames=frames)
+    problem = Convolution.of(IMPULSE, frames).problem(target)
     np.testing.assert_allclose(problem.normal(u), matrix.T @ matrix @ u, rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(problem.rhs, matrix[:frames].T @ target, rtol=1e-9, atol=1e-12)
 
@@ -89,7 +89,7 @@ def test_adjoint(frames: int, seed: int) -> None:
     random = np.random.default_rng(seed)
     u, v = random.standard_normal(frames), random.standard_normal(frames)
     forwards = float(np.sum(felt(u, CAUSAL) * v))
-    backwards = float(np.sum(u * full_problem(v, CAUSAL.impulse, frames=frames).rhs))
+    backwards = float(np.sum(u * Convolution.of(CAUSAL.impulse, frames).problem(v).rhs))
     assert forwards == pytest.approx(backwards, rel=1e-8, abs=1e-10)
 
 
@@ -123,7 +123,7 @@ def test_minimum_is_that_of_scipy(peak: float) -> None:
     matrix = convolution(IMPULSE, frames)
     whole = np.concatenate([target, np.zeros(len(matrix) - frames)])
     reference = lsq_linear(matrix, whole, bounds=(-1.0, 1.0), tol=1e-12)
-    problem = full_problem(target, IMPULSE, frames=frames)
+    problem = Convolution.of(IMPULSE, frames).problem(target)
     found = restarted_fista(problem, problem.at(np.zeros(frames)), iterations=4000, tolerance=0.0).drive
     residual = 0.5 * float(np.sum((matrix @ found - whole) ** 2))
     assert residual <= 1.001 * reference.cost + 1e-9 * float(np.sum(whole**2))
@@ -133,7 +133,7 @@ def test_minimum_is_that_of_scipy(peak: float) -> None:
 @settings(max_examples=40)
 def test_solver_is_never_worse_than_its_start_and_stays_in_the_box(seed: int, iterations: int, scale: float) -> None:
     random = np.random.default_rng(seed)
-    problem = full_problem(scale * random.standard_normal(200), IMPULSE, frames=200)
+    problem = Convolution.of(IMPULSE, 200).problem(scale * random.standard_normal(200))
     start = random.uniform(-1, 1, 200)
     found = restarted_fista(problem, problem.at(start), iterations=iterations, tolerance=0.0).drive
     assert problem.objective(found) <= problem.objective(start)
@@ -142,7 +142,7 @@ def test_solver_is_never_worse_than_its_start_and_stays_in_the_box(seed: int, it
 
 @pytest.mark.parametrize("peak", [0.05, 3.0])
 def test_more_iterations_are_never_worse(peak: float) -> None:
-    problem = full_problem(blast_target(200, peak=peak), IMPULSE, frames=200)
+    problem = Convolution.of(IMPULSE, 200).problem(blast_target(200, peak=peak))
     values = [
         restarted_fista(problem, problem.at(np.zeros(200)), iterations=count, tolerance=0.0).objective
         for count in range(80)
@@ -152,7 +152,7 @@ def test_more_iterations_are_never_worse(peak: float) -> None:
 
 def textbook_fista(matrix: Samples, whole: Samples, *, iterations: int) -> Samples:
     """Return the best point of Beck and Teboulle's FISTA over |u| <= 1, begun anew whenever the objective rises."""
-    lipschitz = full_problem(whole, IMPULSE, frames=matrix.shape[1]).lipschitz
+    lipschitz = Convolution.of(IMPULSE, matrix.shape[1]).problem(whole).lipschitz
     best = y = np.zeros(matrix.shape[1])
     t, lowest = 1.0, 0.5 * float(np.sum(whole**2))
     for _ in range(iterations):
@@ -173,14 +173,14 @@ def test_iterates_are_those_of_the_textbook(iterations: int) -> None:
     target = blast_target(frames, peak=3.0)  # it begins anew after 21
     matrix = convolution(IMPULSE, frames)
     whole = np.concatenate([target, np.zeros(len(matrix) - frames)])
-    problem = full_problem(target, IMPULSE, frames=frames)
+    problem = Convolution.of(IMPULSE, frames).problem(target)
     found = restarted_fista(problem, problem.at(np.zeros(frames)), iterations=iterations, tolerance=0.0).drive
     np.testing.assert_allclose(found, textbook_fista(matrix, whole, iterations=iterations), atol=1e-6)
 
 
 def test_tolerance_stops_early_and_near_the_minimum() -> None:
     target, warm = shot_target(KINDS[0])
-    problem = full_problem(target, CAUSAL.impulse, frames=len(target))
+    problem = Convolution.of(CAUSAL.impulse, len(target)).problem(target)
     start = np.clip(warm, -1.0, 1.0)
     best = restarted_fista(problem, problem.at(start), iterations=300, tolerance=0.0).objective
     loose = restarted_fista(problem, problem.at(start), iterations=300, tolerance=1e-3).objective
@@ -200,7 +200,7 @@ def test_limit_binds_under_a_target_far_beyond_it() -> None:
     target, warm = shot_target(KINDS[1])
     drive = solved(1e30 * target, 1e30 * warm)
     assert np.max(np.abs(drive)) == 1.0
-    aligned = full_problem(target, CAUSAL.impulse, frames=len(target)).rhs
+    aligned = Convolution.of(CAUSAL.impulse, len(target)).problem(target).rhs
     assert np.array_equal(np.sign(drive[drive != 0.0]), np.sign(aligned[drive != 0.0]))
 
 
@@ -241,7 +241,7 @@ def test_what_straight_lines_cannot_follow_is_solved_all_the_same(
 
 @pytest.mark.parametrize("peak", [0.05, 0.3, 3.0])
 def test_no_drive_gains_more_than_is_said_to_be_left(peak: float) -> None:
-    problem = full_problem(blast_target(200, peak=peak), IMPULSE, frames=200)
+    problem = Convolution.of(IMPULSE, 200).problem(blast_target(200, peak=peak))
     rest = problem.at(np.zeros(200))
     best = restarted_fista(problem, rest, iterations=5000, tolerance=0.0)
     for steps in (0, 1, 10, 100):

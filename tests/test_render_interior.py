@@ -15,7 +15,7 @@ from blastline.model import Quality
 from blastline.render import DriveFilters, drive_filters
 from blastline.render.banded import Recursion, well_conditioned_stride
 from blastline.render.constrained import SolveSummary, between_corners, constrained_drive, corner_rhs
-from blastline.render.descent import full_problem, restarted_fista
+from blastline.render.descent import Convolution, restarted_fista
 from blastline.render.filters import compensated, felt, in_band
 from blastline.render.interior import SHORTEST, solve_box_qp
 from blastline.ruleset import ActuatorProfile, load_rules
@@ -129,7 +129,7 @@ def test_recursion_has_the_response_of_the_sections(name: str, rate_hz: int) -> 
 def test_gap_to_the_minimum_is_what_was_asked_for_with_any_actuator(name: str, rate_hz: int) -> None:
     filters = drive_filters(OTHERS[name], rate_hz, "causal")
     target, warm = shot(filters, frames=rate_hz // 5)
-    problem = full_problem(target, filters.recursion.impulse, frames=len(target))
+    problem = Convolution.of(filters.recursion.impulse, len(target)).problem(target)
     stride = well_conditioned_stride(filters.recursion, 1, rate_hz)
     rhs = corner_rhs(problem.rhs, stride)
     found = solve_box_qp(
@@ -150,7 +150,7 @@ def test_steps_are_few_however_far_over_the_limit_the_target_is(name: str) -> No
     filters = drive_filters(OTHERS.get(name, PROFILE), 48_000, "causal")
     target, warm = shot(filters, peak=5.0, frames=9600)
     stride = well_conditioned_stride(filters.recursion, 4, 48_000)
-    rhs = corner_rhs(full_problem(target, filters.recursion.impulse, frames=len(target)).rhs, stride)
+    rhs = corner_rhs(Convolution.of(filters.recursion.impulse, len(target)).problem(target).rhs, stride)
     found = solve_box_qp(
         filters.recursion, rhs, warm[stride - 1 :: stride][: len(rhs)], stride=stride, iterations=60, tolerance=1e-4
     )
@@ -187,7 +187,7 @@ def test_scale_of_the_actuator_changes_nothing_but_numbers(level: float, seed: i
         solve_box_qp(recursion, right, np.zeros(200), stride=stride, iterations=60, tolerance=1e-6)
         for recursion, right in ((SLOW.recursion, rhs), (larger, factor**2 * rhs))
     )
-    problem = full_problem(np.zeros(200 * stride), SLOW.recursion.impulse, frames=200 * stride)
+    problem = Convolution.of(SLOW.recursion.impulse, 200 * stride).problem(np.zeros(200 * stride))
 
     def objective(corners: Samples) -> float:
         straight = between_corners(corners, stride, 200 * stride + stride)[: 200 * stride] if stride > 1 else corners
@@ -200,7 +200,7 @@ def test_scale_of_the_actuator_changes_nothing_but_numbers(level: float, seed: i
 @pytest.mark.parametrize("scale", [1e-12, 1.0, 1e30])
 def test_few_unknowns_and_any_size_of_target(frames: int, scale: float) -> None:
     target, _ = shot(SLOW, frames=frames)
-    problem = full_problem(scale * target, SLOW.impulse, frames=frames)
+    problem = Convolution.of(SLOW.impulse, frames).problem(scale * target)
     found = solve_box_qp(SLOW.recursion, problem.rhs, np.zeros(frames), stride=1, iterations=60, tolerance=1e-4)
     assert np.all(np.isfinite(found.drive))
     assert np.max(np.abs(found.drive)) <= 1.0
@@ -213,7 +213,7 @@ def test_larger_limit_is_never_worse_and_costs_no_more_steps_than_it_may() -> No
     target, warm = shot(CAUSAL)
     values = []
     for limit in (0.5, 1.0, 2.0, 8.0, 100.0):
-        problem = full_problem(target, limit * CAUSAL.recursion.impulse, frames=len(target))
+        problem = Convolution.of(limit * CAUSAL.recursion.impulse, len(target)).problem(target)
         higher = Recursion(CAUSAL.recursion.poles, limit * CAUSAL.recursion.impulse, CAUSAL.recursion.free)
         found = solve_box_qp(higher, problem.rhs, warm / limit, stride=1, iterations=60, tolerance=1e-6)
         values.append(problem.objective(found.drive))
@@ -256,7 +256,7 @@ def test_normal_equations_are_those_of_the_convolution_however_long_the_seat_rin
     rng = np.random.default_rng(frames)
     impulse, drive = CAUSAL.impulse, rng.standard_normal(frames)
     wanted = rng.standard_normal(frames + len(impulse) - 1)
-    problem = full_problem(wanted, impulse, frames=frames)
+    problem = Convolution.of(impulse, frames).problem(wanted)
     normal = fftconvolve(fftconvolve(drive, impulse), impulse[::-1])[len(impulse) - 1 :][:frames]
     right = fftconvolve(wanted, impulse[::-1])[len(impulse) - 1 :][:frames]
     rounding = 1e-12 * float(np.linalg.norm(wanted))
@@ -276,6 +276,6 @@ def test_drive_of_a_seat_that_remembers_much_is_still_the_best_one(name: str, ra
     felt, rung = np.split(fftconvolve(guess, filters.impulse), [len(guess)])
     share = min(1.0, np.linalg.norm(target) / np.linalg.norm(felt))
     wanted = np.concatenate([target, share * rung])  # what it may ring on, as `constrained_drive` allows
-    problem = full_problem(wanted, filters.impulse, frames=len(target))
+    problem = Convolution.of(filters.impulse, len(target)).problem(wanted)
     best = restarted_fista(problem, problem.at(guess), iterations=4000, tolerance=0.0).objective
     assert problem.objective(drive) - best <= 2e-3 * 0.5 * float(np.sum(wanted**2))

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ..ruleset import RenderRules
 from .banded import Recursion, hat, well_conditioned_stride
-from .descent import BoxProblem, Iterate, full_problem, restarted_fista
+from .descent import BoxProblem, Convolution, Iterate, restarted_fista
 from .interior import fewest_unknowns, solve_box_qp
 
 Samples = NDArray[np.float64]
@@ -83,25 +83,23 @@ def constrained_drive(
             summaries.append(SolveSummary(0, 0.0))
             continue
         rings = _ringing(drive[starts[0] : start], impulse)
-        wanted = _wanted(target[start:stop], warm_start[start:stop], impulse, rings=rings)
-        problem = full_problem(wanted, impulse, frames=stop - start)
+        by_h = Convolution.of(impulse, stop - start)
+        wanted = _wanted(target[start:stop], by_h.felt(warm_start[start:stop]), rings=rings)
         energy = 0.5 * float(np.sum(wanted * wanted))
         drive[start:stop], summary = _piece(
-            problem, warm_start[start:stop], recursion, energy, rate_hz=rate_hz, rules=rules
+            by_h.problem(wanted), warm_start[start:stop], recursion, energy, rate_hz=rate_hz, rules=rules
         )
         summaries.append(summary)
     return drive, tuple(summaries)
 
 
-def _wanted(target: Samples, guess: Samples, impulse: Samples, *, rings: Samples) -> Samples:
-    """Return what is to be felt of a piece, shape (frames + len(impulse) - 1,), where what was before still `rings`.
+def _wanted(target: Samples, felt: Samples, *, rings: Samples) -> Samples:
+    """Return what is to be felt of a piece, shape as what is `felt` of its first guess, where the last one `rings` on.
 
     After it that is the guess's ringing, as if the guess were felt no more strongly than what is wanted: where the
     limit cuts far into the guess, a seat with a slow resonance rings with that, not with the sound.
     """
-    from scipy.signal import fftconvolve
-
-    frames, felt = len(target), np.asarray(fftconvolve(guess, impulse), dtype=np.float64)
+    frames = len(target)
     wanted = np.concatenate([target, np.zeros(len(felt) - frames)])
     wanted[: len(rings)] -= rings[: len(wanted)]
     asked, guessed = (float(np.sum(each[:frames] ** 2)) for each in (wanted, felt))
@@ -172,7 +170,10 @@ def corner_rhs(rhs: Samples, stride: int) -> Samples:
     Empty where there is no room for one.
     """
     rise = hat(stride)
-    return np.convolve(rhs, rise, "valid")[::stride] if len(rhs) >= len(rise) else np.zeros(0)
+    if len(rhs) < len(rise):
+        return np.zeros(0)
+    around_each = np.lib.stride_tricks.sliding_window_view(rhs, len(rise))[::stride]
+    return np.asarray(np.einsum("ij,j->i", around_each, rise), dtype=np.float64)
 
 
 def between_corners(corners: Samples, stride: int, frames: int) -> Samples:

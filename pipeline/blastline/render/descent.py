@@ -62,23 +62,46 @@ class BoxProblem:
         return Iterate(u, normal, float(np.sum(u * (0.5 * normal - self.rhs))))
 
 
-def full_problem(wanted: Samples, impulse: Samples, *, frames: int) -> BoxProblem:
-    """Return the problem with one unknown for each of the first `frames` samples of what is wanted to be felt.
+@dataclass(frozen=True, eq=False)
+class Convolution:
+    """H for drives of so many `frames`, by its spectrum around a circle of `padded` samples: room for what it rings."""
 
-    Every step needs N of the drive's own samples alone: its circle is short, however long H rings.
-    """
-    from scipy.fft import irfft, next_fast_len, rfft
+    frames: int
+    felt_frames: int
+    padded: int
+    response: NDArray[np.complex128]
 
-    padded = next_fast_len(max(len(wanted), frames + len(impulse) - 1), real=True)
-    response = rfft(impulse, padded)
-    rhs = irfft(np.conj(response) * rfft(wanted, padded), padded)[:frames]
-    power = response.real**2 + response.imag**2
-    lipschitz, short = float(np.max(power)), next_fast_len(2 * frames - 1, real=True)
-    if short >= padded:
-        return BoxProblem(power, padded, rhs, lipschitz)
-    row, lags = np.zeros(short), irfft(power, padded)[:frames]
-    row[:frames], row[short - frames + 1 :] = lags, lags[:0:-1]
-    return BoxProblem(rfft(row).real, short, rhs, lipschitz)
+    @classmethod
+    def of(cls, impulse: Samples, frames: int) -> "Convolution":
+        """Return H from its impulse response."""
+        from scipy.fft import next_fast_len, rfft
+
+        felt_frames = frames + len(impulse) - 1
+        padded = next_fast_len(felt_frames, real=True)
+        return cls(frames, felt_frames, padded, rfft(impulse, padded))
+
+    def felt(self, drive: Samples) -> Samples:
+        """Return H u, shape (felt_frames,): what is felt of a drive, and what rings after its end."""
+        from scipy.fft import irfft, rfft
+
+        felt: Samples = irfft(self.response * rfft(drive, self.padded), self.padded)
+        return felt[: self.felt_frames]
+
+    def problem(self, wanted: Samples) -> BoxProblem:
+        """Return the problem with one unknown for each sample of a drive; `wanted` is to be felt, silence after it.
+
+        Every step needs N of the drive's own samples alone: its circle is short, however long H rings.
+        """
+        from scipy.fft import irfft, next_fast_len, rfft
+
+        rhs = irfft(np.conj(self.response) * rfft(wanted, self.padded), self.padded)[: self.frames]
+        power = self.response.real**2 + self.response.imag**2
+        lipschitz, short = float(np.max(power)), next_fast_len(2 * self.frames - 1, real=True)
+        if short >= self.padded:
+            return BoxProblem(power, self.padded, rhs, lipschitz)
+        row, lags = np.zeros(short), irfft(power, self.padded)[: self.frames]
+        row[: self.frames], row[short - self.frames + 1 :] = lags, lags[:0:-1]
+        return BoxProblem(rfft(row).real, short, rhs, lipschitz)
 
 
 def restarted_fista(problem: BoxProblem, start: Iterate, *, iterations: int, tolerance: float) -> Iterate:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..render import DriveFilters
 from ..render.constrained import between_corners, corner_rhs
-from ..render.descent import full_problem
+from ..render.descent import Convolution
 from ..render.interior import solve_box_qp
 from ..ruleset import RenderRules
 
@@ -58,7 +58,7 @@ def against_optimum(
     matrix = fftconvolve(lines, filters.impulse[:, None], axes=0)
     wanted = np.concatenate([target, np.zeros(memory)])
     slow = lsq_linear(matrix, wanted, bounds=(-1.0, 1.0), tol=1e-12, lsq_solver="exact")
-    problem = full_problem(target, filters.impulse, frames=frames)
+    problem = Convolution.of(filters.impulse, frames).problem(target)
     found = solve_box_qp(
         filters.recursion,
         corner_rhs(problem.rhs, stride),
