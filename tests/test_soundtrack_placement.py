@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from blastline.errors import SoundtrackError
 from blastline.soundtrack.corrections import correction_warnings
 from blastline.soundtrack.first_stamp import origin_by_others
 from blastline.soundtrack.placement import Gap, Overlap, Placement
@@ -128,6 +129,20 @@ def test_a_gap_of_no_whole_frame_is_taken_as_the_stamps_say() -> None:
     places, placement = placed(frames)
     assert places[19] == 19 * FRAME + 500
     assert placement.gaps == [(10 * FRAME, 500)]
+
+
+@pytest.mark.parametrize("hours", [1, 23])
+def test_a_header_that_makes_days_of_any_sound_is_refused_within_a_day(hours: int) -> None:
+    """As of an AVI or CAF, whose stamps are counted by what its header says of a packet."""
+    late = hours * 3600 * RATE_HZ
+    frames = stamped(range(2)) + [Frame(f.number, (f.pts or 0) + late) for f in stamped(range(2, 200))]
+    assert placed(frames, max_frames=10**12)[1].gaps == [(2 * FRAME, late)]
+    damaged = [Frame(f.number, (f.pts or 0) + f.number * late) for f in stamped(range(2000))]
+    placement: Placement[Frame] = Placement(RATE_HZ, 10**12)
+    given: list[Frame | Gap | Overlap] = []
+    with pytest.raises(SoundtrackError, match=r"of silence in the first .* s of sound; expected no more"):
+        given.extend(placement.place(damaged))
+    assert sum(item.samples for item in given if isinstance(item, Gap)) <= 24 * 3600 * RATE_HZ
 
 
 @pytest.mark.parametrize(("shift", "max_frames"), [(-5 * RATE_HZ, FOREVER), (10**7, 100_000)])

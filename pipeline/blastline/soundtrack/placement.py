@@ -28,11 +28,16 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Generic, Protocol, TypeVar
 
+from ..errors import SoundtrackError
+
 MAX_HELD_S = 2.0
 """How much sound is held back at most until its stamps are believed."""
 
 TOLERANCE_S = 0.002
 """What is off by no more than this, or than stamps are rounded, is not off at all."""
+
+_MAX_SILENCE_S = 24 * 3600
+"""No film has so much silence in its gaps: a header that is damaged makes days of any sound."""
 
 _EARLY_S = 0.03
 """What is early by no more than this, or than a frame, stays where it is, but for whole frames of a certain length."""
@@ -95,6 +100,7 @@ class Placement(Generic[FrameT]):
     _held: list[tuple[FrameT, int | None]] = field(default_factory=list)
     """Frames, the first of which does not fit, and how much later than counted their stamps are."""
     _held_samples: int = 0
+    _filled: int = 0
     _usual: int = 0
     _tick: int = 1
     _tolerance: int = 0
@@ -203,6 +209,7 @@ class Placement(Generic[FrameT]):
             yield from self._release(1)
             return
         if 0 < gap <= self.max_frames - self._position:
+            self._require_film(gap)
             self.gaps.append((self._position, gap))
             self._count_from(gap)
             self._position += gap
@@ -222,6 +229,16 @@ class Placement(Generic[FrameT]):
             yield from self._release(-(-len(self._held) // share))
             return
         yield from self._release(0)
+
+    def _require_film(self, gap: int) -> None:
+        """Raise SoundtrackError where one gap more would make the silence longer than any film."""
+        self._filled += gap
+        if self._filled > _MAX_SILENCE_S * self.rate_hz:
+            asked, sound = self._filled / self.rate_hz, (self._position + gap - self._filled) / self.rate_hz
+            raise SoundtrackError(
+                f"its time stamps ask for {asked:.0f} s of silence in the first {sound:.3f} s of sound; "
+                f"expected no more than {_MAX_SILENCE_S} s: its header or its time stamps are damaged"
+            )
 
     def _ended(self) -> bool:
         """Return whether so little is held that, where it is judged, nothing follows."""
