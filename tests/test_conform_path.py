@@ -238,6 +238,24 @@ def test_a_shot_whose_bang_is_black_is_gone_though_its_end_is_there(
     assert found == near(list(expected))
 
 
+@pytest.mark.parametrize(("replaced_s", "is_there"), [(0.1, False), (0.06, False), (0.03, False), (0.005, True)])
+@pytest.mark.parametrize("seed", [91, 92, 93])
+def test_a_shot_whose_bang_is_another_sound_is_gone_though_its_decay_is_there(
+    replaced_s: float, is_there: bool, seed: int
+) -> None:
+    """What is put over the bang, and is no louder, leaves the shot where it is."""
+    rng = np.random.default_rng(seed)
+    old = OLD.copy()
+    put(old, 0.3 * np.exp(-np.arange(RATE_HZ) / (0.2 * RATE_HZ)) * rng.normal(size=RATE_HZ), 29.0)
+    first, stop = round(28.998 * RATE_HZ), round((29.0 + replaced_s) * RATE_HZ)
+    sound = rng.normal(size=stop - first) * np.sqrt(np.mean(old[first:stop] ** 2))
+    new, covered = old.copy(), old.copy()
+    new[first:stop], covered[first:stop] = sound, old[first:stop] + sound
+    expected = [None if onset_s == 29.0 and not is_there else onset_s for onset_s in ONSETS_S]
+    assert conformed(old, new) == near(list(expected))
+    assert conformed(old, covered) == near(list(ONSETS_S))
+
+
 def test_films_with_nothing_in_common_have_no_segment() -> None:
     assert courses(heard(OLD), heard(film(50.0, (10.0, 20.0), seed=27))) == []
 

@@ -16,6 +16,11 @@ _MUTED = 1e-4
 takes so much of it, and what is put over a shot only adds.
 """
 
+_REPLACED = 0.5
+"""An attack less than half as alike as the shot as a whole is another sound, before a decay that stayed: what is put
+over a shot covers its attack less, unless the attack is less than half as loud as the whole.
+"""
+
 
 @dataclass(frozen=True)
 class HeardEvent:
@@ -57,13 +62,42 @@ def hear_event(
         heard = HeardEvent(found, enough)
         if heard.is_alike:
             break
-    if heard.is_alike:  # perhaps by its end alone, behind black
-        attack = round(rules.attack_ms / 1000.0 * WORK_HZ)
-        before, _ = piece(old, onset_s, length_s / course.pitch_scale, scale=course.pitch_scale, mix=mix)
-        after, _ = piece(new, segment.line.at(onset_s) + found.late_s, length_s)
-        if _is_muted(after[:attack], after, before[:attack], before):
-            return HeardEvent(found, math.inf)
+    if heard.is_alike and _is_by_its_end(onset_s, length_s, found, course, old, new, rules, mix):
+        return HeardEvent(found, math.inf)
     return heard
+
+
+def _is_by_its_end(
+    onset_s: float,
+    length_s: float,
+    found: Found,
+    course: Course,
+    old: Film,
+    new: Film,
+    rules: ConformRules,
+    mix: HeardIn,
+) -> bool:
+    """Return whether a shot is alike by its decay alone, behind black or behind another sound."""
+    scale, attack_s = course.pitch_scale, rules.attack_ms / 1000.0
+    new_s, attack = course.segment.line.at(onset_s) + found.late_s, round(attack_s * WORK_HZ)
+    before, _ = piece(old, onset_s, length_s / scale, scale=scale, mix=mix)
+    after, _ = piece(new, new_s, length_s)
+    if _is_muted(after[:attack], after, before[:attack], before):
+        return True
+    if np.mean(before[:attack] ** 2) < _REPLACED**2 * np.mean(before**2):  # what is put over the whole covers it more
+        return False
+    heard = look(
+        old,
+        new,
+        old_s=onset_s,
+        new_s=new_s,
+        before_s=0.0,
+        after_s=attack_s,
+        scale=scale,
+        search_s=1.0 / WORK_HZ,
+        mix=mix,
+    )
+    return heard.likeness < _REPLACED * found.likeness
 
 
 def _length_s(onset_s: float, room_s: float, course: Course, rules: ConformRules) -> float:
