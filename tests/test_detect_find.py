@@ -16,7 +16,7 @@ from blastline.detect.candidates import CandidateFeatures, describe_candidates, 
 from blastline.detect.chunks import CORE_PIECES, Chunk, chunks
 from blastline.detect.closer import worth_looking_at
 from blastline.detect.features import feature_names
-from blastline.detect.find import _nearest, search_chunks, select_shots
+from blastline.detect.find import search_chunks, select_shots
 from blastline.detect.fire import ScoredCandidates
 from blastline.detect.forest import ForestFile, forest_from, probabilities
 from blastline.detect.spectrogram import Spectrograms, spectrograms
@@ -34,6 +34,7 @@ from blastline.detect.verify import (
     log_odds_in,
     log_odds_of,
 )
+from blastline.detect.whole import _nearest
 from blastline.errors import RuleError
 from blastline.model import Clip, EvenRow, Shot, ShotEvidence, Span
 from blastline.ruleset import load_rules, verifier_path
@@ -193,7 +194,7 @@ def judged(samples: NDArray[np.float32], **changes: float | None) -> NDArray[np.
     """Return the onsets of a film that the networks judge, with other rules for what they look at."""
     tier = msgspec.structs.replace(RULES.tier, verify=msgspec.structs.replace(RULES.tier.verify, **changes))
     found = search_chunks([Clip(samples[:, None], RATE_HZ)], rate_hz=RATE_HZ, tier=tier, verifier=VERIFIER)
-    return np.concatenate([each.scored["mains"].onsets for each in found])
+    return np.concatenate([each["mains"].scored.onsets for each in found])
 
 
 def test_a_tier_that_asks_less_than_the_model_has_more_looked_at_and_one_that_asks_nothing_all(

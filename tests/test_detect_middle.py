@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from blastline.detect.middle import left_to_mains
+from blastline.detect.middle import heard_as_well, left_to_mains
 from blastline.ruleset import load_rules
 
 Samples = NDArray[np.float32]
@@ -39,7 +39,8 @@ def middle_over(sides: Samples, spans: list[tuple[int, int]], level: float = 0.1
 
 def left(sides: Samples, mains: Samples, onsets: NDArray[np.intp], fewest: int = 1) -> list[bool]:
     rules = msgspec.structs.replace(BURSTS, fewest_even=fewest)
-    found: list[bool] = left_to_mains(sides, mains, onsets, rate_hz=RATE_HZ, rules=rules).tolist()
+    heard = heard_as_well(sides, mains, onsets, RATE_HZ)
+    found: list[bool] = left_to_mains(heard, onsets, rate_hz=RATE_HZ, rules=rules).tolist()
     return found
 
 

@@ -9,13 +9,13 @@ import pytest
 from numpy.typing import NDArray
 
 from blastline import run
-from blastline.detect import LATENCY_S, Detection, find, find_shots, verifier_of
+from blastline.detect import LATENCY_S, Detection, find_shots, verifier_of, whole
 from blastline.detect.backdrop import LEVELS
 from blastline.detect.company import in_company
-from blastline.detect.find import ChunkResult, with_what_the_film_tells
 from blastline.detect.fire import ScoredCandidates
 from blastline.detect.sides import merge_mixes
 from blastline.detect.verify import LogOdds
+from blastline.detect.whole import ChunkResult, MixResult, of_whole_film
 from blastline.model import Rejection, Shot, ShotEvidence, Span
 from blastline.ruleset import BurstRules, QualityRules, load_rules
 from blastline.soundtrack import open_soundtrack
@@ -326,16 +326,23 @@ def test_a_row_is_told_by_the_mix_that_judged_its_shots_wherever_they_begin_in_i
     evidence = ShotEvidence(0.5, 1, None, "fallen")
     heard = [msgspec.structs.replace(shot(at, 0.3), evidence=evidence) for at in onsets.tolist()]
     there = [msgspec.structs.replace(shot(at + aside, 0.95), evidence=evidence) for at in onsets.tolist()]
-    shots, _ = merge_mixes((heard, []), (there, []), rate_hz=RATE_HZ, tier=RULES.tier)
-    in_mains, in_sides = (_scored(onsets + late, odds) for late, odds in ((0, -1.0), (aside, 3.0)))
-    chunk = ChunkResult([*shots, *heard], [], {"mains": in_mains, "sides": in_sides})
-    (told,) = with_what_the_film_tells([chunk], rate_hz=RATE_HZ, tier=RULES.tier)
-    assert {each.heard_in for each in told[:6]} == {"sides"}
-    assert [each.evidence and each.evidence.even_row for each in told] == 6 * ["fire"] + 6 * [None]
+    # one of them is likely in the mains as well, so that all of them are heard there
+    in_mains, in_sides = _scored(onsets, [1.0, *5 * [-1.0]]), _scored(onsets + aside, 6 * [3.0])
+    film: ChunkResult = {"mains": found(heard, in_mains), "sides": found(there, in_sides)}
+    told, _ = of_whole_film([film], rate_hz=RATE_HZ, tier=RULES.tier)
+    assert {each.heard_in for each in told} == {"sides"}
+    assert [each.onset for each in told] == onsets.tolist()
+    assert [each.evidence and each.evidence.even_row for each in told] == 6 * ["fire"]
+    alone, _ = of_whole_film([{"mains": film["mains"]}], rate_hz=RATE_HZ, tier=RULES.tier)
+    assert [each.evidence and each.evidence.even_row for each in alone] == 6 * [None]
 
 
-def _scored(onsets: NDArray[np.intp], log_odds: float) -> ScoredCandidates:
-    odds = np.full(onsets.size, log_odds)
+def found(shots: list[Shot], scored: ScoredCandidates) -> MixResult:
+    return MixResult(shots, [], scored, shots, np.zeros(len(shots), np.bool_))
+
+
+def _scored(onsets: NDArray[np.intp], log_odds: list[float]) -> ScoredCandidates:
+    odds = np.array(log_odds)
     unheard = np.zeros((onsets.size, LEVELS), np.int16)
     return ScoredCandidates(onsets, np.full(onsets.size, -6.0), LogOdds(odds, odds, odds), unheard)
 
@@ -356,9 +363,9 @@ def test_only_what_is_not_left_to_the_mains_is_heard_in_the_sides(
     assert any(shot.heard_in == "sides" for shot in found_in(samples).shots)
 
     def all_of(
-        sides: Samples, mains: Samples, onsets: NDArray[np.intp], *, rate_hz: int, rules: BurstRules
+        heard: NDArray[np.bool_], onsets: NDArray[np.intp], *, rate_hz: int, rules: BurstRules
     ) -> NDArray[np.bool_]:
         return np.ones(onsets.size, np.bool_)
 
-    monkeypatch.setattr(find, "left_to_mains", all_of)
+    monkeypatch.setattr(whole, "left_to_mains", all_of)
     assert all(shot.heard_in == "mains" for shot in found_in(samples).shots)

@@ -29,6 +29,7 @@ from ..units import samples_from_ms, samples_from_s
 from .backdrop import LEVELS
 from .fire import ScoredCandidates
 from .loops import LoopCandidates, in_loops
+from .near import have_near
 from .pace import rows_at, shot_by_shot
 from .rounds import in_a_run, in_pairs, with_rounds
 from .rows import in_endless_fire, in_even_rows, runs_of
@@ -115,7 +116,7 @@ def _belief(shots: Sequence[Shot], *, rate_hz: int, tier: QualityRules) -> _Beli
     in_run = np.where(aside, channels.sides_company_threshold, rules.burst_threshold)
     sure = by_itself | in_a_run(onsets, probability, in_run, rate_hz=rate_hz, rules=bursts)
     likely = probability >= np.where(aside, channels.sides_company_threshold, rules.company_threshold)
-    believed = sure | (likely & _near(onsets, onsets[sure], samples_from_s(rules.company_s, rate_hz)))
+    believed = sure | (likely & have_near(onsets, onsets[sure], samples_from_s(rules.company_s, rate_hz)))
     peaks_dbfs = np.array([shot.peak_dbfs for shot in shots])
     rows = [shot.evidence.even_row if shot.evidence else None for shot in shots]
     fire = np.array([row in FIRE for row in rows], bool)
@@ -182,9 +183,14 @@ def _refused(shot: Shot, why: str) -> Rejection:
 
 
 def worth_segmenting(
-    scored: ScoredCandidates, rows: Sequence[EvenRow | None], *, rate_hz: int, tier: QualityRules, core: Span
+    scored: ScoredCandidates,
+    rows: Sequence[EvenRow | None],
+    *,
+    rate_hz: int,
+    tier: QualityRules,
+    core: Span | None = None,
 ) -> NDArray[np.bool_]:
-    """Return which of n candidates of a chunk's core `in_company` could believe, shape (n,), given their rows.
+    """Return which of n candidates of a film, or a chunk's core, `in_company` could believe, shape (n,), by their rows.
 
     The others need not be segmented: they are rounds of no burst, and no second of a double shot. What a burst or a row
     beyond the core may reach is worth it, a slow row of shots too, which the networks alone may believe.
@@ -196,28 +202,28 @@ def worth_segmenting(
     likeliest = np.maximum(scored.odds.by_all, scored.odds.by_networks)
     members = np.flatnonzero((likeliest >= log_odds_of(tier.verify.round_threshold)) | worth)
     reach = (tier.rows.fewest - 1) * samples_from_ms(tier.rows.longest_gap_ms, rate_hz)
-    cut = (scored.onsets < core.start + reach) | (scored.onsets >= core.stop - reach)
+    cut = _near_an_end(scored.onsets, core, reach)
     for row in rows_at(scored.onsets, scored.peaks_dbfs, shot_by_shot(tier), rate_hz=rate_hz):
         cut[row] |= cut[row].any()  # what is beyond the core may make fire of all of it
     worth |= cut & (scored.odds.by_networks >= log_odds_of(tier.verify.round_threshold))
     for run in runs_of(scored.onsets[members], longest):
         burst = members[run]
-        at = scored.onsets[burst]
-        if (at < core.start + longest).any() or (at >= core.stop - longest).any() or worth[burst].any():
-            worth[burst] = True
+        worth[burst] |= worth[burst].any() or _near_an_end(scored.onsets[burst], core, longest).any()
     return worth
 
 
-def _perhaps_of_a_pair(scored: ScoredCandidates, *, rate_hz: int, rules: VerifyRules, core: Span) -> NDArray[np.bool_]:
+def _perhaps_of_a_pair(
+    scored: ScoredCandidates, *, rate_hz: int, rules: VerifyRules, core: Span | None
+) -> NDArray[np.bool_]:
     """Return which of n candidates are likely enough and near enough to a sure one, which may lie beyond the core."""
     reach = samples_from_ms(rules.pair_ms, rate_hz) + _ROUNDING
     sure = scored.onsets[scored.odds.by_all >= log_odds_of(rules.threshold)]
-    cut = (scored.onsets < core.start + reach) | (scored.onsets >= core.stop - reach)
-    return (scored.odds.by_all >= log_odds_of(rules.pair_threshold)) & (cut | _near(scored.onsets, sure, reach))
+    cut = _near_an_end(scored.onsets, core, reach)
+    return (scored.odds.by_all >= log_odds_of(rules.pair_threshold)) & (cut | have_near(scored.onsets, sure, reach))
 
 
-def _near(places: NDArray[np.intp], others: NDArray[np.intp], reach: int) -> NDArray[np.bool_]:
-    """Return which places have one of the others, which ascend, within reach."""
-    return np.asarray(
-        np.searchsorted(others, places + reach, side="right") > np.searchsorted(others, places - reach, side="left")
-    )
+def _near_an_end(onsets: NDArray[np.intp], core: Span | None, reach: int) -> NDArray[np.bool_]:
+    """Return which of n onsets something beyond the core may reach, shape (n,); beyond a film is nothing."""
+    if core is None:
+        return np.zeros(onsets.size, np.bool_)
+    return np.asarray((onsets < core.start + reach) | (onsets >= core.stop - reach))

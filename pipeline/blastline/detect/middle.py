@@ -28,22 +28,23 @@ it is."""
 
 
 def left_to_mains(
-    sides: NDArray[np.float32], mains: NDArray[np.float32], onsets: NDArray[np.intp], *, rate_hz: int, rules: BurstRules
+    heard: NDArray[np.bool_], onsets: NDArray[np.intp], *, rate_hz: int, rules: BurstRules
 ) -> NDArray[np.bool_]:
-    """Return which of n sounds of the sides, at ascending indices into both mixes, the mains can judge, shape (n,).
+    """Return which of n sounds of the sides, ascending, the mains can judge, shape (n,), of which `heard` tells each.
 
     Those are in rows of `fewest_even` and more. What stands alone, or nearly so, has a second chance in the sides: each
     mix may be wrong about it by itself, but a row is many looks at one sound.
     """
-    heard = _heard_as_well(sides, mains, onsets, rate_hz)
+    left = np.zeros(onsets.size, np.bool_)
     for row in runs_of(onsets, samples_from_ms(_TOGETHER_MS, rate_hz)):
-        heard[row] = row.size >= rules.fewest_even and heard[row].mean() >= _SHARE
-    return heard
+        left[row] = row.size >= rules.fewest_even and heard[row].mean() >= _SHARE
+    return left
 
 
-def _heard_as_well(
+def heard_as_well(
     sides: NDArray[np.float32], mains: NDArray[np.float32], onsets: NDArray[np.intp], rate_hz: int
 ) -> NDArray[np.bool_]:
+    """Return which of n sounds of the sides, at indices into both mixes, the mains hear as the sides do, shape (n,)."""
     in_sides, in_mains = (_Beginnings(mix, onsets, rate_hz) for mix in (sides, mains))
     sides_rise, mains_rise = in_sides.peak * in_mains.before, in_mains.peak * in_sides.before  # times both befores
     # what was silent before rises without end, and as much where it was in both

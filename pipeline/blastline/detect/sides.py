@@ -4,6 +4,7 @@ mains  ──► shots ─┐
 sides  ──► shots ─┴► one onset, one shot
 """
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 
 import msgspec
@@ -14,6 +15,7 @@ from ..model import Clip, Rejection, Shot
 from ..ruleset import QualityRules
 from ..units import samples_from_ms
 from .chunks import Chunk, track_peaks_dbfs
+from .near import have_near
 from .tracks import Grid
 
 Found = tuple[list[Shot], list[Rejection]]
@@ -63,30 +65,37 @@ def merge_mixes(mains: Found, sides: Found, *, rate_hz: int, tier: QualityRules)
     sure, least = tier.verify.threshold, tier.channels.sides_company_threshold
     near, apart = (samples_from_ms(ms, rate_hz) for ms in (SAME_MS, tier.bursts.shortest_gap_ms))
     shots, beside_it = list(mains[0]), sides[0]
+    # below that the sides believe nothing: their verdict would only cost a shot that the mains may believe
+    judging = sorted((other for other in beside_it if other.confidence >= least), key=lambda other: other.onset)
+    at = [other.onset for other in judging]
     for index, shot in enumerate(shots):
         there = max(
-            # below that the sides believe nothing: their verdict would only cost a shot that the mains may believe
-            (other for other in beside_it if other.confidence >= least and abs(other.onset - shot.onset) <= near),
+            judging[bisect_left(at, shot.onset - near) : bisect_right(at, shot.onset + near)],
             key=lambda other: other.confidence,
             default=None,
         )
         if there is not None and shot.confidence < min(sure, there.confidence):
             shots[index] = _judged_as(shot, there)
     known, certain = [shot.onset for shot in shots], [shot.onset for shot in shots if shot.confidence >= sure]
+    onsets = [shot.onset for shot in beside_it]
+    same = have_near(onsets, known, near) | have_near(onsets, certain, apart)
     shots += [
         msgspec.structs.replace(shot, heard_in="sides")
-        for shot in beside_it
-        if not (_any_near(known, shot.onset, near) or _any_near(certain, shot.onset, apart))
+        for shot, told in zip(beside_it, same.tolist(), strict=True)
+        if not told
     ]
-    known = [shot.onset for shot in shots]
-    refused = [each for each in mains[1] if not _any_near(known, each.at_sample, near)]
-    known += [each.at_sample for each in refused]
+    refused = _told_anew([shot.onset for shot in shots], mains[1], near)
+    known = [*(shot.onset for shot in shots), *(each.at_sample for each in refused)]
     refused += [
         Rejection(each.at_sample, f"{each.reason}, in the sides", each.evidence)
-        for each in sides[1]
-        if not _any_near(known, each.at_sample, near)
+        for each in _told_anew(known, sides[1], near)
     ]
     return shots, refused
+
+
+def _told_anew(known: Sequence[int], refused: Sequence[Rejection], near: int) -> list[Rejection]:
+    told = have_near([each.at_sample for each in refused], known, near).tolist()
+    return [each for each, before in zip(refused, told, strict=True) if not before]
 
 
 def _judged_as(shot: Shot, there: Shot) -> Shot:
@@ -96,7 +105,3 @@ def _judged_as(shot: Shot, there: Shot) -> Shot:
         who = {"screen": there.evidence.screen, "networks": there.evidence.networks}
         evidence = msgspec.structs.replace(evidence, **who)
     return msgspec.structs.replace(shot, confidence=there.confidence, heard_in="sides", evidence=evidence)
-
-
-def _any_near(places: Sequence[int], at: int, near: int) -> bool:
-    return any(abs(place - at) <= near for place in places)
