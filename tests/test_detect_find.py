@@ -414,7 +414,7 @@ def test_a_gun_may_fire_on_across_the_end_of_a_chunk(before: int) -> None:
     assert np.abs(np.array([shot.onset for shot in shots]) - starts).max() < RATE_HZ // 1000
 
 
-def test_beyond_a_core_only_what_is_in_a_row_with_what_is_in_it_is_looked_at() -> None:
+def test_beyond_a_core_all_that_a_row_may_reach_is_looked_at_as_in_it() -> None:
     rng = np.random.default_rng(3)
     grid, sieve = Grid(RATE_HZ), AllAlike(VERIFIER.screen.forest, 0.01)
     border = CORE_PIECES * grid.piece
@@ -430,7 +430,7 @@ def test_beyond_a_core_only_what_is_in_a_row_with_what_is_in_it_is_looked_at() -
         own.append(np.argmin(np.abs(found.onsets[:, None] + chunk.start - starts), axis=1).tolist())
         beyond.append(np.argmin(np.abs(found.beyond[:, None] + chunk.start - starts), axis=1).tolist())
     assert own == [[0, 1, 2], [3, 4, 5, 6, 7]]
-    assert beyond == [[3, 4], [1, 2]]
+    assert beyond == [[3, 4, 5, 6, 7], [1, 2]]
 
 
 @pytest.mark.parametrize("onset", [1_000, 1_004, 1_011, 1_030])

@@ -14,7 +14,7 @@ from blastline.detect.fire import ScoredCandidates
 from blastline.detect.sides import Found
 from blastline.detect.verify import LogOdds, log_odds_of
 from blastline.detect.whole import ChunkResult, MixResult, of_whole_film
-from blastline.model import HeardIn, Shot, ShotEvidence, Span
+from blastline.model import Clip, HeardIn, Shot, ShotEvidence, Span
 from blastline.ruleset import load_rules
 from blastline.soundtrack import open_soundtrack
 from blastline.synth import Scene, render_scene
@@ -58,6 +58,26 @@ SCENE = {
 }
 
 
+ROW = {
+    "schema": 1,
+    "rate_hz": RATE_HZ,
+    "duration_s": 9.0,
+    "seed": 3,
+    "beds": [{"kind": "ambience", "level_dbfs": -46.0}],
+    "shots": [
+        {
+            "at_s": 3.7,
+            "weapon": "rifle",
+            "environment": "indoors",
+            "distance_m": 39.0,
+            "snr_db": 15.7,
+            "burst": {"shots": 25, "rpm": 922.0, "jitter": 0.03},
+        }
+    ],
+    "negatives": [{"at_s": 7.2, "kind": "rotor", "snr_db": 7.4}],
+}
+
+
 @pytest.fixture(scope="module")
 def film(tmp_path_factory: pytest.TempPathFactory) -> Path:
     import soundfile
@@ -81,6 +101,19 @@ def test_a_sound_beside_the_middle_has_the_same_parts_wherever_cores_end(film: P
     whole = found(film, WHOLE)
     assert {shot.heard_in for shot in whole.shots} == {"mains", "sides"}
     assert found(film, core_pieces) == whole
+
+
+def test_a_row_is_as_long_wherever_a_core_cuts_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Which sounds are in it depends on what else is there, in no row: all of that is heard beyond a core as well."""
+    audio = render_scene(msgspec.convert(ROW, Scene))
+    samples = audio.read(0, audio.frames)[:, :1].astype(np.float32)
+    heard = []
+    for core_pieces in (WHOLE, 4, 5):
+        monkeypatch.setattr(find, "CORE_PIECES", core_pieces)
+        blocks = [Clip(samples, RATE_HZ)]
+        heard.append(find_shots(blocks, rate_hz=RATE_HZ, tier=RULES.tier, verifier=VERIFIER))
+    assert len(heard[0].shots) > 20
+    assert heard[1:] == heard[:1] * 2
 
 
 def shot(onset: int, probability: float) -> Shot:

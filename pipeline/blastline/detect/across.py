@@ -9,30 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..ruleset import BurstRules, QualityRules
+from ..ruleset import BurstRules
 from ..units import samples_from_ms
-from .candidates import CandidateFeatures, near_core, onset_margin
-from .chunks import Chunk, track_peaks_dbfs
+from .candidates import CandidateFeatures
+from .chunks import Chunk
 from .fire import in_long_rows
 from .pace import automatic, rows_at
 from .segment import peak_dbfs
-from .tracks import Grid
 
 
 def rows_reach(rules: BurstRules, rate_hz: int) -> int:
     """Return how many samples beyond a core tell whether a row that crosses its end is a long one."""
     return (rules.fewest_sustained - 1) * samples_from_ms(rules.longest_gap_ms, rate_hz)
-
-
-def in_core_or_row(chunk: Chunk, places: NDArray[np.intp], grid: Grid, tier: QualityRules) -> NDArray[np.bool_]:
-    """Return which of n places, ascending, may be the core's, or go on a row at a gun's pace of one that is."""
-    inside = near_core(chunk, places, onset_margin(grid, tier))
-    if not inside.all():
-        near_end = np.flatnonzero(~near_core(chunk, places, -rows_reach(tier.bursts, grid.rate_hz)))
-        peaks_dbfs = track_peaks_dbfs(chunk, places[near_end], grid)
-        for row in _rows(places[near_end], peaks_dbfs, rate_hz=grid.rate_hz, rules=tier.bursts):
-            inside[near_end[row]] |= inside[near_end[row]].any()
-    return inside
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..ruleset import QualityRules
-from .across import RowSounds, in_core_or_row, rows_reach
+from .across import RowSounds, rows_reach
 from .candidates import CandidateFeatures, describe_candidates
 from .chunks import Chunk, track_peaks_dbfs
 from .features import features_as_in_a_burst
@@ -26,7 +26,7 @@ def worth_looking_at(
 ) -> CandidateFeatures:
     """Return the candidates that gate and screen do not find hopeless, and that no mix `over` theirs covers.
 
-    Those beyond the core are looked at where a row goes on there.
+    Those beyond the core are asked about as well: rows that go on there are the same rows, whichever core they cross.
     """
 
     def gate(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
@@ -34,7 +34,6 @@ def worth_looking_at(
         passed = verifier.gate.probabilities(rows) >= (verifier.gate.threshold if asked is None else asked)
         if over is not None:
             passed &= are_audible(chunk, over, places, grid)
-        passed[passed] = in_core_or_row(chunk, places[passed], grid, tier)
         return passed
 
     def screen(rows: NDArray[np.float64], places: NDArray[np.intp]) -> NDArray[np.bool_]:
