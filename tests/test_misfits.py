@@ -39,14 +39,27 @@ def refusal(plain: Any, table: type) -> str | None:
     return None
 
 
+def group_of(plain: Any, key: str) -> tuple[Any, Any]:
+    """Return the group, or list, in which a key stands, and what it is called there."""
+    *steps, last = (int(step) if step.isdigit() else step for step in re.findall(r"[^.\[\]]+", key))
+    for step in steps:
+        plain = plain[step]
+    return plain, last
+
+
 def with_value(key: str, value: Any) -> Any:
     """Return the timeline with another value at a key."""
     plain = json.loads(json.dumps(PLAIN))
-    *steps, last = (int(step) if step.isdigit() else step for step in re.findall(r"[^.\[\]]+", key))
-    inner = plain
-    for step in steps:
-        inner = inner[step]
-    inner[last] = value
+    group, last = group_of(plain, key)
+    group[last] = value
+    return plain
+
+
+def without(key: str) -> Any:
+    """Return the timeline less a key."""
+    plain = json.loads(json.dumps(PLAIN))
+    group, last = group_of(plain, key)
+    del group[last]
     return plain
 
 
@@ -59,6 +72,17 @@ def test_whatever_stands_at_a_key_of_a_timeline_is_refused_in_words_of_the_file(
             assert re.match(rf"{re.escape(key)}\b|{re.escape(key.rpartition('.')[0])}", place), told
             assert not PYTHON.search(complaint), told
             assert "expected" in complaint or "must" in complaint, told
+
+
+@pytest.mark.parametrize("key", sorted(set(keys(PLAIN))))
+def test_of_a_key_that_is_missing_it_is_told_what_it_takes(key: str) -> None:
+    told = refusal(without(key), Timeline)
+    if told is not None:
+        missing, _, taken = told.partition(": is missing; expected ")
+        assert missing == key
+        assert taken
+        assert not PYTHON.search(taken), told
+        assert ("null" in taken) == (refusal(with_value(key, None), Timeline) is None), told
 
 
 WINDOW = "events[0].window.start_sample: is missing; expected a whole number"

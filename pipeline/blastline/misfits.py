@@ -42,7 +42,7 @@ def misfit(plain: Any, error: Exception, table: type, *, null: str = "null") -> 
     complaint, _, place = str(error).partition(" - at `$")
     key = place.strip(".`")
     if absent := _MISSING.fullmatch(complaint):
-        return _absent(plain, table, key, absent[1])
+        return _absent(plain, table, key, absent[1], null)
     if unknown := _UNKNOWN.fullmatch(complaint):
         return f"{_joined(key, unknown[1])}: no such key{_meant(table, key, unknown[1])}"
     key = _with_key(plain, key, complaint)
@@ -97,12 +97,12 @@ def _meant(table: type, key: str, name: str) -> str:
     return f"; expected {'one of: ' * (len(names) > 1)}{', '.join(names)}" if names else ""
 
 
-def _absent(plain: Any, table: type, key: str, name: str) -> str:
+def _absent(plain: Any, table: type, key: str, name: str, null: str) -> str:
     """Return which keys a group lacks: the one that was complained of, what it takes, and all others."""
     there = _value_at(plain, key)
     others = [each for each in _required(_kinds_at(table, key)) if each not in there and each != name]
     too = f"; missing, too: {listed(others)}" if others else ""
-    return f"{_joined(key, name)}: is missing{_wanted(table, _joined(key, name))}{too}"
+    return f"{_joined(key, name)}: is missing{_wanted(table, _joined(key, name), null)}{too}"
 
 
 def _required(kinds: Sequence[Any]) -> list[str]:
@@ -111,8 +111,8 @@ def _required(kinds: Sequence[Any]) -> list[str]:
     return [field.encode_name for field in fields if field.required]
 
 
-def _wanted(table: type, key: str) -> str:
-    """Return what a key that is missing takes, where the table tells; nothing where it takes one of many things."""
+def _wanted(table: type, key: str, null: str) -> str:
+    """Return what a key that is missing takes, where the table tells; nothing where it takes whatever there is."""
     names = {
         "IntType": "int",
         "FloatType": "float",
@@ -123,6 +123,7 @@ def _wanted(table: type, key: str) -> str:
         "VarTupleType": "array",
         "TupleType": "array",
         "ListType": "array",
+        "NoneType": "null",
     }
     words = _words_at(table, key)
     inner = _required(_kinds_at(table, key))
@@ -131,7 +132,8 @@ def _wanted(table: type, key: str) -> str:
     kinds = [names.get(type(kind).__name__) for kind in _kinds_at(table, key)]
     if words:
         return f"; expected {'one of: ' * (len(words) > 1)}{', '.join(words)}"
-    return f"; expected {_WORDS[kinds[0]]}" if len(kinds) == 1 and kinds[0] else ""
+    known = [kind for kind in kinds if kind]
+    return f"; expected {_kinds(' | '.join(known), null)}" if known and len(known) == len(kinds) else ""
 
 
 def _steps(key: str) -> list[str]:
@@ -182,8 +184,6 @@ def _inside(kind: Any, step: str) -> list[Any]:
     """Return the type of what a step of a path leads to from a type; none where it leads nowhere."""
     if hasattr(kind, "fields"):
         return [field.type for field in kind.fields if field.encode_name == step]
-    if hasattr(kind, "item_types"):
-        return [kind.item_types[int(step)]]
     return [inner for inner in (getattr(kind, name, None) for name in ("item_type", "value_type")) if inner is not None]
 
 
