@@ -111,6 +111,25 @@ def test_a_soft_shot_where_nothing_begins_is_held_to_its_place(tmp_path: Path, d
 
 
 @pytest.mark.parametrize("drive", ["direct", "filter", "constrained"])
+def test_shots_that_cannot_be_compared_tell_nothing_of_the_whole_drive(tmp_path: Path, drive: DriveChoice) -> None:
+    """Most of a film's shots are moved by hand within their windows: where the drive lies the one other tells."""
+    path = roar(tmp_path / "film.wav", 0.01)
+    samples, _ = soundfile.read(path)
+    shot, _ = soundfile.read(film(tmp_path / "shot.wav", IN_A_ROAR[1:2], [0.9]))
+    soundfile.write(path, samples + shot, RATE_HZ, subtype="PCM_24")
+    made = rendered(path, IN_A_ROAR, RenderOptions(report=False, drive=drive))
+    assert failures(made) == []
+    written, _ = soundfile.read(tmp_path / "out" / "drive.wav")
+    others = made.events[::2]
+    for event in others:
+        moved(written, event.window)
+    soundfile.write(tmp_path / "wrong.wav", written, RATE_HZ, subtype="PCM_24")
+    checked = run.check(tmp_path / "out", audio=path, drive=tmp_path / "wrong.wav")
+    assert is_compared(checked)
+    assert {event for _, event, _ in failures(checked)} == {event.id for event in others}
+
+
+@pytest.mark.parametrize("drive", ["direct", "filter", "constrained"])
 @CHANGES
 def test_two_shots_that_are_too_close_to_compare_are_held_to_their_drive(
     tmp_path: Path, drive: DriveChoice, change: Change, name: str
