@@ -112,6 +112,16 @@ def test_a_displaced_drive_of_few_shots_is_found_though_it_never_rests(onsets_s:
     assert "drive_shift" in failed(checks)
 
 
+@pytest.mark.parametrize("second_s", [1.007, 1.009, 1.4])
+def test_a_drive_displaced_by_seconds_is_found_by_its_windows_though_two_lie_close(second_s: float) -> None:
+    """So far away no shot is searched for by itself; and between two windows a drive may not rest for long enough."""
+    right = make_film(onsets_s=(0.7, second_s, 2.9), peaks=(0.5, 0.3, 0.2), seconds=9.0)
+    assert failed(checks_of(right)) == set()
+    checks = checks_of(right.with_drive(np.roll(right.drive.samples, 5 * RATE_HZ)))
+    assert figure(checks, "drive_shift") == pytest.approx(5 * RATE_HZ, abs=0.05)
+    assert "drive_shift" in failed(checks)
+
+
 def test_a_shot_in_whose_place_the_drive_is_noise_has_no_lag() -> None:
     right = film()
     event, drive = right.timeline.events[3], right.drive.samples.copy()
