@@ -4,6 +4,7 @@ import csv
 import itertools
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from blastline.export.haptics.ahap import continuous_events
 from blastline.export.haptics.curve import Curve, reduced
 from blastline.export.haptics.reels import reel_edges
 from blastline.export.haptics.sharing import shared
+from blastline.export.haptics.track import VibrationSegment
 from blastline.model import Span
 from haptic_films import PROFILE, RATE_HZ, RULES, Samples, bang, drive_of, event, film, played, track_of, write
 from haptic_rules import haptic_played, hjif_played
@@ -385,6 +387,24 @@ def test_a_long_film_comes_in_reels_within_a_tenth_of_a_millisecond(tmp_path: Pa
         assert (reel.amplitude[0][1], reel.amplitude[-1][1]) == (0.0, 0.0)
         found += [int(row["start_sample"]) / rate + time_s for time_s, _ in reel.pulses]
     np.testing.assert_allclose(found, np.sort(onsets) / rate, rtol=0.0, atol=1e-4)
+
+
+@pytest.mark.parametrize("reel_s", [10.0, 20.0, 59.6])
+@pytest.mark.parametrize(("start_s", "stop_s"), [(0.0, 59.0), (0.5, 61.0), (4.5, 64.0), (15.5, 130.0), (9.0, 10.0)])
+def test_every_reel_lasts_and_none_more_than_a_minute_beyond_its_length(
+    reel_s: float, start_s: float, stop_s: float
+) -> None:
+    """A stretch that goes on over several places for a cut has one before it, not one for each."""
+    rate = 8000
+    silence = track_of(film([], 200 * rate, rate), np.zeros(200 * rate))
+    ends = np.array([start_s, stop_s]) * rate
+    segment = VibrationSegment(Curve(ends.astype(np.int64), np.zeros(2)), Curve(ends.astype(np.int64), np.ones(2)))
+    edges = reel_edges(replace(silence, segments=(segment,), reel_s=reel_s))
+    assert (edges[0], edges[-1]) == (0, 200 * rate)
+    lengths_s = np.diff(edges) / rate
+    assert lengths_s.min() > 0.0
+    assert lengths_s.max() <= round(reel_s) + 60.0
+    assert not [edge for edge in edges if edge % rate]
 
 
 def test_a_stretch_too_long_to_spare_is_cut_where_it_vibrates(tmp_path: Path) -> None:
