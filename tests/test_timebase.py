@@ -218,6 +218,16 @@ def test_a_clock_that_was_made_a_drop_frame_timecode_is_said_again(clock: str, n
     assert recalled(AS_FILMED, own, BROADCAST).start_timecode is None
 
 
+@pytest.mark.parametrize("offset_s", [0.0, 0.5])
+@pytest.mark.parametrize("earlier", [SOUND, BROADCAST])
+def test_a_film_that_has_got_a_timecode_since_keeps_it_where_nothing_was_said(earlier: Source, offset_s: float) -> None:
+    filmed = msgspec.structs.replace(
+        earlier, start_timecode="10:00:00:05", frame_rate="30000/1001", start_offset_s=offset_s
+    )
+    said = recalled(AS_FILMED, msgspec.structs.replace(earlier, start_timecode=None), filmed)
+    assert with_timebase(filmed, said) == filmed
+
+
 def test_a_clock_that_was_not_counted_drop_frame_stays_one_over_a_film_that_counts_so() -> None:
     filmed = with_timebase(SOUND, parse_timebase("01:00:00;10", "29.97df"))
     earlier = with_timebase(filmed, parse_timebase("10:00:00.5", "29.97ndf"))

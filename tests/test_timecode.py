@@ -127,6 +127,7 @@ def test_a_time_of_day_becomes_timecode_with_a_frame_rate() -> None:
     assert timecode_at(source("25", "10:00:00.020000"), 0) == "10:00:00:01"
     assert timecode_at(source("25", "10:00:00.010000"), 0) == "10:00:00:00"
     assert timecode_at(source("24000/1001", "01:00:03.600000"), 0) == "01:00:00:00"
+    assert timecode_at(source("25", "10:00:01"), 0) == "10:00:01:00"
 
 
 @pytest.mark.parametrize(
