@@ -107,6 +107,7 @@ def test_a_file_that_is_not_read_is_called_by_what_it_is_whatever_its_name(
 
 def test_columns_that_nobody_knows_are_left_aside_and_said(tmp_path: Path) -> None:
     assert read(tmp_path, "onset_s,comment,who\n1.0,loud,me\n").notes == ("not used: column comment, who",)
+    assert read(tmp_path, "onset_s,,\n1.0,,\n").notes == ()  # as a spreadsheet saves columns that were emptied
 
 
 def test_keys_that_nobody_knows_are_left_aside_and_said(tmp_path: Path) -> None:
