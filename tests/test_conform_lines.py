@@ -86,6 +86,20 @@ def test_shots_in_digital_silence_are_found_by_themselves() -> None:
     )
 
 
+@pytest.mark.parametrize("seed", [1, 3])
+def test_short_pieces_are_looked_for_though_no_speed_finds_anything_longer(seed: int) -> None:
+    """Of a film of which a trailer keeps a few moments, a long segment is found at none of the speeds."""
+    places_s = ((20.0, 50.0), (60.0, 10.0))
+    old, new = murmur(90.0, seed=seed), murmur(90.0, seed=seed + 50)
+    for at_s, there_s in places_s:
+        put(new, -seconds(new, there_s, there_s + 4.5), there_s)
+        put(new, seconds(old, at_s, at_s + 4.5), there_s)
+    lines = find_lines(heard(old).fingerprint, heard(new).fingerprint)
+    for at_s, there_s in places_s:
+        on_piece = [line for line in lines if at_s <= line.first_s and line.last_s <= at_s + 4.5]
+        assert any(line.at(at_s) == pytest.approx(there_s, abs=0.05) for line in on_piece)
+
+
 def test_short_scenes_in_another_order_keep_their_shots_beside_a_long_one_that_stayed() -> None:
     """Each is too short for a long segment, and the long ones that are found elsewhere say nothing of it."""
     onsets_s, order = (5.0, 15.0, 32.0, 38.0, 44.0, 50.0, 56.0), (3, 1, 4, 0, 2)
