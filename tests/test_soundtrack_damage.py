@@ -221,6 +221,15 @@ def test_blocks_of_uncompressed_sound_that_a_film_has_lost_are_told(tmp_path: Pa
     assert "breaks off into zeros once and comes back as abruptly, first at 1.000 s" in one
 
 
+@pytest.mark.parametrize(("codec", "extension"), [("flac", "flac"), ("alac", "mov"), ("flac", "mkv")])
+def test_zeros_in_what_was_coded_without_loss_are_meant(tmp_path: Path, codec: str, extension: str) -> None:
+    """Their decoder tells of what is lost: these zeros have been coded, and were in the film."""
+    noise = np.random.default_rng(7).uniform(-0.5, 0.5, (2 * RATE_HZ, 2)).astype(np.float32)
+    noise[RATE_HZ : RATE_HZ + 2_000] = 0.0
+    path = write_media(tmp_path / f"film.{extension}", [noise], codec=codec)
+    assert read(path)[1].warnings == ()
+
+
 @pytest.mark.parametrize("codec", ["libmp3lame", "ac3", "mp2"])
 def test_an_avi_that_has_lost_packets_is_told_where_the_others_close_up(tmp_path: Path, codec: str) -> None:
     """FFmpeg counts the packets of an AVI that it finds, and the stamps of those after the loss are too early."""
