@@ -128,12 +128,19 @@ def apply_q(q: BandedHessian, v: Samples) -> Samples:
     return product
 
 
-def newton_diagonals(q: BandedHessian, curvature: Samples) -> Samples:
-    """Return the lower diagonals of Q + A'DA, shape (width, unknowns)."""
-    size, order, unknowns = len(q.lags) - 1, len(q.feedback) - 1, len(curvature)
+def q_diagonals(q: BandedHessian, unknowns: int) -> Samples:
+    """Return the lower diagonals of Q, shape (width, unknowns)."""
+    size = len(q.lags) - 1
     diagonals = np.repeat(q.lags[:, None], unknowns, axis=1)
     for lag in range(size):
         diagonals[lag, unknowns - size : unknowns - lag] += np.diagonal(q.ending, -lag)
+    return diagonals
+
+
+def newton_diagonals(q: BandedHessian, of_q: Samples, curvature: Samples) -> Samples:
+    """Return the lower diagonals of Q + A'DA, shape (width, unknowns), from those of Q."""
+    order, unknowns = len(q.feedback) - 1, len(curvature)
+    diagonals = of_q.copy()
     padded = np.concatenate([curvature, np.zeros(order)])
     for lag in range(order + 1):
         products = q.feedback[lag:] * q.feedback[: order + 1 - lag]

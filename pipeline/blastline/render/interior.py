@@ -26,6 +26,7 @@ from .banded import (
     apply_q,
     banded_hessian,
     newton_diagonals,
+    q_diagonals,
 )
 
 Samples = NDArray[np.float64]
@@ -64,13 +65,13 @@ def solve_box_qp(
     from scipy.linalg import LinAlgError
 
     q = banded_hessian(recursion, stride)
-    state = _State.first(q, rhs, start)
+    state, of_q = _State.first(q, rhs, start), q_diagonals(q, len(rhs))
     for step in range(iterations):
         gap = state.gap
         if not gap > tolerance * abs(state.objective):
             return BoxQpSolution(state.drive, step)
         try:
-            newton = _Newton.of(q, state)
+            newton = _Newton.of(q, of_q, state)
         except LinAlgError:
             return BoxQpSolution(state.drive, step, finished=False)
         predictor = newton.direction(0.0)
@@ -180,12 +181,14 @@ class _Newton:
     factor: Samples
 
     @classmethod
-    def of(cls, q: BandedHessian, state: _State) -> "_Newton":
-        """Return the system of a state; LinAlgError where rounding has spoilt it."""
+    def of(cls, q: BandedHessian, of_q: Samples, state: _State) -> "_Newton":
+        """Return the system of a state, given Q's diagonals; LinAlgError where rounding has spoilt it."""
         from scipy.linalg import cholesky_banded
 
         curvature = state.upper / state.slack_upper + state.lower / state.slack_lower + _ROUNDING * q.max_power_gain
-        factor = cholesky_banded(newton_diagonals(q, curvature), lower=True, overwrite_ab=True, check_finite=False)
+        factor = cholesky_banded(
+            newton_diagonals(q, of_q, curvature), lower=True, overwrite_ab=True, check_finite=False
+        )
         return cls(q, state, state.gradient + apply_a_transposed(q, state.upper - state.lower), factor)
 
     def direction(
