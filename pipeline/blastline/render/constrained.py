@@ -83,11 +83,13 @@ def constrained_drive(
             summaries.append(SolveSummary(0, 0.0))
             continue
         rings = _ringing(drive[starts[0] : start], impulse)
-        by_h = Convolution.of(impulse, stop - start)
-        wanted = _wanted(target[start:stop], by_h.felt(warm_start[start:stop]), rings=rings)
+        by_h, guess = Convolution.of(impulse, stop - start), warm_start[start:stop]
+        felt = by_h.felt(guess)
+        wanted = _wanted(target[start:stop], felt, rings=rings)
         energy = 0.5 * float(np.sum(wanted * wanted))
+        missed = 0.5 * float(np.sum((felt - wanted) ** 2))
         drive[start:stop], summary = _piece(
-            by_h.problem(wanted), warm_start[start:stop], recursion, energy, rate_hz=rate_hz, rules=rules
+            by_h.problem(wanted), guess, recursion, energy, missed, rate_hz=rate_hz, rules=rules
         )
         summaries.append(summary)
     return drive, tuple(summaries)
@@ -117,21 +119,30 @@ def _ringing(drive: Samples, impulse: Samples) -> Samples:
 
 
 def _piece(
-    problem: BoxProblem, start: Samples, recursion: Recursion, energy: float, *, rate_hz: int, rules: RenderRules
+    problem: BoxProblem,
+    guess: Samples,
+    recursion: Recursion,
+    energy: float,
+    missed: float,
+    *,
+    rate_hz: int,
+    rules: RenderRules,
 ) -> tuple[Samples, SolveSummary]:
-    """Return the drive of one piece: the better of what the solver finds and the first guess, polished."""
+    """Return the drive of one piece: the better of what the solver finds and the first guess, polished.
+
+    `energy` is half that of what is wanted, of which the guess has `missed` so much.
+    """
     asked = min(max(1, rate_hz // rules.solver_rate_hz), recursion.longest_stride)
     stride = well_conditioned_stride(recursion, asked, rate_hz)
     corners = corner_rhs(problem.rhs, stride)
-    steps, polish, guess = 0, _UNAIDED, problem.at(start)
-    best = guess
-    if energy + best.objective <= _ALREADY * rules.tolerance * energy:
+    steps, polish, best = 0, _UNAIDED, None
+    if missed <= _ALREADY * rules.tolerance * energy:
         polish = rules.polish_iterations
     elif len(corners) >= fewest_unknowns(recursion, stride):
         found = solve_box_qp(
             recursion,
             corners,
-            start[stride - 1 :: stride][: len(corners)],
+            guess[stride - 1 :: stride][: len(corners)],
             stride=stride,
             iterations=rules.iterations,
             tolerance=rules.tolerance,
@@ -139,16 +150,16 @@ def _piece(
         steps, polish = found.steps, rules.polish_iterations if found.finished and stride == asked else _UNAIDED
         # where the limit is hardly met, the compensator's drive is better than straight lines, though it knows
         # nothing of what the shot before rings, or of the start before which it is 0
-        straight = problem.at(between_corners(found.drive, stride, len(start)))
-        best = min(straight, guess, key=lambda each: each.objective)
-        if best is guess and energy + best.objective > rules.tolerance * energy:
+        straight = problem.at(between_corners(found.drive, stride, len(guess)))
+        best = straight if energy + straight.objective <= missed else problem.at(guess)
+        if best is not straight and missed > rules.tolerance * energy:
             polish = max(polish, _UNAIDED)
         elif _is_unsettled(problem, best):
             polish = max(polish, _SETTLING)
         left = min(problem.to_gain(straight) - (straight.objective - best.objective), energy + best.objective)
         if left > _left_by_lines(stride / rate_hz, rules.tolerance) * abs(best.objective):
             polish = max(polish, _UNAIDED)
-    solution = restarted_fista(problem, best, iterations=polish, tolerance=rules.tolerance)
+    solution = restarted_fista(problem, best or problem.at(guess), iterations=polish, tolerance=rules.tolerance)
     return solution.drive, SolveSummary(steps, max(0.0, -solution.objective / energy) if energy > 0.0 else 1.0)
 
 
