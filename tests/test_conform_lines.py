@@ -124,6 +124,28 @@ def test_a_shot_far_from_all_that_was_found_is_looked_for_along_what_lies_before
     assert found.new_s == pytest.approx(30.0 + late_s, abs=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("over", "expected_s"), [((0.0, 0.0), 20.0), ((0.3, 0.0), 20.0), ((1.0, 0.0), 40.0), ((0.0, 1.0), 20.0)]
+)
+def test_between_two_scenes_a_shot_stays_with_the_nearer_one_unless_the_other_has_it_clearly_more_alike(
+    over: tuple[float, float], expected_s: float
+) -> None:
+    """The new film has it after the one and before the other; another bang may lie over it, softly or as loud."""
+    old, new = film(40.0, (20.0,), seed=96), murmur(60.0, seed=97)
+    shot, other = seconds(old, 19.9, 21.0), bang(seed=98)
+    for at_s, share in zip((20.0, 40.0), over, strict=True):
+        put(new, shot - seconds(new, at_s - 0.1, at_s + 1.0), at_s - 0.1)
+        put(new, share * other, at_s)
+    ends_s = (0.0, 0.0, 19.7), (20.0, 20.5, 40.0)
+    courses = [
+        Course(MatchedSegment(Line(1.0, late_s, first_s, last_s), first_s, last_s, 0.6), 1.0, 0.0, 4)
+        for late_s, first_s, last_s in ends_s
+    ]
+    [found] = place([20.0], courses, heard(old), heard(new), load_conform())
+    assert isinstance(found, Placed)
+    assert found.new_s == pytest.approx(expected_s, abs=1e-4)
+
+
 @pytest.mark.parametrize("shift", [0.0, 3_600.0])
 def test_a_line_through_anchors_on_a_line_is_that_line_wherever_in_the_film_they_are(shift: float) -> None:
     x = shift + np.array([0.0, 7.0, 11.0, 30.0])
