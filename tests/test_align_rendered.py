@@ -11,7 +11,7 @@ from scipy.signal import resample_poly
 
 from blastline import run
 from blastline.errors import RuleError
-from blastline.model import Background, Phase
+from blastline.model import Background, DriveChoice, Phase
 from blastline.ruleset import load_actuator, rules_path
 from blastline.run import RenderOptions
 from checked_films import RATE_HZ, failures, film, rendered, with_booms
@@ -46,6 +46,19 @@ def test_over_the_films_own_sound_a_shot_is_held_to_its_own_unless_it_was_muted(
     assert failures(made) == []
     limits = {check.name: check.limit for check in made.checks if check.event == made.events[1].id}
     assert (limits["felt_lag"] is not None) == is_held
+
+
+@pytest.mark.parametrize("drive", ["direct", "constrained"])
+def test_in_silence_a_shot_is_held_to_its_own_however_soft_it_was_asked_to_be(
+    tmp_path: Path, drive: DriveChoice
+) -> None:
+    """Nothing else is felt there that it could lie beneath."""
+    onsets = [14_400, 34_000, 54_000]
+    path = film(tmp_path / "film.wav", onsets, [0.3] * 3, decay_s=0.03)
+    made = rendered(path, onsets, RenderOptions(report=False, drive=drive), [0.0, -40.0, 0.0])
+    assert failures(made) == []
+    limits = {check.name: check.limit for check in made.checks if check.event == made.events[1].id}
+    assert limits["lag_as_rendered"] is not None
 
 
 def test_a_seat_whose_band_leaves_nothing_above_it_has_its_drive_checked_in_the_band(tmp_path: Path) -> None:
