@@ -106,6 +106,18 @@ def test_single_poles_from_very_slow_to_nearly_half_the_rate(corner_rad_s: float
     assert np.max(np.abs(found - slow.at(frequencies))) < bar
 
 
+@pytest.mark.parametrize("rate_hz", [48_000, 192_000])
+def test_the_order_in_which_poles_and_zeros_are_listed_changes_no_filter(rate_hz: int) -> None:
+    rng, pair = np.random.default_rng(1), np.array([1.0j, -1.0j])
+    poles = np.concatenate([377.0 * pair - 19.0, 1900.0 * pair - 60.0, [-300.0, -1400.0]])
+    felt = dsp.Analogue(np.concatenate([300.0 * pair - 50.0, [-20.0]]), poles, 1e9)
+    for analogue in (felt, dsp.compensator(PROFILE)):
+        sections = dsp.discretise(analogue, rate_hz)
+        for _ in range(8):
+            mixed = dsp.Analogue(rng.permutation(analogue.zeros), rng.permutation(analogue.poles), analogue.gain)
+            np.testing.assert_allclose(dsp.discretise(mixed, rate_hz), sections, rtol=1e-7, atol=1e-7)
+
+
 def test_resonance_rings_as_its_analogue_does() -> None:
     pole = complex(-60.0, 2.0 * math.pi * 300.0)
     analogue = dsp.Analogue(np.array([], complex), np.array([pole, pole.conjugate()]), abs(pole) ** 2)

@@ -129,7 +129,7 @@ def _response(
 
 
 def _sections(zeros: NDArray[np.complex128], poles: NDArray[np.complex128], gain: float) -> NDArray[np.float64]:
-    """Return the second-order sections of a filter, those with the sharpest poles last.
+    """Return the second-order sections of a filter, those with the sharpest poles last however it lists them.
 
     Each takes the pair of zeros that lies nearest to its poles, so that none gains more than it must.
     """
@@ -145,8 +145,8 @@ def _sections(zeros: NDArray[np.complex128], poles: NDArray[np.complex128], gain
     sections = np.array(rows[::-1])
     sections[0, :3] *= gain
     first, second = sections[:, 4], sections[:, 5]
-    # both sums are exact: the rounded filter is stable, not merely the wanted one
-    if not np.all((np.abs(second) < 1.0) & ((1.0 + first) + second > 0.0) & ((1.0 - first) + second > 0.0)):
+    # both sums are exact: the rounded filter is stable, not merely the wanted one; and above 0 both, -1 < second
+    if not np.all((second < 1.0) & ((1.0 + first) + second > 0.0) & ((1.0 - first) + second > 0.0)):
         raise ValueError("a pole decays too slowly for its filter to be stable once its numbers are rounded")
     return sections
 
