@@ -131,6 +131,17 @@ def test_the_onset_is_the_first_sample_of_the_rise(rate_hz: int, rise_ms: float)
     assert max(errors_ms) <= max(0.1, 1100.0 / rate_hz)
 
 
+@pytest.mark.parametrize("rate_hz", [44_100, 48_000, 96_000])
+@pytest.mark.parametrize("rise_ms", [1.0, 2.0, 3.0])
+def test_a_slow_rise_begins_where_it_leaves_zero_not_where_it_stands_out(rate_hz: int, rise_ms: float) -> None:
+    rise = 0.5 * blast(rate_hz, rise_ms=rise_ms, positive_ms=2.0).astype(np.float32)
+    for seed in range(6):
+        samples, at = film(rate_hz, seed=seed), rate_hz // 2 + 7 * seed
+        samples[at : at + rise.size] += rise
+        (onset,) = refine_onsets(samples, np.array([at + rate_hz // 500]), rate_hz=rate_hz, rules=TIER.onset)
+        assert abs(onset - at) <= 0.03e-3 * rate_hz
+
+
 def test_a_delay_delays_the_onset_and_gain_and_polarity_do_not() -> None:
     samples = film(noise=1e-3)
     shot = 0.3 * blast(rise_ms=0.3)
