@@ -282,9 +282,15 @@ def shot(onset: int, confidence: float) -> Shot:
 
 
 def test_one_onset_is_one_shot_and_the_mix_that_is_surer_judges_it() -> None:
-    mains = [shot(1_000, 0.5), shot(5_000, 0.95), shot(9_000, 0.6)], [Rejection(20_000, "no", {"probability": 0.1})]
+    mains = (
+        [shot(1_000, 0.5), shot(5_000, 0.95), shot(9_000, 0.6), shot(13_000, 0.85)],
+        [Rejection(20_000, "no", {"probability": 0.1})],
+    )
     sides = (
-        [shot(1_100, 0.97), shot(5_010, 0.99), shot(9_010, 0.55), shot(20_005, 0.96), shot(30_000, 0.92)],
+        [
+            *(shot(1_100, 0.97), shot(5_010, 0.99), shot(9_010, 0.55), shot(13_010, 0.8)),
+            *(shot(20_005, 0.96), shot(30_000, 0.92)),
+        ],
         [Rejection(40_000, "no", {"probability": 0.2}), Rejection(30_100, "no", {"probability": 0.2})],
     )
     strict = msgspec.structs.replace(RULES.tier, verify=msgspec.structs.replace(RULES.tier.verify, threshold=0.9))
@@ -293,6 +299,7 @@ def test_one_onset_is_one_shot_and_the_mix_that_is_surer_judges_it() -> None:
         (1_000, 0.97, "sides"),
         (5_000, 0.95, "mains"),
         (9_000, 0.6, "mains"),
+        (13_000, 0.85, "mains"),
         (20_005, 0.96, "sides"),
         (30_000, 0.92, "sides"),
     ]
