@@ -306,6 +306,22 @@ def test_one_onset_is_one_shot_and_the_mix_that_is_surer_judges_it() -> None:
     assert [(each.at_sample, each.reason) for each in refused] == [(40_000, "no, in the sides")]
 
 
+def test_who_judged_a_shot_is_told_of_the_mix_that_did() -> None:
+    in_mains, in_sides = ShotEvidence(0.5, 1, None, "fallen"), ShotEvidence(0.9, 8, None, "next sound")
+    mains = [msgspec.structs.replace(shot(at, 0.5), evidence=in_mains) for at in (1_000, 9_000)]
+    sides = [msgspec.structs.replace(shot(1_010, 0.9), evidence=in_sides)]
+    judged, alone = merge_mixes((mains, []), (sides, []), rate_hz=RATE_HZ, tier=RULES.tier)[0]
+    # how the shot ends is told of the parts, which are those of the mains
+    assert judged.evidence == ShotEvidence(0.9, 8, None, "fallen")
+    assert alone.evidence == in_mains
+
+
+def test_what_is_refused_in_the_sides_is_listed_from_the_same_probability_on(film: tuple[Samples, Truth]) -> None:
+    listed = [each for each in found_in(film[0]).rejections if each.reason.endswith(", in the sides")]
+    least = min(each.evidence["probability"] for each in listed)
+    assert RULES.tier.verify.report_from <= least < RULES.tier.channels.sides_company_threshold
+
+
 def believed(mains: list[Shot], sides: list[Shot]) -> set[int]:
     shots, _ = merge_mixes((mains, []), (sides, []), rate_hz=RATE_HZ, tier=RULES.tier)
     return {each.onset for each in in_company(shots, rate_hz=RATE_HZ, tier=RULES.tier)[0]}
