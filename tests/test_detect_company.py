@@ -68,6 +68,13 @@ def test_an_unsure_shot_needs_the_company_of_a_sure_one() -> None:
     ]
 
 
+def test_of_an_unsure_shot_the_reason_tells_whether_company_would_have_helped() -> None:
+    likely, unlikely = shot(0, VERIFY.company_threshold), shot(60_000, VERIFY.company_threshold - 0.01)
+    kept, refused = in_company([likely, unlikely], rate_hz=RATE_HZ, tier=TIER)
+    assert kept == ()
+    assert [each.reason for each in refused] == ["alone, and not sure enough for that", "does not sound like a shot"]
+
+
 def test_a_run_that_only_the_sides_hear_has_to_be_as_sure_as_their_company() -> None:
     own = TIER.channels.sides_company_threshold
     for probability, number in (((VERIFY.burst_threshold + own) / 2, 0), (own, 3)):
