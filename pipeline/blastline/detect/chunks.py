@@ -60,8 +60,8 @@ def aligned_chunks(*films: Iterable[Piece], core_pieces: int) -> Iterator[tuple[
             for buffer in buffers:
                 buffer.keep(LEFT_PIECES + RIGHT_PIECES)
             left = LEFT_PIECES
-    if buffers[0].held > left:
-        yield tuple(buffer.chunk(left, buffer.held - left) for buffer in buffers)
+    # of each chunk what follows its core is kept: at least that is left for the last one
+    yield tuple(buffer.chunk(left, buffer.held - left) for buffer in buffers)
 
 
 def track_peaks_dbfs(chunk: Chunk, places: NDArray[np.intp], grid: Grid) -> NDArray[np.float64]:
