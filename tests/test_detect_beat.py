@@ -246,6 +246,8 @@ def test_strokes_of_one_drum_need_not_keep_the_beat_as_exactly(period_s: float, 
     assert np.mean(kept(onsets, onsets)) < 0.3
     levels_dbfs = np.linspace(0.0, -6.0 * onsets.size, onsets.size)  # no two as loud
     assert np.mean(kept(onsets, onsets, kinds=kinds, peaks_dbfs=levels_dbfs)) < 0.3
+    soft_dbfs = np.full(onsets.size, -40.0)
+    assert kept(onsets, onsets, kinds=kinds, peaks_dbfs=soft_dbfs) == kept(onsets, onsets, kinds=kinds)
 
 
 def test_what_keeps_the_beat_does_not_depend_on_what_else_is_asked() -> None:
