@@ -10,7 +10,15 @@ import pytest
 from numpy.typing import NDArray
 
 from blastline.detect.candidates import describe_candidates, let_all_pass
-from blastline.detect.chunks import CORE_PIECES, LEFT_PIECES, RIGHT_PIECES, SHORT_CORE_PIECES, Chunk, chunks
+from blastline.detect.chunks import (
+    CORE_PIECES,
+    LEFT_PIECES,
+    RIGHT_PIECES,
+    SHORT_CORE_PIECES,
+    Chunk,
+    chunks,
+    track_peaks_dbfs,
+)
 from blastline.detect.segment import segment
 from blastline.detect.tracks import Grid, pieces
 from blastline.model import Clip, Shot
@@ -52,6 +60,16 @@ def test_cores_tile_the_film_and_have_their_surroundings() -> None:
     for one, other in pairwise(film):
         assert other.core.start == one.core.stop == one.stop - RIGHT_PIECES * GRID.piece
         assert other.start == other.core.start - LEFT_PIECES * GRID.piece
+
+
+def test_a_sound_is_as_loud_as_its_loudest_moment_within_20_ms() -> None:
+    click_at = BORDER // 2
+    chunk = film_with(np.array([0.5]), click_at)[0]
+    before = np.array([25, 18, 10, 2]) * RATE_HZ // 1000
+    peaks_dbfs = track_peaks_dbfs(chunk, click_at - before, GRID)
+    assert peaks_dbfs[0] < -70.0
+    assert np.ptp(peaks_dbfs[1:]) == 0.0
+    assert peaks_dbfs[1] > -20.0
 
 
 def test_short_cores_find_what_long_ones_do() -> None:
