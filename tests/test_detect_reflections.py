@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from blastline.detect.reflections import BandAnswer, discrete_reflections
+from blastline.detect.reflections import BandAnswer, _background, discrete_reflections
 from blastline.detect.segment import segment
 from blastline.model import Shot
 from blastline.ruleset import load_rules
@@ -257,3 +257,10 @@ def test_an_echo_is_found_to_the_sample_between_the_values_of_the_answer() -> No
         errors.append(np.min(np.abs(lags - lag)))
     assert max(errors) <= 1
     assert np.mean(errors) <= 0.5
+
+
+@pytest.mark.parametrize("count", [1, 7, 48, 51])
+def test_what_answers_before_a_shot_is_known_by_the_quantile_of_its_peaks(count: int) -> None:
+    """One knock among many milliseconds hides no echo."""
+    answer = np.random.default_rng(count).exponential(size=(count, 5)) ** 3
+    assert _background(np.append([99.0], answer.ravel()), 5) == pytest.approx(np.quantile(answer.max(axis=1), 0.95))
