@@ -92,6 +92,13 @@ def test_every_shot_is_found_where_it_is_and_no_door_clap_or_drum(film: tuple[ND
         assert not np.any(np.abs(onsets - negative.at_sample) < 0.1 * RATE_HZ)
 
 
+def test_what_is_a_shot_is_not_refused_and_what_is_refused_is_so_once(film: tuple[NDArray[np.float32], Truth]) -> None:
+    found = find(film[0])
+    told = [*(shot.onset for shot in found.shots), *(each.at_sample for each in found.rejections)]
+    assert len(found.rejections) > 0
+    assert len(set(told)) == len(told)
+
+
 @pytest.mark.parametrize("size", [1, 7, 4096])
 def test_the_block_size_changes_nothing(film: tuple[NDArray[np.float32], Truth], size: int) -> None:
     samples = film[0][: (4 if size < 7 else 24) * RATE_HZ]
@@ -158,10 +165,10 @@ def test_a_film_that_ends_inside_a_shot(film: tuple[NDArray[np.float32], Truth],
         assert shot.onset < shot.blast.stop <= shot.span.stop <= frames
 
 
-def test_silence_and_a_full_scale_square_hold_no_shot() -> None:
+def test_no_sound_silence_and_a_full_scale_square_hold_no_shot() -> None:
     time = np.arange(3 * RATE_HZ)
     square = np.where(time // 240 % 2 == 0, 1.0, -1.0)
-    for samples in (np.zeros(time.size), square):
+    for samples in (np.zeros(0), np.zeros(time.size), square):
         assert find(samples.astype(np.float32)).shots == ()
 
 
