@@ -256,6 +256,30 @@ def test_a_shot_whose_bang_is_another_sound_is_gone_though_its_decay_is_there(
     assert conformed(old, covered) == near(list(ONSETS_S))
 
 
+@pytest.mark.parametrize("seed", [91, 92, 93])
+def test_a_shot_that_swells_is_there_though_another_sound_covers_its_soft_beginning(seed: int) -> None:
+    """What lies over the whole of it covers the beginning more, and is no reason to take it for another shot."""
+    rng = np.random.default_rng(seed)
+    old, boom = OLD.copy(), rng.normal(size=round(0.2 * RATE_HZ))
+    boom *= np.where(np.arange(boom.size) < 0.03 * RATE_HZ, 0.05, 0.4)
+    old[round(29.0 * RATE_HZ) : round(29.3 * RATE_HZ)] = 0.0
+    put(old, boom, 29.0)
+    new = old.copy()
+    put(new, 0.2 * rng.normal(size=round(0.3 * RATE_HZ)), 28.95)
+    assert conformed(old, new) == near(list(ONSETS_S))
+
+
+@pytest.mark.parametrize("seed", [91, 92, 93])
+def test_a_shot_is_held_to_its_own_sound_as_far_as_the_next_one(seed: int) -> None:
+    """Another bang in place of the next shot, and far louder, says nothing of it."""
+    onsets_s, rng = (10.0, 29.0, 29.08, 40.0), np.random.default_rng(seed)
+    old = film(50.0, onsets_s, seed=seed)
+    new = old.copy()
+    there = slice(round(29.075 * RATE_HZ), round(29.4 * RATE_HZ))
+    new[there] = rng.normal(size=there.stop - there.start)
+    assert conformed(old, new, onsets_s) == near([10.0, 29.0, None, 40.0])
+
+
 def test_films_with_nothing_in_common_have_no_segment() -> None:
     assert courses(heard(OLD), heard(film(50.0, (10.0, 20.0), seed=27))) == []
 
