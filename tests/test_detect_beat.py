@@ -259,6 +259,17 @@ def test_what_keeps_the_beat_does_not_depend_on_what_else_is_asked() -> None:
         assert kept(onsets[some], onsets, kinds=kinds) == whole[some].tolist()
 
 
+@pytest.mark.parametrize("seed", [0, 3, 7])
+def test_what_sounds_long_before_changes_nothing(seed: int) -> None:
+    """Where no pause parts the sounds, the first one of the film must not place the windows of all."""
+    drums = rhythm(0.1171, seed=seed, start_s=50.4321)
+    heard = samples(np.append(drums, np.random.default_rng(seed).uniform(0.0, 84.0, 168)))
+    late = heard[heard >= 40 * RATE_HZ]
+    expected = kept(late, heard)
+    for start_s in (1.0, 2.0, 3.0):
+        assert kept(late, heard[heard >= start_s * RATE_HZ]) == expected
+
+
 @pytest.mark.parametrize("period_s", [0.1171, 0.1467, 0.187, 0.231])
 @pytest.mark.parametrize("seed", range(4))
 def test_shots_of_one_gun_over_drums_keep_no_beat(period_s: float, seed: int) -> None:

@@ -40,8 +40,8 @@ def on_the_beat(
     asked_ms = film_ms[asked]
     sounds = np.flatnonzero(np.diff(film_ms, prepend=-np.inf) > _SAME_MS)
     sounds_ms = film_ms[sounds]
-    for start_ms, stop_ms in _strides(film_ms, 1000.0 * rules.window_s / _STRIDE):
-        some = slice(*np.searchsorted(asked_ms, (start_ms, stop_ms)).tolist())
+    for start_ms, last_ms in _strides(film_ms, 1000.0 * rules.window_s / _STRIDE, bursts.longest_gap_ms):
+        some = slice(np.searchsorted(asked_ms, start_ms), np.searchsorted(asked_ms, last_ms, side="right"))
         for before in _BEFORE if some.start < some.stop else ():
             passage = Passage(sounds_ms, start_ms - 1000.0 * before * rules.window_s, rules, bursts.longest_gap_ms)
             if passage.sounds.size < rules.fewest:
@@ -58,13 +58,15 @@ def on_the_beat(
     return found
 
 
-def _strides(times: Times, length: float) -> Iterator[tuple[float, float]]:
-    """Yield from when to when to ask: from a sound on for so long, then from the next one on."""
-    place = 0
-    while place < times.size:
-        start = float(times[place])
-        yield start, start + length
-        place = int(np.searchsorted(times, start + length))
+def _strides(times: Times, length: float, longest_gap: float) -> Iterator[tuple[float, float]]:
+    """Yield the first and the last sound of what is asked about at once: a run, or so long a part of one.
+
+    Were the windows of all runs counted from one sound, any before it would move them, and with them what keeps a beat.
+    """
+    for run in runs_of(times, longest_gap) if times.size else ():
+        part = np.floor((times[run] - times[run[0]]) / length)
+        for same in np.split(times[run], np.flatnonzero(np.diff(part)) + 1):
+            yield float(same[0]), float(same[-1])
 
 
 def _exact(peak: BeatGrid, passage: Passage) -> BeatGrid | None:
