@@ -45,6 +45,26 @@ def test_a_shot_at_the_very_beginning_of_a_film_has_a_past_as_any_other(tmp_path
         assert wish.origin == ("found" if onset == at else "moved")
 
 
+@pytest.mark.parametrize("said", ["onset_sample", "onset_s"])
+@pytest.mark.parametrize("moved_by", [0, 4_800])
+def test_one_number_of_an_onset_is_enough_to_tell_a_shot_that_stayed_from_one_that_was_moved(
+    tmp_path: Path, said: str, moved_by: int
+) -> None:
+    """A script that moves a shot by one of the two leaves out the other, which is no longer true."""
+    onset = EVENT.onset_sample + moved_by
+    document = json.loads(encode(timeline(EVENT)))
+    fields = document["events"][0]
+    fields |= {"onset_sample": onset, "onset_s": onset / RATE_HZ}
+    fields |= {"blast": {"start_sample": EVENT.onset_sample, "stop_sample": EVENT.onset_sample + 400}}
+    for other in {"onset_sample", "onset_s"} - {said}:
+        del fields[other]
+    (tmp_path / "edited.json").write_text(json.dumps(document))
+    [wish] = match(read_edits(tmp_path / "edited.json"), None, rate_hz=RATE_HZ).wishes
+    assert wish.was is not None
+    assert (wish.id, wish.onset, wish.unmoved) == (EVENT.id, onset, moved_by == 0)
+    assert wish.origin == ("moved" if moved_by else "found")
+
+
 @pytest.mark.parametrize(
     "told", ["shot-0001", "shot-0001 0.97 -3.1 dBFS", "shot-0001 0.97 -3.1 dBFS filter", "boom", ""]
 )

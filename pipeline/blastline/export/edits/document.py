@@ -192,12 +192,13 @@ def _onset(sample: int | None, seconds: Decimal | None) -> Point:
 def _as_it_was(plain: list[Any], path: Path) -> Mapping[str, Event]:
     """Return the events that are whole, by id; the blast, which nobody edits, tells where an onset was.
 
-    Onsets and windows are somebody's edits, which are judged beside the film; nobody edits a reflection.
+    Onsets and windows are somebody's edits, which are judged beside the film; nobody edits a reflection. One
+    number of an onset is enough, so neither is asked for here.
     """
     found: dict[str, Event] = {}
     for index, fields in enumerate(plain):
         try:
-            event = msgspec.convert(fields, Event)
+            event = msgspec.convert({**fields, "onset_sample": 0, "onset_s": 0.0}, Event)
         except msgspec.ValidationError:
             continue  # an event that was added with its onset alone has no past
         for complaint in reflection_complaints(event.reflections, f"events[{index}]"):
