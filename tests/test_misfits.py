@@ -11,6 +11,7 @@ import pytest
 from blastline.misfits import listed, misfit
 from blastline.model import Timeline, encode
 from blastline.ruleset.aligning import AlignRules
+from blastline.ruleset.profiles import Response
 from timelines import timeline
 
 PLAIN: dict[str, Any] = json.loads(encode(timeline()))
@@ -107,6 +108,12 @@ WINDOW = "events[0].window.start_sample: is missing; expected a whole number"
 )
 def test_a_misfit_says_its_value_and_what_would_fit(key: str, value: Any, told: str) -> None:
     assert refusal(with_value(key, value), Timeline) == told
+
+
+@pytest.mark.parametrize("pole", [[], [-1400.0], [-1400.0, 0.0, 0.0]])
+def test_a_pole_of_another_length_than_two_is_told_with_both(pole: list[float]) -> None:
+    plain = {"source": "test", "gain": 1.0, "zeros_rad_s": [], "poles_rad_s": [[-20.0, 0.0], pole]}
+    assert refusal(plain, Response) == f"poles_rad_s[1]: expected a list of 2 entries, not {len(pole)}"
 
 
 @pytest.mark.parametrize(

@@ -22,10 +22,13 @@ _WORDS = {
 _TYPES = {"float": float, "int": int, "str": str, "bool": bool, "array": list, "object": dict, "null": type(None)}
 
 _COMPARISONS = {">=": "{} or more", "<=": "{} or less", ">": "more than {}", "<": "less than {}"}
-_EXPECTED = re.compile(r"Expected (?P<kinds>`[^`]+`)(?P<long> of length)?(?: (?P<sign>[<>]=?) (?P<bound>[-+.\de]+))?")
+_LENGTHS = {">=": "at least ", "<=": "at most ", None: ""}
+_EXPECTED = re.compile(
+    r"Expected (?P<kinds>`[^`]+`)(?P<long> of length)?(?: (?:(?P<sign>[<>]=?) )?(?P<bound>[-+.\de]+))?"
+)
 _MISSING = re.compile(r"Object missing required field `(.+)`")
 _UNKNOWN = re.compile(r"Object contains unknown field `(.+)`")
-_FOUND = re.compile(r", got `([^`]+)`")
+_FOUND = re.compile(r", got `?([^`]+)`?")
 _LONGEST_SHOWN = 60
 _MOST_LISTED = 10
 
@@ -62,8 +65,7 @@ def _said(complaint: str, null: str) -> str:
     what, sign, bound = _kinds(told["kinds"], null), told["sign"], told["bound"]
     if told["long"] and bound:
         parts = "characters" if "str" in told["kinds"] else "entries"
-        least = "at least" if sign == ">=" else "at most"
-        what = f"{what} of {least} {bound} {parts}"
+        what = f"{what} of {_LENGTHS[sign]}{bound} {parts}"
     elif sign:
         what = f"{what}, {_COMPARISONS[sign].format(bound.removesuffix('.0'))}"
     whole = {"`int`", "`int | null`"} & {told["kinds"]}
