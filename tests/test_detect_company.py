@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from blastline.detect import company
 from blastline.detect.backdrop import LEVELS
 from blastline.detect.company import in_company, worth_segmenting
 from blastline.detect.fire import ScoredCandidates, even_rows
@@ -232,6 +233,21 @@ def test_what_is_not_worth_segmenting_is_never_believed(seed: int) -> None:
         )
     assert np.sum(~worth & (probability >= VERIFY.round_threshold)) > 0
     assert believed_ms(*shots) == believed_ms(*(s for s, kept in zip(shots, worth, strict=True) if kept))
+
+
+def test_beyond_a_film_no_row_is_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where sounds lie close that takes longer than all else that a whole film tells of them."""
+    onsets = np.arange(200) * RATE_HZ // 3
+    unlikely, asked = scored(onsets, np.full(onsets.size, VERIFY.round_threshold)), list[int]()
+
+    def none_at(onsets: NDArray[np.intp], *_: object, **__: object) -> list[NDArray[np.intp]]:
+        asked.append(onsets.size)
+        return []
+
+    monkeypatch.setattr(company, "rows_at", none_at)
+    for core, expected in ((None, []), (Span(0, 100 * RATE_HZ), [onsets.size])):
+        worth_segmenting(unlikely, [None] * onsets.size, rate_hz=RATE_HZ, tier=TIER, core=core)
+        assert asked == expected
 
 
 @pytest.mark.parametrize("by_screen", [VERIFY.round_threshold, 0.999])

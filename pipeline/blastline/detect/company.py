@@ -203,7 +203,7 @@ def worth_segmenting(
     members = np.flatnonzero((likeliest >= log_odds_of(tier.verify.round_threshold)) | worth)
     reach = (tier.rows.fewest - 1) * samples_from_ms(tier.rows.longest_gap_ms, rate_hz)
     cut = _near_an_end(scored.onsets, core, reach)
-    for row in rows_at(scored.onsets, scored.peaks_dbfs, shot_by_shot(tier), rate_hz=rate_hz):
+    for row in rows_at(scored.onsets, scored.peaks_dbfs, shot_by_shot(tier), rate_hz=rate_hz) if cut.any() else ():
         cut[row] |= cut[row].any()  # what is beyond the core may make fire of all of it
     worth |= cut & (scored.odds.by_networks >= log_odds_of(tier.verify.round_threshold))
     for run in runs_of(scored.onsets[members], longest):
