@@ -68,7 +68,7 @@ def describe_candidates(
     places = candidate_places(chunk, grid, tier)
     bands = chunk.bands if chunk.bands.size else bands_near(chunk.samples, places, grid)
     levels = band_levels(bands, places, grid)
-    chosen = np.flatnonzero(near_core(chunk, places, max(reach, onset_margin(grid, tier))))
+    chosen = np.flatnonzero(_near_core(chunk, places, max(reach, _onset_margin(grid, tier))))
     bandshapes = bandshape(levels[chosen])
     passed = gate(bandshapes, places[chosen])
     chosen, bandshapes = chosen[passed], bandshapes[passed]
@@ -77,17 +77,17 @@ def describe_candidates(
     chosen, rows = chosen[passed], rows[passed]
     onsets = _onsets(chunk.samples, places, chosen, rate_hz=grid.rate_hz, rules=tier.onset)
     kept = well_apart(onsets, samples_from_ms(_SAME_ONSET_MS, grid.rate_hz))
-    inside = near_core(chunk, onsets[kept], 0) & (onsets[kept] + chunk.start < chunk.stop)
+    inside = _near_core(chunk, onsets[kept], 0) & (onsets[kept] + chunk.start < chunk.stop)
     return CandidateFeatures(onsets[kept[inside]], rows[kept[inside]], beyond=onsets[kept[~inside]])
 
 
-def near_core(chunk: Chunk, places: NDArray[np.intp], reach: int) -> NDArray[np.bool_]:
+def _near_core(chunk: Chunk, places: NDArray[np.intp], reach: int) -> NDArray[np.bool_]:
     """Return which of n places of a chunk lie in its core or at most so many samples outside, shape (n,)."""
     in_film = places + chunk.start
     return np.asarray((in_film >= chunk.core.start - reach) & (in_film < chunk.core.stop + reach))
 
 
-def onset_margin(grid: Grid, tier: QualityRules) -> int:
+def _onset_margin(grid: Grid, tier: QualityRules) -> int:
     """Return how far outside the core a candidate may be seen whose onset is found to lie inside."""
     return samples_from_ms(farthest_ms(tier.onset), grid.rate_hz)
 
