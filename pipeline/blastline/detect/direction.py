@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from ..model import Channels, Shot, Span
 from ..ruleset import ChannelRules
 from ..units import gain_from_db, samples_from_ms
+from .near import have_near
 from .sides import SAME_MS
 
 _GUARD_MS = 0.5
@@ -55,12 +56,12 @@ def with_azimuths(
     if channels is None:
         return list(shots)
     guard, span = samples_from_ms(_GUARD_MS, rate_hz), samples_from_ms(rules.azimuth_ms, rate_hz)
+    in_sides = have_near([shot.onset for shot in shots], side_onsets, samples_from_ms(SAME_MS, rate_hz)).tolist()
     found = []
-    for shot in shots:
+    for shot, elsewhere in zip(shots, in_sides, strict=True):
         onset = max(0, shot.onset - guard)
         start = max(0, onset - span)
         samples = channels.read(Span(start, min(onset + guard + span, max(onset + 1, shot.span.stop))))
-        elsewhere = any(abs(each - shot.onset) <= samples_from_ms(SAME_MS, rate_hz) for each in side_onsets)
         toward = None
         if samples is not None:
             toward = direction(
