@@ -110,7 +110,10 @@ class Placement(Generic[FrameT]):
     _zero: float = 0.0
 
     def place(self, frames: Iterable[FrameT]) -> Iterator[FrameT | Gap | Overlap]:
-        """Yield the frames in order, a gap before one where sound is missing, an overlap before one to be cut."""
+        """Yield the frames in order, a gap before one where sound is missing, an overlap before one to be cut.
+
+        Raises SoundtrackError where the gaps are longer than any film has silence.
+        """
         self._tolerance = int(TOLERANCE_S * self.rate_hz)
         for frame in frames:
             late = self._late(frame)
