@@ -95,9 +95,11 @@ def search_chunks(
     search_sides = partial(search, tier=side_rules(tier))
     for chunk, aside in aligned_chunks(cut(once), cut(map(side_as_main, again)), core_pieces=core_pieces):
         mains, sides = search(chunk), search_sides(aside, over=chunk)
-        heard, beside = (place(each.shots, side_onsets=[s.onset for s in each.shots]) for each in (mains, sides))
+        # as if the sides heard all of them: whether they do, the whole film tells
+        in_sides, beside = (place(each.shots, side_onsets=[s.onset for s in each.shots]) for each in (mains, sides))
+        heard = in_sides if channels is None or channels.centre is None else place(mains.shots)
         yield {
-            "mains": replace(mains, shots=place(mains.shots), heard_beside=heard),
+            "mains": replace(mains, shots=heard, heard_beside=in_sides),
             "sides": replace(sides, shots=beside),
         }
 

@@ -28,8 +28,8 @@ from .verify import log_odds_of
 class MixResult:
     """What was found in a chunk of one mix: what may be shots, what is none, and all that the networks scored.
 
-    `heard_beside` are the shots with their azimuths where the sides hear them as well. `as_well` tells of shots of the
-    sides whether the mains hear them as the sides do, shape (shots,).
+    `heard_beside` are the same shots, with the azimuths that they have if the sides hear them as well. `as_well` tells
+    of shots of the sides whether the mains hear them as the sides do, shape (shots,).
     """
 
     shots: list[Shot]
