@@ -62,19 +62,20 @@ def hear_event(
         heard = HeardEvent(found, enough)
         if heard.is_alike:
             break
-    if heard.is_alike and _is_by_its_end(onset_s, length_s, found, course, old, new, rules, mix):
+    if heard.is_alike and _is_by_its_end(found, course, old, new, rules, onset_s=onset_s, length_s=length_s, mix=mix):
         return HeardEvent(found, math.inf)
     return heard
 
 
 def _is_by_its_end(
-    onset_s: float,
-    length_s: float,
     found: Found,
     course: Course,
     old: Film,
     new: Film,
     rules: ConformRules,
+    *,
+    onset_s: float,
+    length_s: float,
     mix: HeardIn,
 ) -> bool:
     """Return whether a shot is alike by its decay alone, behind black or behind another sound."""
@@ -84,9 +85,10 @@ def _is_by_its_end(
     after, _ = piece(new, new_s, length_s)
     if _is_muted(after[:attack], after, before[:attack], before):
         return True
-    if np.mean(before[:attack] ** 2) < _REPLACED**2 * np.mean(before**2):  # what is put over the whole covers it more
+    is_soft = np.mean(before[:attack] ** 2) < _REPLACED**2 * np.mean(before**2)
+    if is_soft:  # covered by whatever is put over the shot
         return False
-    heard = look(
+    of_attack = look(
         old,
         new,
         old_s=onset_s,
@@ -97,7 +99,7 @@ def _is_by_its_end(
         search_s=1.0 / WORK_HZ,
         mix=mix,
     )
-    return heard.likeness < _REPLACED * found.likeness
+    return of_attack.likeness < _REPLACED * found.likeness
 
 
 def _length_s(onset_s: float, room_s: float, course: Course, rules: ConformRules) -> float:
