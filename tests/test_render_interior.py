@@ -13,11 +13,11 @@ from scipy.signal import fftconvolve
 from blastline import dsp
 from blastline.model import Quality
 from blastline.render import DriveFilters, drive_filters
-from blastline.render.banded import Recursion, well_conditioned_stride
+from blastline.render.banded import Recursion, banded_hessian, q_diagonals, well_conditioned_stride
 from blastline.render.constrained import SolveSummary, between_corners, constrained_drive, corner_rhs
 from blastline.render.descent import Convolution, restarted_fista
 from blastline.render.filters import compensated, felt, in_band
-from blastline.render.interior import SHORTEST, solve_box_qp
+from blastline.render.interior import SHORTEST, _Newton, _State, solve_box_qp
 from blastline.ruleset import ActuatorProfile, load_rules
 from render_signals import CAUSAL, KINDS, PROFILE, film_with_shot
 
@@ -279,3 +279,15 @@ def test_drive_of_a_seat_that_remembers_much_is_still_the_best_one(name: str, ra
     problem = Convolution.of(filters.impulse, len(target)).problem(wanted)
     best = restarted_fista(problem, problem.at(guess), iterations=4000, tolerance=0.0).objective
     assert problem.objective(drive) - best <= 2e-3 * 0.5 * float(np.sum(wanted**2))
+
+
+@pytest.mark.parametrize("length", [0.3, 1.0])
+def test_what_a_step_of_the_predictor_leaves_is_known_before_it_is_taken(length: float) -> None:
+    target, warm = shot(SLOW, peak=0.9)
+    by_h = Convolution.of(SLOW.impulse, len(target))
+    q = banded_hessian(SLOW.recursion, 1)
+    rhs = by_h.problem(np.pad(target, (0, len(SLOW.impulse) - 1))).rhs
+    state = _State.first(q, rhs, warm)
+    predictor = _Newton.of(q, q_diagonals(q, len(rhs)), state).predictor()
+    length *= state.max_step(predictor)
+    assert state.gap_after(predictor, length) == pytest.approx(state.moved(q, predictor, length).gap, rel=1e-9)

@@ -14,6 +14,7 @@ sums over all samples between. What is felt after the last corner counts as well
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,12 +75,10 @@ def solve_box_qp(
             newton = _Newton.of(q, of_q, state)
         except LinAlgError:
             return BoxQpSolution(state.drive, step, finished=False)
-        predictor = newton.direction(0.0)
+        predictor = newton.predictor()
         reached = state.gap_after(predictor, state.max_step(predictor))
         mu = gap / (2 * len(rhs)) * (reached / gap) ** 3
-        direction = newton.direction(
-            mu, missed_upper=-predictor.drive * predictor.upper, missed_lower=predictor.drive * predictor.lower
-        )
+        direction = newton.corrector(mu, predictor)
         state = state.moved(q, direction, _STEP_TO_BOUNDARY * state.max_step(direction))
     return BoxQpSolution(state.drive, iterations)
 
@@ -123,41 +122,53 @@ class _State:
         lower = np.maximum(by_drive, 0.0) + least / (1.0 + drive)
         return cls(v, drive, upper, lower, gradient, linear)
 
-    @property
+    @cached_property
     def slack_upper(self) -> Samples:
         """Return the slack of the upper bound."""
         return 1.0 - self.drive
 
-    @property
+    @cached_property
     def slack_lower(self) -> Samples:
         """Return the slack of the lower bound."""
         return 1.0 + self.drive
 
-    @property
+    @cached_property
+    def curvature_upper(self) -> Samples:
+        """Return how much more the upper bound's multiplier pushes back for each step of the drive towards it."""
+        return self.upper / self.slack_upper
+
+    @cached_property
+    def curvature_lower(self) -> Samples:
+        """Return the same of the lower bound."""
+        return self.lower / self.slack_lower
+
+    @cached_property
     def gap(self) -> float:
         """Return the duality gap (complementarity): the objective may be so far off its minimum, once dual feasible."""
-        return float(np.sum(self.upper * self.slack_upper) + np.sum(self.lower * self.slack_lower))
+        return float((self.upper * self.slack_upper + self.lower * self.slack_lower).sum())
 
     @property
     def objective(self) -> float:
         """Return 1/2 v'Qv - r'v, from the gradient Qv - r."""
-        return float(0.5 * np.sum(self.v * (self.gradient - self.linear)))
+        return 0.5 * float((self.v * (self.gradient - self.linear)).sum())
 
     def max_step(self, direction: _Direction) -> float:
         """Return how far, up to 1, one may go until a slack or a multiplier is used up."""
         used = max(
-            float(np.max(direction.drive / self.slack_upper)),
-            float(np.max(-direction.drive / self.slack_lower)),
-            float(np.max(-direction.upper / self.upper)),
-            float(np.max(-direction.lower / self.lower)),
+            float((direction.drive / self.slack_upper).max()),
+            -float((direction.drive / self.slack_lower).min()),
+            -float((direction.upper / self.upper).min()),
+            -float((direction.lower / self.lower).min()),
         )
         return 1.0 if used <= 1.0 else 1.0 / used
 
-    def gap_after(self, direction: _Direction, length: float) -> float:
-        """Return the duality gap that such a step leaves."""
-        change = length * direction.drive
-        upper = np.sum((self.slack_upper - change) * (self.upper + length * direction.upper))
-        return float(upper + np.sum((self.slack_lower + change) * (self.lower + length * direction.lower)))
+    def gap_after(self, predictor: _Direction, length: float) -> float:
+        """Return the duality gap that such a part of the predictor's step leaves.
+
+        To first order that takes every product of a slack and its multiplier to 0: what is left is the second order.
+        """
+        missed = float((predictor.drive * (predictor.upper - predictor.lower)).sum())
+        return (1.0 - length) * self.gap - length * length * missed
 
     def moved(self, q: BandedHessian, direction: _Direction, length: float) -> "_State":
         """Return the state after a step."""
@@ -177,7 +188,6 @@ class _Newton:
 
     q: BandedHessian
     state: _State
-    residual: Samples
     factor: Samples
 
     @classmethod
@@ -185,22 +195,31 @@ class _Newton:
         """Return the system of a state, given Q's diagonals; LinAlgError where rounding has spoilt it."""
         from scipy.linalg import cholesky_banded
 
-        curvature = state.upper / state.slack_upper + state.lower / state.slack_lower + _ROUNDING * q.max_power_gain
+        curvature = state.curvature_upper + state.curvature_lower + _ROUNDING * q.max_power_gain
         factor = cholesky_banded(
             newton_diagonals(q, of_q, curvature), lower=True, overwrite_ab=True, check_finite=False
         )
-        return cls(q, state, state.gradient + apply_a_transposed(q, state.upper - state.lower), factor)
+        return cls(q, state, factor)
 
-    def direction(
-        self, mu: float, *, missed_upper: Samples | float = 0.0, missed_lower: Samples | float = 0.0
-    ) -> _Direction:
-        """Return the direction to where each slack times its multiplier is `mu`, less what is known to be missed."""
+    def predictor(self) -> _Direction:
+        """Return the direction to where every multiplier is 0: straight at the best drive, were there no bounds."""
+        return self._direction(-self.state.gradient, 0.0, 0.0)
+
+    def corrector(self, mu: float, predictor: _Direction) -> _Direction:
+        """Return the direction to where each slack times its multiplier is `mu`, knowing what the predictor missed."""
+        upper = (mu + predictor.drive * predictor.upper) / self.state.slack_upper
+        lower = (mu - predictor.drive * predictor.lower) / self.state.slack_lower
+        return self._direction(-self.state.gradient - apply_a_transposed(self.q, upper - lower), upper, lower)
+
+    def _direction(self, right: Samples, upper: Samples | float, lower: Samples | float) -> _Direction:
+        """Return the direction whose multipliers were `upper` and `lower` if the drive stayed, `right` being -Qv + r
+        less their push.
+        """
         from scipy.linalg.lapack import dpbtrs  # cho_solve_banded takes as long around it as it does
 
         now = self.state
-        upper = (mu - missed_upper) / now.slack_upper - now.upper
-        lower = (mu - missed_lower) / now.slack_lower - now.lower
-        right = -self.residual - apply_a_transposed(self.q, upper - lower)
         v, _ = dpbtrs(self.factor, right, lower=True)
         u = apply_a(self.q, v)
-        return _Direction(v, u, upper + now.upper * u / now.slack_upper, lower - now.lower * u / now.slack_lower)
+        return _Direction(
+            v, u, upper - now.upper + now.curvature_upper * u, lower - now.lower - now.curvature_lower * u
+        )
