@@ -1,6 +1,7 @@
 """The filters: eq. (2) and its inverse as analogue filters, and how near their digital sections come to them."""
 
 import math
+import tracemalloc
 
 import msgspec
 import numpy as np
@@ -143,6 +144,21 @@ def test_sound_and_silence_run_as_if_nothing_were_cut(parts: list[tuple[bool, in
     state = rng.standard_normal((len(COMPENSATOR), 2)) if begun else np.zeros((len(COMPENSATOR), 2))
     whole = sosfilt(COMPENSATOR, samples, zi=state)[0] if len(samples) else samples
     np.testing.assert_array_equal(dsp.run_filter(COMPENSATOR, samples, state=state if begun else None), whole)
+
+
+@pytest.mark.parametrize("sounding", [0, 1, 480_000])
+def test_what_comes_of_a_filter_is_all_the_memory_that_it_asks_for(sounding: int) -> None:
+    """Memory that is new costs as much as filtering it: with twice as much, silence cost more than noise."""
+    samples = np.zeros(480_000)
+    samples[:sounding] = np.random.default_rng(4).standard_normal(sounding)
+    dsp.run_filter(COMPENSATOR, samples[:10])
+    tracemalloc.start()
+    try:
+        dsp.run_filter(COMPENSATOR, samples)
+        _, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert most < 1.25 * samples.nbytes
 
 
 @given(st.integers(0, 200), st.integers(1, 100), st.floats(-30, 30))

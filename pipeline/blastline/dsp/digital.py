@@ -183,15 +183,19 @@ def run_filter(
     from scipy.signal import sosfilt
 
     state = np.zeros((len(sections), 2)) if state is None else state.copy()
-    filtered = []
+    filtered, begun = np.zeros(0), 0
     for stretch, sounds in _stretches(samples):
         state[np.abs(state) < _SILENT] = 0.0
+        done = np.zeros(1)
         if sounds or np.any(state):
             done, state = sosfilt(sections, stretch, zi=state)
-            filtered.append(done)
-        else:
-            filtered.append(np.zeros(len(stretch)))
-    return filtered[0] if len(filtered) == 1 else np.concatenate([np.zeros(0), *filtered])
+            if len(done) == len(samples):
+                return np.asarray(done)
+        if begun == 0:  # each run goes to its place at once: kept to be joined, they cost as much memory again
+            filtered = np.empty(len(samples))
+        filtered[begun : begun + len(stretch)] = done
+        begun += len(stretch)
+    return filtered
 
 
 def _stretches(samples: NDArray[np.float64]) -> Iterator[tuple[NDArray[np.float64], bool]]:
@@ -199,7 +203,8 @@ def _stretches(samples: NDArray[np.float64]) -> Iterator[tuple[NDArray[np.float6
     if not len(samples):
         return
     starts = np.arange(0, len(samples), _RUN)
-    silent = np.maximum.reduceat(np.abs(samples), starts) < _SILENT  # what is no number sounds
+    highest, lowest = np.maximum.reduceat(samples, starts), np.minimum.reduceat(samples, starts)
+    silent = (highest < _SILENT) & (lowest > -_SILENT)  # what is no number sounds
     begun = 0
     for start in starts[silent].tolist():
         if begun < start:
