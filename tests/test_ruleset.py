@@ -12,7 +12,16 @@ import pytest
 
 from blastline.errors import RuleError
 from blastline.model import Quality
-from blastline.ruleset import Rules, actuator_names, check_rules, load_actuator, load_rules, rules_path
+from blastline.ruleset import (
+    Rules,
+    actuator_names,
+    check_rules,
+    load_actuator,
+    load_perception,
+    load_rules,
+    perception_names,
+    rules_path,
+)
 from blastline.ruleset.folder import require_folder
 
 BUILTIN = Path(rules_path("scenes.toml")).parent
@@ -220,6 +229,26 @@ def test_the_check_reads_what_else_is_in_a_folder_of_rules(tmp_path: Path, kind:
     assert list(check_rules(tmp_path)) == [file]
     written(tmp_path, file, "nothing_reads_this = 1\n" + shipped.read_text(encoding="utf-8"))
     with pytest.raises(RuleError, match=re.escape(f"{tmp_path / file}: nothing_reads_this: no such key")):
+        list(check_rules(tmp_path))
+
+
+def test_a_table_of_thresholds_among_the_rules_is_a_curve_by_its_name(tmp_path: Path) -> None:
+    table = "# source: my thesis\nfrequency_hz,threshold_db\n20,-5\n50,-17\n"
+    written(tmp_path, "perception/skin.csv", table)
+    assert list(check_rules(tmp_path)) == ["perception/skin.csv"]
+    assert "skin" in perception_names(tmp_path)
+    curve = load_perception("skin", tmp_path)
+    assert (curve.name, curve.source, curve.threshold_db) == ("skin", "my thesis", (-5.0, -17.0))
+
+    # the user's own comes before the built-in one, whatever its kind; two of one name leave open which is meant
+    written(tmp_path, "perception/mpeg-psychohaptic.csv", table)
+    assert load_perception("mpeg-psychohaptic", tmp_path).source == "my thesis"
+    written(tmp_path, "perception/skin.toml", (BUILTIN / "perception/iso-2631-wk.toml").read_text(encoding="utf-8"))
+    with pytest.raises(RuleError, match=re.escape(f"{tmp_path / 'perception/skin.toml'}: there is skin.csv as well")):
+        load_perception("skin", tmp_path)
+
+    written(tmp_path, "perception/zone.csv", "frequency_hz,threshold_db\n20,-5\n")
+    with pytest.raises(RuleError, match=re.escape(f"{tmp_path / 'perception/zone.csv'}: holds 1 row; expected")):
         list(check_rules(tmp_path))
 
 

@@ -1,16 +1,16 @@
 """Rules as data: what a user may tune, read from TOML into frozen, range-checked values.
 
 `tables` and `row_tables` hold a struct for each table of a tier and of `scenes.toml`; other rule files have a module
-each. `files` finds, merges and reads them, `toml_text` writes them.
+each. `files` finds, merges and reads them, `checking` reads a whole folder, `toml_text` writes them.
 """
 
 from .aligning import AlignRules
+from .checking import check_rules
 from .columns import FREQUENCY, Columns, read_columns
 from .conforming import ConformRules
 from .files import (
     Rules,
     actuator_names,
-    check_rules,
     convert,
     load_actuator,
     load_conform,

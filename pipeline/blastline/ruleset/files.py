@@ -21,9 +21,9 @@ from ..misfits import misfit
 from ..model import Quality
 from .aligning import AlignRules
 from .conforming import ConformRules
-from .folder import RULE_FILES, not_a_rule_file, require_folder
+from .folder import require_folder
 from .haptics import HapticRules
-from .measuring import MeasuringRules, PerceptionCurve
+from .measuring import MeasuringRules
 from .profiles import ActuatorProfile, check_name, check_stable
 from .table import Table
 from .tables import QualityRules, SceneRules
@@ -123,28 +123,6 @@ def load_actuator(name: str, overlay: Path | None = None) -> tuple[ActuatorProfi
     check_name(profile.name, path)
     check_stable(profile, path)
     return profile, hashlib.sha256(msgspec.json.encode(profile)).hexdigest()
-
-
-def check_rules(overlay: Path) -> Iterator[str]:
-    """Read every rule of the user's folder and yield the name of each file that is sound.
-
-    Raises RuleError at the first that is not, or where a file is none that blastline reads.
-    """
-    load_rules("standard", overlay)
-    load_conform(overlay)
-    load_haptics(overlay)
-    load_measuring(overlay)
-    for file in sorted(p for p in overlay.rglob("*.toml") if p.is_file()):
-        relative = file.relative_to(overlay).as_posix()
-        if relative.startswith("actuators/"):
-            load_actuator(str(file))
-        elif relative.startswith("perception/"):
-            convert(read_toml(file), PerceptionCurve, file)
-        elif relative.startswith("quality/") and relative in RULE_FILES:
-            merged(relative, QualityRules, overlay)
-        elif relative not in RULE_FILES:
-            raise not_a_rule_file(file)
-        yield relative
 
 
 def read_toml(path: Path) -> dict[str, Any]:

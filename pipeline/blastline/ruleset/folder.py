@@ -16,7 +16,7 @@ RULE_FILES = frozenset(
         *(f"quality/{quality}.toml" for quality in get_args(Quality)),
     }
 )
-_FURTHER = ("actuators/*.toml", "perception/*.toml", "verifier/*.json")
+_FURTHER = ("actuators/*.toml", "perception/*.toml", "perception/*.csv", "verifier/*.json")
 _EXPECTED = ", ".join((*sorted(RULE_FILES), *_FURTHER))
 
 

@@ -56,7 +56,7 @@ class MeasuringRules(Table, frozen=True):
 
 
 class PerceptionCurve(Table, frozen=True):
-    """`perception/*.toml`: an absolute threshold of vibration over frequency.
+    """`perception/*.toml` (a user's may be `*.csv`): an absolute threshold of vibration over frequency.
 
     `threshold_db` is the level of the weakest sinusoid that is felt, in dB against any reference: the sensitivity is
     scaled to a peak of 1. The curve holds from its first frequency to its last.

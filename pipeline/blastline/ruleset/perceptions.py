@@ -10,6 +10,7 @@ from .folder import require_folder
 from .measuring import PerceptionCurve
 from .table import LEAST_SOURCE
 
+_KINDS = (".toml", ".csv")
 _FEWEST_ROWS = 2
 
 
@@ -17,20 +18,36 @@ def perception_names(overlay: Path | None = None) -> list[str]:
     """Return the names of the curves that `load_perception` knows."""
     require_folder(overlay)
     folders = [builtin()] + ([overlay] if overlay else [])
-    return sorted({file.stem for folder in folders for file in folder.glob("perception/*.toml")})
+    return sorted({file.stem for folder in folders for kind in _KINDS for file in folder.glob(f"perception/*{kind}")})
 
 
 def load_perception(name: str, overlay: Path | None = None) -> PerceptionCurve:
     """Return a curve, by name or by the path of its .toml or .csv file.
 
-    A CSV has the columns `frequency_hz, threshold_db`. Raises RuleError where it does not exist or does not fit.
+    Raises RuleError where it does not exist or does not fit.
     """
     require_folder(overlay)
-    is_file = name.lower().endswith((".toml", ".csv"))
-    path = Path(name) if is_file else rules_path(f"perception/{name}.toml", overlay)
+    path = Path(name) if name.lower().endswith(_KINDS) else _named(name, overlay)
     if not path.is_file():
         known = ", ".join(perception_names(overlay))
         raise RuleError(f"{name}: no such perception curve; expected none, a .toml or .csv file, or one of: {known}")
+    return read_curve(path)
+
+
+def _named(name: str, overlay: Path | None) -> Path:
+    """Return the file of a curve: the user's .toml or .csv where there is one, else the built-in one."""
+    own = [overlay / f"perception/{name}{kind}" for kind in _KINDS] if overlay else []
+    there = [path for path in own if path.is_file()]
+    if len(there) > 1:
+        raise RuleError(f"{there[0]}: there is {there[1].name} as well; expected one file for a curve's name")
+    return there[0] if there else rules_path(f"perception/{name}.toml")
+
+
+def read_curve(path: Path) -> PerceptionCurve:
+    """Return the curve of a file, which exists; RuleError where it does not fit.
+
+    A CSV has the columns `frequency_hz, threshold_db`.
+    """
     if path.suffix.lower() != ".csv":
         return convert(read_toml(path), PerceptionCurve, path)
     read = read_columns(path, needed=(FREQUENCY, "threshold_db"))
