@@ -98,6 +98,18 @@ def test_an_attack_is_whole_at_its_onset_and_absent_a_millisecond_before(tmp_pat
     assert found.amplitude_at(np.array([1.1015]))[0] == 0.0
 
 
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("lead", [1, MS // 2, MS])
+def test_nothing_is_played_while_the_drive_is_still_at_rest(tmp_path: Path, name: str, lead: int) -> None:
+    """A solved drive begins up to a millisecond before its shot."""
+    drive = np.zeros(2 * RATE_HZ)
+    drive[RATE_HZ - lead : RATE_HZ + 4800] = 0.5
+    whole = film([event(RATE_HZ, window=(RATE_HZ - 480, RATE_HZ + 4800))], 2 * RATE_HZ)
+    found = played(track_of(whole, drive), tmp_path, name)
+    assert np.all(found.amplitude_at(np.linspace(0.9, 1.0 - 1.001e-3, 300)) == 0.0)
+    assert found.amplitude_at(np.array([1.0]))[0] == pytest.approx(0.5 * math.sqrt(2.0), abs=0.015)
+
+
 def test_what_comes_with_an_attack_changes_nothing_before_it() -> None:
     whole = film([event(RATE_HZ), event(RATE_HZ + 120 * MS, window=(RATE_HZ, 2 * RATE_HZ))], 2 * RATE_HZ)
     one, other = (drive_of(whole), drive_of(whole))

@@ -36,7 +36,9 @@ def haptic_track(
         own, quiet = _pulses(samples, events, origin=span.start, rate_hz=rate_hz, rules=rules)
         silent += quiet
         if np.any(samples):
-            segment = _segment(samples, own, origin=span.start, rate_hz=rate_hz, rules=rules, profile=profile)
+            rest = _rest(samples, own, origin=span.start, rate_hz=rate_hz)
+            moving, origin = samples[rest:], span.start + rest
+            segment = _segment(moving, own, origin=origin, rate_hz=rate_hz, rules=rules, profile=profile)
             segments.append(segment)
             pulses += [_with_frequency(pulse, segment.frequency_hz) for pulse in own]
     return HapticTrack(
@@ -136,6 +138,16 @@ def _apart(pulses: list[Pulse], apart: int) -> list[Pulse]:
 def _peak(samples: Samples, start: int, stop: int) -> float:
     inside = samples[max(0, start) : max(0, stop)]
     return float(np.max(np.abs(inside))) if inside.size else 0.0
+
+
+def _rest(samples: Samples, pulses: Sequence[Pulse], *, origin: int, rate_hz: int) -> int:
+    """Return for how many samples a drive is at rest before it moves, but for the line that leads up to a pulse.
+
+    A solved drive begins the lead before its shot. Averaged with the rest before it, the lead would be played early.
+    """
+    moves = int(np.flatnonzero(samples)[0])
+    feet = [pulse.sample - origin - ms_gap(rate_hz) for pulse in pulses[:1]]
+    return max(0, min([moves, *feet]))
 
 
 def _segment(
