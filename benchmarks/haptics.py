@@ -29,6 +29,7 @@ from blastline.model import (
     Window,
     encode,
 )
+from blastline.ruleset import DEFAULT_ACTUATOR, load_actuator
 from blastline.soundtrack import write_drive
 
 BENCH = Path("build/bench/haptics")
@@ -56,7 +57,8 @@ def make(shots: int, frames: int) -> Path:
     onsets = places * (RATE_HZ // 2) + random.integers(0, RATE_HZ // 10, shots)
     events = tuple(event(index, int(onset)) for index, onset in enumerate(onsets))
     source = Source("film.wav", "0" * 64, RATE_HZ, frames, 1)
-    actuator = ActuatorRef("crowson-t108sm", "0" * 64)
+    profile, digest = load_actuator(DEFAULT_ACTUATOR)
+    actuator = ActuatorRef(profile.name, digest)
     BENCH.mkdir(parents=True, exist_ok=True)
     timeline = Timeline(SCHEMA, "0", "standard", "0" * 64, source, actuator, events, (), ())
     (BENCH / "timeline.json").write_bytes(encode(timeline))
