@@ -97,8 +97,29 @@ def test_a_film_that_is_not_found_is_told_with_where_it_was_looked_for(
     moved.write_bytes((result / "timeline.json").read_bytes())
     monkeypatch.chdir(tmp_path)
     told = blastline("check", moved).complaint
-    assert told.startswith(f"{moved}: source.name = 'film.wav': not in its folder, the one above or the current one; ")
+    where = "not in its folder, the one above, one beside it or the current one"
+    assert told.startswith(f"{moved}: source.name = 'film.wav': {where}; ")
     assert "--audio" in told
+
+
+def test_a_film_in_a_folder_beside_the_result_is_found_unless_there_are_two(
+    tmp_path: Path, result: Path, film: Path, believing: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("[scene]", "elsewhere"):
+        (tmp_path / "a" / name).mkdir(parents=True)
+    shutil.copytree(result, tmp_path / "a" / "out")
+    shutil.copy(film, tmp_path / "a" / "[scene]" / "film.wav")
+    monkeypatch.chdir(tmp_path)
+    ended = blastline("check", Path("a", "out"), "--rules", believing, "--quiet")
+    assert (ended.code, ended.err) == (0, "")
+    # another film of that name: which one is meant?
+    (tmp_path / "a" / "elsewhere" / "film.wav").write_bytes(b"RIFF")
+    told = blastline("check", Path("a", "out"), "--rules", believing).complaint
+    assert f"{Path('a', '[scene]', 'film.wav')}" in told
+    assert f"{Path('a', 'elsewhere', 'film.wav')}" in told
+    # alone it is refused, as any film that is not the one of the timeline
+    (tmp_path / "a" / "[scene]" / "film.wav").unlink()
+    assert blastline("check", Path("a", "out"), "--rules", believing).code == 2
 
 
 def test_a_drive_that_is_no_sound_fails_and_one_of_two_channels_is_refused(

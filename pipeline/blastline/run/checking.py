@@ -3,6 +3,7 @@
 import os
 from collections.abc import Mapping
 from contextlib import nullcontext
+from glob import escape, glob
 from pathlib import Path
 
 import msgspec
@@ -153,12 +154,23 @@ def _require_sides(timeline: Timeline, film: Path, track: Soundtrack) -> None:
 
 
 def _find_film(source: Source, timeline: Path) -> Path:
-    """Return the film that a timeline names: beside it, one folder up, or in the current folder."""
+    """Return the film that a timeline names: beside it, one folder up, in the current folder, or in one beside its own.
+
+    Folders beside it come last, and only one may hold a file of that name: which is meant, the name does not tell.
+    """
     above = os.path.normpath(timeline.parent / "..")  # `Path.parent` knows no folder above the current one
     for folder in (timeline.parent, Path(above), Path()):
         if (folder / source.name).is_file():
             return folder / source.name
+    beside = sorted(filter(os.path.isfile, glob(os.path.join(escape(above), "*", escape(source.name)))))
+    if len(beside) > 1:
+        raise TimelineError(
+            f"{timeline}: source.name = {source.name!r}: may be any of {listed(beside)}; expected one of them, named "
+            "with --audio"
+        )
+    if beside:
+        return Path(beside[0])
     raise TimelineError(
-        f"{timeline}: source.name = {source.name!r}: not in its folder, the one above or the current one; "
-        "expected the film there, or named with --audio"
+        f"{timeline}: source.name = {source.name!r}: not in its folder, the one above, one beside it or the current "
+        "one; expected the film there, or named with --audio"
     )
