@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from blastline.errors import TimelineError
 from blastline.export.edits import Wanted, match, read_edits
 from blastline.model import Event, Span, Window, encode
-from timelines import RATE_HZ, SHOT, timeline
+from timelines import BURST_SHOT, RATE_HZ, SHOT, timeline
 
 EVENT = msgspec.structs.replace(SHOT, id="shot-0001")
 
@@ -63,6 +63,52 @@ def test_one_number_of_an_onset_is_enough_to_tell_a_shot_that_stayed_from_one_th
     assert wish.was is not None
     assert (wish.id, wish.onset, wish.unmoved) == (EVENT.id, onset, moved_by == 0)
     assert wish.origin == ("moved" if moved_by else "found")
+
+
+@pytest.mark.parametrize("key", ["confidence", "gain_db", "origin", "timecode", "burst", "shot_in_burst"])
+@pytest.mark.parametrize("emptied", [False, True])
+def test_a_shot_that_lacks_what_nothing_is_measured_for_is_the_one_that_it_was(
+    tmp_path: Path, key: str, *, emptied: bool
+) -> None:
+    document = json.loads(encode(timeline()))
+    document["events"][1].pop(key)
+    if emptied:
+        document["events"][1][key] = None
+    (tmp_path / "edited.json").write_text(json.dumps(document))
+    [_, wish] = match(read_edits(tmp_path / "edited.json"), None, rate_hz=RATE_HZ).wishes
+    assert wish.was is not None
+    assert (wish.was.blast, wish.window, wish.origin) == (BURST_SHOT.blast, BURST_SHOT.window, "found")
+    assert (wish.unmoved, wish.changed) == (True, False)
+    assert (wish.confidence, wish.gain_db) == (1.0 if key == "confidence" else BURST_SHOT.confidence, 0.0)
+
+
+@pytest.mark.parametrize("key", ["window", "reflections", "peak_dbfs", "snr_db"])
+@pytest.mark.parametrize("moved_by", [0, 4_800])
+def test_a_shot_of_which_something_has_to_be_measured_anew_was_not_added(
+    tmp_path: Path, key: str, moved_by: int
+) -> None:
+    document = json.loads(encode(timeline()))
+    fields = document["events"][1]
+    del fields[key]
+    fields |= {"onset_sample": BURST_SHOT.onset_sample + moved_by, "onset_s": None}
+    (tmp_path / "edited.json").write_text(json.dumps(document))
+    wishes = match(read_edits(tmp_path / "edited.json"), None, rate_hz=RATE_HZ).wishes
+    assert [wish.id for wish in wishes] == [SHOT.id, BURST_SHOT.id]
+    assert (wishes[1].origin, wishes[1].confidence) == ("moved" if moved_by else "found", BURST_SHOT.confidence)
+
+
+@pytest.mark.parametrize(
+    ("key", "moved_by", "origin"), [("id", 0, "found"), ("id", 4_800, "added"), ("blast", 0, "added")]
+)
+def test_a_shot_without_an_id_is_found_where_it_was_and_a_copy_or_one_without_a_past_is_added(
+    tmp_path: Path, key: str, moved_by: int, origin: str
+) -> None:
+    document = json.loads(encode(timeline()))
+    fields = document["events"][1]
+    del fields[key]
+    fields |= {"onset_sample": BURST_SHOT.onset_sample + moved_by, "onset_s": None}
+    (tmp_path / "edited.json").write_text(json.dumps(document))
+    assert match(read_edits(tmp_path / "edited.json"), None, rate_hz=RATE_HZ).wishes[1].origin == origin
 
 
 @pytest.mark.parametrize(

@@ -82,9 +82,8 @@ def summarise_edits(
     starts, stops = _overruled(wanted.wishes, windows)
     notes += _overruled_ends(starts, stops)
     told = {edit.place for edit in edited.edits if edit.blast_start is not None}
-    known = has_original or bool(edited.own)
     used = [_as_used(wish, starts, stops) for wish in wanted.wishes]
-    ways = [_way(wish, known=known, tells_onset=wish.place in told) for wish in used]
+    ways = [_way(wish, tells_onset=wish.place in told) for wish in used]
     return Edits(
         file=edited.path.name,
         kept=ways.count("kept"),
@@ -203,13 +202,13 @@ def _missing(there: Mapping[int, int], known: Sequence[int], bare: Sequence[int]
         before = number
 
 
-def _way(wish: Wish, *, known: bool, tells_onset: bool) -> str:
+def _way(wish: Wish, *, tells_onset: bool) -> str:
     """Return in which way an event was edited.
 
     Where there is no original, only a row that tells where its onset was tells whether it is there still.
     """
     if wish.was is None:
-        if known or wish.origin == "added":
+        if wish.origin == "added":
             return "added"
         if not tells_onset:
             return "as given"

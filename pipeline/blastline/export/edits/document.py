@@ -42,6 +42,9 @@ _FILM_ASIDE = (
     "source.frames",
 )
 
+_USUAL: Mapping[str, Any] = {"confidence": 1.0, "timecode": "", "burst": None, "shot_in_burst": None}
+"""What an event may lack and still be the one that it was: it is as usual, or nothing is taken from it."""
+
 MADE_WITH = ("quality", "rules_digest", "actuator", "phase", "background", "level_db")
 """What a timeline says of its making."""
 
@@ -190,15 +193,16 @@ def _onset(sample: int | None, seconds: Decimal | None) -> Point:
 
 
 def _as_it_was(plain: list[Any], path: Path) -> Mapping[str, Event]:
-    """Return the events that are whole, by id; the blast, which nobody edits, tells where an onset was.
+    """Return the events of which enough is there, by id; the blast, which nobody edits, tells where an onset was.
 
     Onsets and windows are somebody's edits, which are judged beside the film; nobody edits a reflection. One
     number of an onset is enough, so neither is asked for here.
     """
     found: dict[str, Event] = {}
     for index, fields in enumerate(plain):
+        said = {key: value for key, value in fields.items() if value is not None}
         try:
-            event = msgspec.convert({**fields, "onset_sample": 0, "onset_s": 0.0}, Event)
+            event = msgspec.convert({**_USUAL, **said, "onset_sample": 0, "onset_s": 0.0}, Event)
         except msgspec.ValidationError:
             continue  # an event that was added with its onset alone has no past
         for complaint in reflection_complaints(event.reflections, f"events[{index}]"):

@@ -86,8 +86,11 @@ def match(edited: EditedFile, originals: Mapping[str, Event] | None, *, rate_hz:
     ids = ((pair.edit.place, pair.id, f"id = {pair.id!r}") for pair in pairs if pair.id is not None)
     _refuse_repeats(edited.path, ids)
     fresh = _free_ids({*known, *(pair.id for pair in pairs if pair.id is not None)})
-    told = originals is not None or bool(known)
-    wishes = [_wish(edited, pair, next(fresh) if pair.id is None else pair.id, rate_hz, known=told) for pair in pairs]
+    told = [originals is not None or (bool(known) and not pair.tells_its_past(rate_hz)) for pair in pairs]
+    wishes = [
+        _wish(edited, pair, next(fresh) if pair.id is None else pair.id, rate_hz, known=is_told)
+        for pair, is_told in zip(pairs, told, strict=True)
+    ]
     _refuse_repeats(edited.path, map(_said_onset, pairs, wishes))
     _refuse_rounded_repeats(edited.path, pairs, wishes, rate_hz)
     taken = {wish.was.id for wish in wishes if wish.was is not None}
@@ -193,7 +196,7 @@ def _wish(edited: EditedFile, pair: Pair, identity: str, rate_hz: int, *, known:
 
 
 def _origin(pair: Pair, *, moved: bool, known: bool) -> Origin:
-    """Return where an event comes from; `known` says that originals are.
+    """Return where an event comes from; `known` says that its original would be.
 
     What was none of them is new, whatever its row says: a copied row still says "found".
     """

@@ -111,6 +111,11 @@ class Pair:
     was: Event | None
     id: str | None
 
+    def tells_its_past(self, rate_hz: int) -> bool:
+        """Return whether the row says where it was: by its blast, and that it is no copy, by its id or its place."""
+        before = self.edit.blast_start
+        return before is not None and (self.id is not None or self.edit.onset.may_be(before, rate_hz))
+
 
 @dataclass(frozen=True)
 class EditedFile:
