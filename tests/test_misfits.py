@@ -3,7 +3,7 @@
 import json
 import re
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, Literal
 
 import msgspec
 import pytest
@@ -84,6 +84,31 @@ def test_of_a_key_that_is_missing_it_is_told_what_it_takes(key: str) -> None:
         assert taken
         assert not PYTHON.search(taken), told
         assert ("null" in taken) == (refusal(with_value(key, None), Timeline) is None), told
+
+
+class Words(msgspec.Struct):
+    """Keys that take words, some of them null as well."""
+
+    many: Literal["loud", "soft"] | None
+    one: Literal["loud"] | None
+    none: Literal["loud", "soft"]
+
+
+@pytest.mark.parametrize(
+    ("key", "words", "takes_null"),
+    [("many", "one of: loud, soft", True), ("one", "loud", True), ("none", "one of: loud, soft", False)],
+)
+@pytest.mark.parametrize("null", ["null", ""])
+def test_a_key_of_words_is_told_with_null_where_it_takes_that(
+    key: str, words: str, null: str, *, takes_null: bool
+) -> None:
+    for value, said in ((None, f"{key}: is missing"), ("high", f"{key} = 'high'")):
+        plain = {"many": "loud", "one": "loud", "none": "loud"} | {key: value}
+        plain = {name: word for name, word in plain.items() if word is not None}
+        with pytest.raises(msgspec.ValidationError) as raised:
+            msgspec.convert(plain, Words)
+        told = misfit(plain, raised.value, Words, null=null)
+        assert told == f"{said}{': ' if value else '; '}expected {words}{' or null' * (takes_null and bool(null))}"
 
 
 WINDOW = "events[0].window.start_sample: is missing; expected a whole number"

@@ -51,9 +51,8 @@ def misfit(plain: Any, error: Exception, table: type, *, null: str = "null") -> 
     key = _with_key(plain, key, complaint)
     value = _value_at(plain, key)
     said = "" if isinstance(value, dict | list) else f" = {shown(value)}"
-    words = _words_at(table, key) if complaint.startswith("Invalid enum value") else ()
-    if words:
-        complaint = f"expected {'one of: ' * (len(words) > 1)}{', '.join(words)}"
+    if complaint.startswith("Invalid enum value"):
+        complaint = _one_of(table, key, null) or complaint
     return f"{key or 'top level'}{said}: {_said(complaint, null)}"
 
 
@@ -127,13 +126,12 @@ def _wanted(table: type, key: str, null: str) -> str:
         "ListType": "array",
         "NoneType": "null",
     }
-    words = _words_at(table, key)
     inner = _required(_kinds_at(table, key))
     if inner:
         return f"; expected a group of keys with {listed(inner)}"
     kinds = [names.get(type(kind).__name__) for kind in _kinds_at(table, key)]
-    if words:
-        return f"; expected {'one of: ' * (len(words) > 1)}{', '.join(words)}"
+    if words := _one_of(table, key, null):
+        return f"; {words}"
     known = [kind for kind in kinds if kind]
     return f"; expected {_kinds(' | '.join(known), null)}" if known and len(known) == len(kinds) else ""
 
@@ -160,12 +158,16 @@ def _value_at(plain: Any, key: str) -> Any:
     return plain
 
 
-def _words_at(table: type, key: str) -> tuple[str, ...]:
-    """Return the words, or numbers, that a key of a table takes; none where it takes whatever has its type."""
+def _one_of(table: type, key: str, null: str) -> str:
+    """Return that one of some words, or numbers, was expected; nothing where a key takes whatever has its type."""
     from msgspec import inspect
 
-    literals = [kind for kind in _kinds_at(table, key) if isinstance(kind, inspect.LiteralType)]
-    return tuple(str(value) for literal in literals for value in literal.values)
+    kinds = _kinds_at(table, key)
+    words = [str(value) for kind in kinds if isinstance(kind, inspect.LiteralType) for value in kind.values]
+    if not words:
+        return ""
+    or_null = f" or {null}" if null and any(isinstance(kind, inspect.NoneType) for kind in kinds) else ""
+    return f"expected {'one of: ' * (len(words) > 1)}{', '.join(words)}{or_null}"
 
 
 def _kinds_at(table: type, key: str) -> list[Any]:
