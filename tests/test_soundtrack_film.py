@@ -172,6 +172,31 @@ def test_what_is_spoken_beside_a_film_is_not_taken_for_it(
     assert onsets(read(alone)[0][:, 0]) == [60_000]
 
 
+@pytest.mark.parametrize(
+    "title",
+    ["Director's Commentary", "comments", "Regiekommentar", "Commentaire audio", "Komentarz", "Audiodescripci\u00f3n"],
+)
+def test_a_default_stream_that_is_speech_by_its_title_alone_is_heard_and_told(title: str, tmp_path: Path) -> None:
+    """A title is no mark: what is heard stays what the file says, and the user decides."""
+    main, beside = impulses(FRAMES, SHOTS, channels=2), impulses(FRAMES, [60_000], channels=2)
+    path = write_media(tmp_path / "film.mkv", [beside, main], codec="flac", titles=[title, "Main"])
+    samples, source = read(path)
+    assert onsets(samples[:, 0]) == [60_000]
+    assert source.warnings == (
+        f"sound stream 0 (flac, 2 channels, {title}) is heard, which its title says is spoken over the film's sound; "
+        "--stream chooses another: 1 (flac, 2 channels, Main)",
+    )
+    for stream in (0, 1):
+        assert not read(path, stream=stream)[1].warnings
+    marks = [Disposition.comment, NONE]
+    marked = write_media(
+        tmp_path / "marked.mkv", [beside, main], codec="flac", titles=[title, "Main"], dispositions=marks
+    )
+    alone = write_media(tmp_path / "alone.mkv", [beside], codec="flac", titles=[title])
+    behind = write_media(tmp_path / "behind.mkv", [main, beside], codec="flac", titles=["Main", title])
+    assert not any(read(each)[1].warnings for each in (marked, alone, behind))
+
+
 def test_a_title_that_is_no_text_is_told_as_far_as_it_is(tmp_path: Path) -> None:
     """PyAV up to 18 would refuse the film, and from 19 on gives letters that no file takes."""
     silent, loud = np.zeros((FRAMES, 2), np.float32), impulses(FRAMES, SHOTS, channels=2)

@@ -1,6 +1,6 @@
 """Films and compressed sound through PyAV: which stream, when it starts, and its samples in one sequential pass."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from itertools import chain, islice
@@ -22,6 +22,7 @@ from .lengths import lacking_warning
 from .placement import Placement
 from .probe import opened, picture_warnings, told_start
 from .singles import unjoined
+from .titles import is_spoken_beside
 from .track import Samples, TrackFacts, stamp_warnings
 
 if TYPE_CHECKING:
@@ -47,17 +48,17 @@ class FilmTrack:
         names: ChannelNames,
         *,
         is_cut: bool,
-        hint: str | None,
+        hints: Sequence[str],
         appended: Appended | None,
     ) -> None:
         """Take over an open container and decode the first frame, which says what the sound really is.
 
         `names` are those of the channels in each of its streams. `is_cut` tells that the file stops before its own
-        end. `hint` is the line for a user who may not know that there are other channels. `appended` is another file
+        end. `hints` are lines for a user who may not know that there are other streams. `appended` is another file
         behind this one.
         """
         self._appended = appended
-        self._container, self._stream, self._names, self._hint = container, stream, names, hint
+        self._container, self._stream, self._names, self._hints = container, stream, names, hints
         self.number = container.streams.audio.index(stream)
         self._tally = Tally()
         set_up_decoder(stream)
@@ -125,7 +126,7 @@ class FilmTrack:
     def warnings(self) -> list[str]:
         """Return what was damaged, filled or overruled, one line each."""
         tally, played_s = self._tally, self._played / self.facts.rate_hz
-        lines = [] if self._hint is None else [self._hint]
+        lines = [*self._hints]
         if tally.failed:
             packets = f"{tally.failed} of {tally.packets} packets of sound"
             lines.append(f"{packets} could not be decoded ({tally.last_error}){self._place(tally.first_failed_time)}")
@@ -203,9 +204,9 @@ def open_film(path: Path, *, stream: int | None, table: ChunkTable | None) -> Fi
         names = taken_names(container)
         is_cut = stops_early(path, container.format.name)
         chosen = _chosen(container, stream, names)
-        hint = unjoined(container, chosen, names) if stream is None else None
+        hints = _hints(container, chosen, names) if stream is None else ()
         appended = find_appended(path, container.format.name) if table is None else table.appended
-        return FilmTrack(container, chosen, table, names, is_cut=is_cut, hint=hint, appended=appended)
+        return FilmTrack(container, chosen, table, names, is_cut=is_cut, hints=hints, appended=appended)
     except BaseException:
         container.close()
         raise
@@ -228,3 +229,17 @@ def _chosen(container: "InputContainer", index: int | None, names: ChannelNames)
     if stream.codec_context is None:
         raise SoundtrackError(f"sound stream {streams.index(stream)} is in a format that cannot be decoded")
     return stream
+
+
+def _hints(container: "InputContainer", chosen: "AudioStream", names: ChannelNames) -> list[str]:
+    """Return what to tell of a stream that nobody chose: it may be a channel alone, or no sound of the film at all."""
+    unheard = unjoined(container, chosen, names)
+    hints = [] if unheard is None else [unheard]
+    described = sound_streams(container, names)
+    if len(described) > 1 and is_spoken_beside(title_of(chosen)):
+        heard = described.pop(container.streams.audio.index(chosen))
+        hints.append(
+            f"sound stream {heard} is heard, which its title says is spoken over the film's sound; "
+            f"--stream chooses another: {'; '.join(described)}"
+        )
+    return hints

@@ -1,4 +1,4 @@
-"""Which channel a stream is by its title, as people and programs write it: Left, Ls, Surround Left, LFE."""
+"""What a stream is by its title, as people and programs write it: a channel (Left, Ls, LFE), or speech over a film."""
 
 import re
 from collections.abc import Sequence
@@ -28,6 +28,18 @@ _NAMES = {title: name for name, titles in _IN_THE_MIDDLE.items() for title in ti
     for title in titles.format(letter.lower(), word).split()
 }
 _PAIRS = tuple(tuple(name.format(letter) for letter in _SIDES) for name in _ON_A_SIDE)
+
+_SPOKEN_BESIDE = re.compile(r"[ck]omm?ent|des[ck]rip", re.IGNORECASE)
+"""Commentaries and audio descriptions: the words are nearly the same in most languages of Europe."""
+
+
+def is_spoken_beside(title: str | None) -> bool:
+    """Return whether a title is that of speech over the film's sound.
+
+    >>> is_spoken_beside("Director's Commentary"), is_spoken_beside("Surround 5.1")
+    (True, False)
+    """
+    return _SPOKEN_BESIDE.search(title or "") is not None
 
 
 def channel_of(title: str | None) -> str | None:
