@@ -6,6 +6,7 @@ that grows with their square one of 16.
 """
 
 import sys
+from argparse import ArgumentParser
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from time import process_time
@@ -65,6 +66,7 @@ def spent_s(stage: Callable[[Sequence[Shot], int], object], count: int) -> float
 
 def main() -> None:
     """Write the table."""
+    ArgumentParser(description=__doc__.partition("\n")[0]).parse_args()
     count = 5000
     print(f"{'stage':<26}{count:>9} shots{TIMES * count:>9} shots   ratio")
     for name, stage in STAGES.items():

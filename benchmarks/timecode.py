@@ -7,6 +7,7 @@ opentimelineio starts again after 24 hours of real time, at 23:58:33:18, so the 
 
 import sys
 import time
+from argparse import ArgumentParser
 from fractions import Fraction
 
 from opentimelineio.opentime import RationalTime, from_timecode
@@ -35,11 +36,17 @@ def differences(rate: Fraction, *, drop_frame: bool) -> tuple[int, int]:
     return frames, differ
 
 
-if __name__ == "__main__":
+def main() -> int:
+    """Write a line for each rate and return how many frames differ."""
+    ArgumentParser(description=__doc__.partition("\n")[0]).parse_args()
     wrong = 0
     for name, rate, drop_frame in RATES:
         started = time.perf_counter()
         frames, differ = differences(rate, drop_frame=drop_frame)
         wrong += differ
         print(f"{name:<10} {frames:>9} frames, {differ} differ, {time.perf_counter() - started:.0f} s", flush=True)
-    sys.exit(1 if wrong else 0)
+    return wrong
+
+
+if __name__ == "__main__":
+    sys.exit(1 if main() else 0)
