@@ -275,11 +275,43 @@ def test_a_gap_among_stamps_that_wobble_is_filled_within_their_wobble(seconds: f
     assert not done.placement.jumps
 
 
-def test_one_early_stamp_at_the_very_end_drops_nothing() -> None:
-    frames = frames_of(lambda time_s: -0.3 if time_s > 9.98 else 0.0, seconds=10)
+@pytest.mark.parametrize("early_s", [0.3, 5.0, 9.984])
+def test_one_early_stamp_at_the_very_end_drops_and_tells_nothing(early_s: float) -> None:
+    frames = frames_of(lambda time_s: -early_s if time_s > 9.98 else 0.0, seconds=10)
     assert frames[-1].pts != frames[-1].start
     assert frames[-2].pts == frames[-2].start
-    assert len(placed(frames).pieces) == len(frames)
+    done = placed(frames)
+    assert len(done.pieces) == len(frames)
+    assert done.untouched()
+
+
+def ending(wobbles: Sequence[int], last: Sequence[int]) -> Placed:
+    """Return what is placed where the stamps of three frames were late by each wobble, and then the last ones are."""
+    late = {100 * count + number: wobble for count, wobble in enumerate(wobbles, start=1) for number in range(3)}
+    late |= {800 - len(last) + number: off for number, off in enumerate(last)}
+    return placed([Frame(number * 1024, 1024, number * 1024 + late.get(number, 0)) for number in range(800)])
+
+
+@pytest.mark.parametrize("wobbles", [[480], [480, 240], [240_000, 480]])
+@pytest.mark.parametrize(("last", "filled"), [(480, 0), (480 + 96, 0), (480 + 97, 480 + 97), (2 * 480, 2 * 480)])
+def test_the_last_stamps_are_believed_where_they_are_off_by_more_than_stamps_were_before(
+    wobbles: list[int], last: int, filled: int
+) -> None:
+    """To the tolerance of 2 ms, which is 96 samples; what was off so far that it was wild is no measure."""
+    done = ending(wobbles, [last])
+    assert sum(gap for _, gap in done.placement.gaps) == filled
+    assert not done.placement.overlaps
+    assert not done.placement.jumps
+
+
+def test_two_early_stamps_at_the_very_end_are_believed() -> None:
+    done = ending([], [-1_500, -1_500])
+    assert [overlap for _, overlap in done.placement.overlaps] == [1_500]
+
+
+def test_the_last_stamp_is_believed_though_the_one_before_it_wobbles() -> None:
+    done = ending([480], [480, 3_000])
+    assert sum(gap for _, gap in done.placement.gaps) == 3_000
 
 
 def test_a_gap_keeps_its_samples_whatever_follows() -> None:
