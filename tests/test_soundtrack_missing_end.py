@@ -10,7 +10,7 @@ import soundfile
 
 from blastline.errors import SoundtrackError
 from blastline.soundtrack import open_soundtrack
-from blastline.soundtrack.boxes import ends_before_its_index
+from blastline.soundtrack.boxes import breaks_off_in_fragments, ends_before_its_index
 from blastline.soundtrack.ending import stops_early
 from blastline.soundtrack.matroska import stores_duration
 from coded_films import FILM_RATE, FRAMES, LONG, LONG_SHOTS, SHOTS, is_broken_off, read
@@ -109,6 +109,41 @@ def test_an_mp4_in_fragments_that_breaks_off_is_noticed(tmp_path: Path, flags: s
         samples, source = read(path)
         assert len(samples) < 0.7 * LONG
         assert is_broken_off(source)
+
+
+def box(name: bytes, *, size: int | None = None, wide: int | None = None) -> bytes:
+    """Return a box of 40 bytes that says so, or another size; `wide` is one of 64 bits."""
+    told = (1 if wide is not None else 40 if size is None else size).to_bytes(4, "big")
+    return (told + name + (b"" if wide is None else wide.to_bytes(8, "big"))).ljust(40, b"x")
+
+
+WHOLE = box(b"ftyp") + box(b"moov") + box(b"mdat")
+FRAGMENTS = WHOLE + box(b"moof") + box(b"mdat")
+
+
+@pytest.mark.parametrize(
+    ("last", "leads_on"),
+    [
+        (box(b"mdat"), True),
+        (box(b"mdat", wide=40), True),
+        (box(b"mdat", size=0), True),  # up to the end of the file
+        (box(b"junk", size=0), False),
+        (box(b"mdat", size=1), False),
+        *((box(b"mdat", size=size), False) for size in (2, 7)),
+        *((box(b"mdat", wide=size), False) for size in (2, 7)),
+        (box(b"free", size=8)[:8], True),
+        (box(b"mdat", size=41), False),
+        (box(b"mdat", wide=41), False),
+    ],
+)
+def test_boxes_of_fragments_lead_to_the_end_of_the_file_and_one_piece_need_not(
+    tmp_path: Path, last: bytes, *, leads_on: bool
+) -> None:
+    """A film in one piece declares its length, which tells what is missing."""
+    path = tmp_path / "film.mp4"
+    for film, breaks_off in ((FRAGMENTS, not leads_on), (WHOLE, False)):
+        path.write_bytes(film + last)
+        assert breaks_off_in_fragments(path) == breaks_off
 
 
 @pytest.mark.parametrize(("codec", "extension"), [("aac", "mp4"), ("pcm_s24le", "mov")])
