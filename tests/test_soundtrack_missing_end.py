@@ -146,6 +146,19 @@ def test_boxes_of_fragments_lead_to_the_end_of_the_file_and_one_piece_need_not(
         assert breaks_off_in_fragments(path) == breaks_off
 
 
+@pytest.mark.parametrize(("before", "behind"), [(0, 0), (4, 0), (0, 16)])
+def test_a_transport_stream_is_cut_where_its_last_packet_is_and_too_few_tell_nothing(
+    tmp_path: Path, before: int, behind: int
+) -> None:
+    """Whatever a recorder puts before or behind a packet may be missing. Eight in a row are no chance."""
+    path = tmp_path / "film.ts"
+    packet = bytes(before) + b"\x47" + bytes(187) + bytes(behind)
+    for packets in (1, 7, 8, 9, 40):
+        for missing in (0, 1, 15, 16, 17, 50, 187, before + behind + 187):
+            path.write_bytes((packets * packet)[: packets * len(packet) - missing])
+            assert stops_early(path, "mpegts") == (packets >= 8 and behind < missing < behind + 188)
+
+
 @pytest.mark.parametrize(("codec", "extension"), [("aac", "mp4"), ("pcm_s24le", "mov")])
 def test_zeros_behind_a_fragment_are_padding_only_up_to_a_cluster(tmp_path: Path, codec: str, extension: str) -> None:
     """A copy that never finished leaves more of them, in a file that had its full size before."""

@@ -108,9 +108,9 @@ def _is_cut_avi(path: Path) -> bool:
 
 def _is_cut_in_a_packet(path: Path) -> bool:
     """Return whether the last packet of a transport stream is shorter than it should be."""
-    tail = _tail(path, (_TS_COMPARED + 1) * max(_TS_DISTANCES))
+    tail = _tail(path, _TS_COMPARED * max(_TS_DISTANCES))
     for distance in _TS_DISTANCES:
-        for place in range(len(tail) - 1, max(0, len(tail) - 1 - distance), -1):
+        for place in range(len(tail) - 1, len(tail) - 1 - distance, -1):
             if tail[place::-distance][:_TS_COMPARED] == b"\x47" * _TS_COMPARED:
                 return place + _TS_BYTES > len(tail)
     return False
