@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from blastline.errors import SoundtrackError
 from blastline.soundtrack import open_soundtrack
+from blastline.soundtrack.coded import first_burst
 from media import RATE_HZ, impulses, require_encoder, write_media
 
 SYNCS = {16: (0xF872, 0x4E1F), 20: (0x6F872, 0x54E1F), 24: (0x96F872, 0xA54E1F)}
@@ -54,6 +55,34 @@ def test_bursts_are_refused(tmp_path: Path, bits: int, channels: int, distances:
     with pytest.raises(SoundtrackError, match=REFUSED.format(r"0\.100")) as told:
         heard(tmp_path / "film.wav")
     assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("places", "first"),
+    [
+        ([100, 356, 612, 868], 100),  # 256 frames apart
+        ([100, 355, 610, 865], None),
+        ([100, 354, 610, 866], None),
+        ([100, 356, 612, 868, 1_124], 100),
+        ([100, 356, 612], None),
+        ([100], None),
+        ([100, 1_700, 2_600, 4_200], None),
+        ([100, 1_700, 3_300, 4_200], None),
+        ([100, 1_700, 3_302, 4_904], 100),  # 1600, 1602, 1602
+        ([100, 1_700, 3_303, 4_906], None),
+        ([100, 1_000, 1_600, 2_200, 2_800], 1_000),
+        ([100, 300, 2_100, 2_350, 4_100, 4_500, 6_100, 6_150], 100),  # two trains in turn, of which one is even
+        ([100, 300, 2_100, 2_350, 4_100, 4_500], None),
+    ],
+)
+def test_four_bursts_at_equal_distances_are_data_and_fewer_or_uneven_ones_are_sound(
+    places: Sequence[int], first: int | None
+) -> None:
+    samples = np.zeros((10_000, 1), np.float32)
+    for place in places:
+        samples[place : place + 2, 0] = [(word - 0x10000 if word & 0x8000 else word) / 0x8000 for word in SYNCS[16]]
+    found = first_burst(samples, np.array([True]))
+    assert (None if found is None else found.frame) == first
 
 
 @pytest.mark.parametrize(("container", "subtype"), [("AIFF", "PCM_16"), ("WAV", "PCM_24"), ("CAF", "PCM_32")])

@@ -91,8 +91,6 @@ def _regular(frames: NDArray[np.int64]) -> int | None:
     """Return the first of four places at equal distances; two bursts may take turns, as with SMPTE 339M time stamps."""
     for step in (1, 2):
         distances = frames[step:] - frames[:-step]
-        if len(distances) <= 2 * step:
-            continue
         three = np.stack([distances[: -2 * step], distances[step:-step], distances[2 * step :]])
         regular = np.flatnonzero((np.ptp(three, axis=0) <= _ALIKE) & (np.min(three, axis=0) >= _SHORTEST))
         if regular.size:
