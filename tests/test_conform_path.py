@@ -280,6 +280,31 @@ def test_a_shot_is_held_to_its_own_sound_as_far_as_the_next_one(seed: int) -> No
     assert conformed(old, new, onsets_s) == near([10.0, 29.0, None, 40.0])
 
 
+@pytest.mark.parametrize("attack", [0.25, 0.35, 0.6, 1.0])
+@pytest.mark.parametrize("seed", [91, 92, 93])
+def test_a_soft_bang_is_gone_where_another_sound_is_and_there_beneath_a_louder_one(attack: float, seed: int) -> None:
+    """As that of a shot before loud reflections: what is put over it leaves all of it there."""
+    rng, at_s = np.random.default_rng(seed), 25.0
+    old, shot = OLD.copy(), 0.3 * np.exp(-np.arange(RATE_HZ) / (0.2 * RATE_HZ)) * rng.normal(size=RATE_HZ)
+    shot[: round(0.02 * RATE_HZ)] *= attack
+    put(old, shot, at_s)
+    bang = slice(round((at_s - 0.002) * RATE_HZ), round((at_s + 0.02) * RATE_HZ))
+    sound = rng.normal(size=bang.stop - bang.start) * np.sqrt(np.mean(old[bang] ** 2))
+    replaced, covered = old.copy(), old.copy()
+    replaced[bang] = sound
+    covered[bang] += 4.0 * sound
+    assert conformed(old, replaced, (*ONSETS_S, at_s)) == near([*ONSETS_S, None])
+    assert conformed(old, covered, (*ONSETS_S, at_s)) == near([*ONSETS_S, at_s])
+
+
+def test_an_onset_in_silence_before_its_bang_is_placed_by_the_bang() -> None:
+    """Somebody may have put it there: nothing is due of its first 20 ms."""
+    old, at_s = OLD.copy(), 25.0
+    old[round((at_s - 0.2) * RATE_HZ) : round((at_s + 0.06) * RATE_HZ)] = 0.0
+    put(old, 0.3 * np.random.default_rng(94).normal(size=RATE_HZ // 10), at_s + 0.06)
+    assert conformed(old, old, (*ONSETS_S, at_s)) == near([*ONSETS_S, at_s])
+
+
 def test_films_with_nothing_in_common_have_no_segment() -> None:
     assert courses(heard(OLD), heard(film(50.0, (10.0, 20.0), seed=27))) == []
 

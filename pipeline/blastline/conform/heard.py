@@ -17,9 +17,12 @@ takes so much of it, and what is put over a shot only adds.
 """
 
 _REPLACED = 0.5
-"""An attack less than half as alike as the shot as a whole is another sound, before a decay that stayed: what is put
-over a shot covers its attack less, unless the attack is less than half as loud as the whole.
+"""Of an attack that is another sound, before a decay that stayed, less than half is there: it is less than half as
+alike as the shot as a whole, and that not for what was put over it, which would be louder by as much.
 """
+
+_TOLD = 2.0
+"""Of a soft attack 20 ms do not tell where the new film is as loud there as this many times what is due of it."""
 
 
 @dataclass(frozen=True)
@@ -85,8 +88,9 @@ def _is_by_its_end(
     after, _ = piece(new, new_s, length_s)
     if _is_muted(after[:attack], after, before[:attack], before):
         return True
-    is_soft = np.mean(before[:attack] ** 2) < _REPLACED**2 * np.mean(before**2)
-    if is_soft:  # covered by whatever is put over the shot
+    is_soft = _rms(before[:attack]) < _REPLACED * _rms(before)
+    due, there = _rms(before[:attack]) * found.likeness * _rms(after) / _rms(before), _rms(after[:attack])
+    if is_soft and there >= _TOLD * due:
         return False
     of_attack = look(
         old,
@@ -99,7 +103,11 @@ def _is_by_its_end(
         search_s=1.0 / WORK_HZ,
         mix=mix,
     )
-    return of_attack.likeness < _REPLACED * found.likeness
+    return of_attack.likeness * max(1.0 / found.likeness, there / due) < _REPLACED
+
+
+def _rms(samples: Samples) -> float:
+    return float(np.sqrt(np.mean(samples**2)))
 
 
 def _length_s(onset_s: float, room_s: float, course: Course, rules: ConformRules) -> float:
