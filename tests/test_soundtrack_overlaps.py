@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from blastline.soundtrack.decode import packed
-from blastline.soundtrack.placement import Gap, Overlap
+from blastline.soundtrack.stamped import Gap, Overlap
 from coded_films import LONG, LONG_SHOTS, read, shots_in_film
 from media import LAYOUTS, RATE_HZ, Samples, impulses, write_media
 

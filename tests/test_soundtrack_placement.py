@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from blastline.errors import SoundtrackError
 from blastline.soundtrack.corrections import correction_warnings
 from blastline.soundtrack.first_stamp import origin_by_others
-from blastline.soundtrack.placement import Gap, Overlap, Placement
+from blastline.soundtrack.placement import Placement
+from blastline.soundtrack.stamped import Gap, Overlap
 
 RATE_HZ = 48_000
 FRAME = 1024

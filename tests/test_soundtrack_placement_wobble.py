@@ -9,7 +9,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from blastline.soundtrack.placement import Gap, Overlap, Placement
+from blastline.soundtrack.placement import Placement
+from blastline.soundtrack.stamped import Gap, Overlap
 
 RATE_HZ = 48_000
 MS = Fraction(1, 1000)

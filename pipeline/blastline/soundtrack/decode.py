@@ -13,8 +13,8 @@ import numpy as np
 from ..errors import SoundtrackError
 from ..plurals import counted
 from .layouts import keep_list
-from .placement import Gap, Overlap
 from .reach import Reach
+from .stamped import Gap, Overlap
 from .track import PIECE, Samples
 
 if TYPE_CHECKING:

@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from fractions import Fraction
 
-from .placement import TOLERANCE_S, Stamped
+from .placement import TOLERANCE_S
+from .stamped import Stamped
 
 
 def origin_by_others(frames: Sequence[Stamped], rate_hz: int) -> Fraction | None:

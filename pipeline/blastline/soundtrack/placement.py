@@ -26,9 +26,10 @@ refutes the rest: they wobbled, or ran wild (in a transport stream, for all fram
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Generic, Protocol, TypeVar
+from typing import Generic
 
 from ..errors import SoundtrackError
+from .stamped import FrameT, Gap, Overlap
 
 MAX_HELD_S = 2.0
 """How much sound is held back at most until its stamps are believed."""
@@ -46,39 +47,6 @@ _LEAST_AGAIN_S = 0.01
 _MAX_OVERLAP_S = 1.0
 _MAX_SLOWNESS = 0.1
 """By what share of their time stamps may fall behind the sound, and still tell what is there twice."""
-
-
-class Stamped(Protocol):
-    """What placement looks at in a frame."""
-
-    @property
-    def samples(self) -> int:
-        """Return how many samples per channel it has."""
-
-    @property
-    def pts(self) -> int | None:
-        """Return its time stamp, in units of `time_base`."""
-
-    @property
-    def time_base(self) -> Fraction | None:
-        """Return the seconds per unit."""
-
-
-FrameT = TypeVar("FrameT", bound=Stamped)
-
-
-@dataclass(frozen=True)
-class Gap:
-    """Samples that the file has lost, to be replaced by silence."""
-
-    samples: int
-
-
-@dataclass(frozen=True)
-class Overlap:
-    """The first samples of the next frame, fewer than it has, which the stamps say have been played already."""
-
-    samples: int
 
 
 @dataclass
