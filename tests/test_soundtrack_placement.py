@@ -173,6 +173,15 @@ def test_all_jumps_are_told_in_a_line_with_their_sum(count: int) -> None:
     )
 
 
+@pytest.mark.parametrize(("times", "is_wrong"), [(1.5, False), (1.9, False), (2.2, True), (100.0, True)])
+def test_more_silence_than_sound_is_told_to_be_unlikely(times: float, *, is_wrong: bool) -> None:
+    """As where the damaged header of an AVI or CAF has each packet last that many times as long."""
+    frames = [Frame(f.number, round((f.pts or 0) * times)) for f in stamped(range(1000))]
+    [told] = correction_warnings(placed(frames)[1], 0.0, is_stamped=True)
+    assert " were filled with silence, " in told
+    assert told.endswith("its time stamps are damaged, and no shot is in its place") == is_wrong
+
+
 def test_what_was_lost_before_the_first_frame_is_filled_too() -> None:
     places, placement = placed(stamped(range(3, 10), start=700), origin=700 * SAMPLE)
     assert places == {number: number * FRAME for number in range(3, 10)}

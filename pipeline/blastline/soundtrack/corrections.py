@@ -17,6 +17,11 @@ def correction_warnings(placement: Placement[Any], first_stamp_off_s: float, *, 
         unsure = (
             "" if is_stamped else "; the file has no time stamps: if more is missing there, what follows plays early"
         )
+        if sum(samples for _, samples in placement.gaps) > placement.sound:
+            unsure += (
+                "; that is more than there is sound: unless the film is silent there, its header or its time stamps "
+                "are damaged, and no shot is in its place"
+            )
         yield f"{_told('gap', 'filled with silence', placement.gaps, placement.rate_hz)}{unsure}"
     if placement.overlaps:
         dropped = _told("overlap", "dropped", placement.overlaps, placement.rate_hz)

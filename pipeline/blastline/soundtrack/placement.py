@@ -77,6 +77,11 @@ class Placement(Generic[FrameT]):
     _scale: float | None = None
     _zero: float = 0.0
 
+    @property
+    def sound(self) -> int:
+        """Return how many samples of sound were placed so far."""
+        return self._position - self._filled
+
     def place(self, frames: Iterable[FrameT]) -> Iterator[FrameT | Gap | Overlap]:
         """Yield the frames in order, a gap before one where sound is missing, an overlap before one to be cut.
 
@@ -184,6 +189,7 @@ class Placement(Generic[FrameT]):
             self.gaps.append((self._position, gap))
             self._count_from(gap)
             self._position += gap
+            self._filled += gap
             yield Gap(gap)
         elif gap or early > far or self._starts_over(first):
             self.jumps.append((self._position, stamps[-1]))
@@ -203,9 +209,8 @@ class Placement(Generic[FrameT]):
 
     def _require_film(self, gap: int) -> None:
         """Raise SoundtrackError where one gap more would make the silence longer than any film."""
-        self._filled += gap
-        if self._filled > _MAX_SILENCE_S * self.rate_hz:
-            asked, sound = self._filled / self.rate_hz, (self._position + gap - self._filled) / self.rate_hz
+        asked, sound = (self._filled + gap) / self.rate_hz, self.sound / self.rate_hz
+        if asked > _MAX_SILENCE_S:
             raise SoundtrackError(
                 f"its time stamps ask for {asked:.0f} s of silence in the first {sound:.3f} s of sound; "
                 f"expected no more than {_MAX_SILENCE_S} s: its header or its time stamps are damaged"
