@@ -3,6 +3,7 @@
 import tracemalloc
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 from blastline.detect.backdrop import LEVELS
@@ -31,6 +32,15 @@ def test_a_loop_is_found_wherever_among_many_candidates_it_lies() -> None:
         heard, its = candidates(onsets, seed=2), np.isin(onsets, turns)
         heard.backdrops[its], heard.sounds[its] = 0b1011, -12.0
         assert in_loops(heard, rate_hz=RATE_HZ, rules=RULES).tolist() == its.tolist()
+
+
+@pytest.mark.parametrize(("backdrop", "is_loop"), [(0, True), ((1 << 50) - 1, True), (-1, False)])
+def test_a_backdrop_that_tells_nothing_tells_of_no_loop(backdrop: int, *, is_loop: bool) -> None:
+    """-1 stands for silence and hums, which are before any sound alike."""
+    turns = np.arange(4) * 2 * RATE_HZ + 777
+    heard = candidates(turns, seed=4)
+    heard.backdrops[:], heard.sounds[:] = backdrop, -12.0
+    assert in_loops(heard, rate_hz=RATE_HZ, rules=RULES).tolist() == [is_loop] * turns.size
 
 
 def test_a_machine_of_ten_minutes_takes_less_than_a_kilobyte_for_each_blow() -> None:
