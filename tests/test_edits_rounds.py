@@ -132,6 +132,8 @@ def test_an_end_that_was_set_holds_in_the_next_round(tmp_path: Path, film: Path,
 
 
 def test_a_start_that_was_set_holds_in_the_next_round(tmp_path: Path, film: Path, first: Path) -> None:
+    """But for a shot that is moved to the very place of the one that it was set for: its window is planned anew."""
+
     def earlier(rows: list[Row]) -> None:
         rows[0].update(window_start_s="0.9", window_start_sample="")
 
@@ -139,6 +141,9 @@ def test_a_start_that_was_set_holds_in_the_next_round(tmp_path: Path, film: Path
     assert events_of(one)["shot-0001"].window.start == at(0.9)
     two = edited(film, one, tmp_path / "two", deleted("shot-0003"))
     assert events_of(two)["shot-0001"].window.start == at(0.9)
+    instead = edited(film, one, tmp_path / "instead", both(deleted("shot-0001"), moved("shot-0002", 1.0)))
+    assert events_of(instead)["shot-0002"].onset_sample == at(1.0)
+    assert events_of(instead)["shot-0002"].window.start == events_of(first)["shot-0001"].window.start
 
 
 def test_the_place_that_a_shot_has_left_is_silent(tmp_path: Path, film: Path, first: Path) -> None:
