@@ -108,6 +108,23 @@ def test_shots_come_from_where_the_new_film_plays_them(old: Path, tmp_path: Path
         assert now.azimuth_deg == (None if was.azimuth_deg is None else -was.azimuth_deg)
 
 
+@pytest.mark.parametrize(("steps", "is_same"), [(0, True), (1024, True), (-1024, True), (1025, False), (-1025, False)])
+def test_a_shot_keeps_its_direction_where_each_sample_is_the_same_as_in_a_copy_of_16_bits(
+    old: Path, tmp_path: Path, steps: int, *, is_same: bool
+) -> None:
+    """2^-13 apart, in steps of 24 bits, in one sample of one channel; a direction that nobody measured shows it."""
+    timeline = read_timeline(old / "out" / "timeline.json")
+    said = [msgspec.structs.replace(event, azimuth_deg=77.0) for event in timeline.events]
+    (tmp_path / "timeline.json").write_bytes(encode(msgspec.structs.replace(timeline, events=tuple(said))))
+    samples, _ = soundfile.read(old / "film.wav", dtype="int32")
+    samples[said[1].onset_sample + 10, 0] += steps * 256
+    soundfile.write(tmp_path / "new.wav", samples, RATE_HZ, subtype="PCM_24")
+    run.conform(tmp_path / "timeline.json", tmp_path / "out", old=old / "film.wav", new=tmp_path / "new.wav")
+    now = events_of(tmp_path / "out")
+    assert [event.azimuth_deg == 77.0 for event in now] == [True, is_same, True]
+    assert is_same or now[1].azimuth_deg == pytest.approx(-30.0, abs=5.0)
+
+
 def test_a_voice_that_begins_with_a_shot_in_the_sides_of_the_new_film_does_not_pull_it_to_the_middle(
     old: Path, scene: Samples, tmp_path: Path
 ) -> None:
