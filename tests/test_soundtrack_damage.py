@@ -14,6 +14,7 @@ from blastline.errors import SoundtrackError
 from blastline.soundtrack import open_soundtrack
 from blastline.soundtrack.decode import Tally, _frames
 from blastline.soundtrack.dropouts import Dropouts
+from blastline.soundtrack.facts import origin_of
 from coded_films import FILM_RATE, LONG, LONG_SHOTS, damaged, read, shots_in_film
 from media import RATE_HZ, impulses, onsets, write_media
 
@@ -67,6 +68,31 @@ def test_a_damaged_beginning_does_not_shift_what_follows(tmp_path: Path) -> None
     assert not samples[:4_000].any()
     np.testing.assert_array_equal(samples[5_000:], written[5_000:])
     assert len(source.warnings) == 2
+
+
+@pytest.mark.parametrize(
+    ("frame", "packet", "told", "failed", "begins"),
+    [
+        (7, 5, None, 1, 5),  # two seconds were lost
+        (7, 5, 3, 1, 5),
+        (7, 5, 6, 1, 6),  # what a decoder needs before the beginning is not played
+        (7, 5, 9, 1, 7),  # what is there is played, whatever is told
+        (7, 8, None, 1, 7),
+        (7, 5, 3, 0, 7),  # nothing was lost: it is the decoder's delay
+        (7, None, 3, 1, 7),
+        (None, 5, 3, 1, None),
+    ],
+)
+def test_a_film_of_which_the_first_frames_are_lost_begins_where_they_were_due(
+    frame: int | None, packet: int | None, told: int | None, failed: int, begins: int | None
+) -> None:
+    second = Fraction(1)
+    codec = SimpleNamespace(codec=SimpleNamespace(lossless=False, lossy=True))
+    container = SimpleNamespace(format=SimpleNamespace(name="mp4"))
+    stream = SimpleNamespace(codec_context=codec, container=container, start_time=told, time_base=second)
+    tally = Tally(packets=9, failed=failed, first_time=None if packet is None else Fraction(packet))
+    first = SimpleNamespace(pts=frame, time_base=second)
+    assert origin_of(cast("Any", first), cast("Any", stream), tally) == begins
 
 
 @pytest.mark.parametrize(
