@@ -7,6 +7,7 @@ import msgspec
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.signal import firwin, kaiserord
 
 from blastline.detect.bandshape import band_levels
 from blastline.detect.bursts import drop_claimed_reflections, group_bursts, suppress_non_maxima, without_echoes
@@ -85,6 +86,16 @@ def test_what_no_film_of_44_kilohertz_can_hold_is_filtered_out_and_all_else_pass
     gain = np.abs(np.exp(-2j * np.pi * np.outer(frequencies_hz, np.arange(taps.size)) / rate_hz) @ taps)
     np.testing.assert_allclose(gain[frequencies_hz <= 18_000.0], 1.0, atol=0.011)
     assert np.all(gain[frequencies_hz >= 20_000.0] <= 0.011)  # which they reach but for a tenth
+
+
+@pytest.mark.parametrize("rate_hz", [36_000, 40_000, 44_100, 48_000, 88_200, 96_000, 192_000])
+def test_the_low_pass_is_the_shortest_odd_one_that_scipy_designs_by_the_same_formulas(rate_hz: int) -> None:
+    if rate_hz <= 40_000:
+        assert _low_pass(rate_hz).tolist() == [1.0]  # all is in band
+        return
+    count, beta = kaiserord(40.0, 2.0 * (20_000.0 - 18_000.0) / rate_hz)
+    wanted = firwin(count | 1, 19_000.0, window=("kaiser", beta), fs=rate_hz)
+    np.testing.assert_allclose(_low_pass(rate_hz), wanted, rtol=0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("offset", [0.1, -0.03])
