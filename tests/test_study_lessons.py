@@ -14,7 +14,7 @@ from blastline.study.candidates import Candidates, best_f1, candidates, concaten
 from blastline.study.codecs import BITS_PER_S, Codec, coded
 from blastline.study.film_lessons import synthetic_film
 from blastline.study.finishing import without_drowned
-from blastline.study.lessons import blow_mix, outdoor_mix, plain_mix, synthetic_mix
+from blastline.study.lessons import blow_mix, jet_mix, outdoor_mix, plain_mix, synthetic_mix
 from blastline.study.mixes import RATE_HZ, Mix, Sound
 from blastline.study.sieves import GATE_SETTINGS, fit_sieve
 from blastline.study.variants import at_speed, repeated, varied
@@ -65,7 +65,7 @@ def test_shots_that_no_candidate_meets_are_counted() -> None:
 
 @pytest.mark.parametrize(
     ("lesson", "number"),
-    [(synthetic_film(5), 1), (synthetic_mix(5), 3), (plain_mix(5), 3), (outdoor_mix(8), 3), (blow_mix(5), 3)],
+    [(synthetic_film(5), 1), (synthetic_mix(5), 3), (plain_mix(5), 3), (outdoor_mix(8), 3), (blow_mix(5), 3), (jet_mix(5), 3)],
 )
 def test_a_lesson_is_always_the_same_and_its_shots_add_up(lesson: Callable[[int], Mix], number: int) -> None:
     """As long as no two are so near that one candidate meets both."""

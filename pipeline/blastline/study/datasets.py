@@ -8,7 +8,7 @@ import numpy as np
 
 from .corpus import Recording, read_corpus
 from .film_lessons import SPARSE, gun_free_film, synthetic_film
-from .lessons import blow_mix, designed_mix, outdoor_mix, plain_mix, recorded_mix, synthetic_mix
+from .lessons import blow_mix, designed_mix, jet_mix, outdoor_mix, plain_mix, recorded_mix, synthetic_mix
 from .mixes import LessonMaker
 
 FOLDS = 4
@@ -20,6 +20,7 @@ PLAIN_SHARE = 0.4  # so many mixes of textbook sounds come to each film
 DESIGNED_SHARE = 1.5  # and so many of sounds as designers build them
 BLOW_SHARE = 0.2  # and so many of steps and machines
 OUTDOOR_SHARE = 1.0  # and so many of guns recorded outdoors, and of what hands do near a microphone
+JET_SHARE = 0.5  # and so many of guns of much gas, which are fired again and again
 HELD_OUT_EVERY = 12  # of the films one in so many is held out
 
 
@@ -58,6 +59,7 @@ def datasets(
         Dataset("blows", blow_mix(seed + 110), round(BLOW_SHARE * synthetic), HELD_OUT_EVERY),
         Dataset("designed", designed_mix(seed + 90), round(DESIGNED_SHARE * synthetic), HELD_OUT_EVERY),
         Dataset("outdoors", outdoor_mix(seed + 100), round(OUTDOOR_SHARE * synthetic), HELD_OUT_EVERY),
+        Dataset("jets", jet_mix(seed + 120), round(JET_SHARE * synthetic), HELD_OUT_EVERY),
     ]
 
 

@@ -14,6 +14,7 @@ from ..synth import (
     designed_negative,
     designed_shot,
     handling,
+    jet_shot,
     outdoor_shot,
     plain_bed,
     plain_negative,
@@ -69,6 +70,11 @@ def blow_mix(seed: int) -> LessonMaker:
     return partial(_blow_mix, seed)
 
 
+def jet_mix(seed: int) -> LessonMaker:
+    """Return lessons of guns of much gas, fired again and again, among any other sounds; one in four has no shot."""
+    return partial(_jet_mix, seed)
+
+
 def recorded_mix(recordings: Sequence[Recording], seed: int) -> LessonMaker:
     """Return lessons of recordings, sources drawn evenly, with a share of synthetic sounds and beds among them."""
     shots = by_source(r for r in recordings if r.gunshot)
@@ -100,6 +106,11 @@ def _outdoor_mix(seed: int, number: int) -> Mix:
 
 def _blow_mix(seed: int, number: int) -> Mix:
     return _armed_mix(np.random.default_rng([seed, number]), _any_shot, _blow, _plain_bed)
+
+
+def _jet_mix(seed: int, number: int) -> Mix:
+    rng = np.random.default_rng([seed, number])
+    return _armed_mix(rng, partial(_sound_of, jet_shot), _near_negative, _plain_bed, levels=OUTDOOR_LEVELS)
 
 
 def _any_shot(rng: np.random.Generator, rate_hz: int) -> Sound:

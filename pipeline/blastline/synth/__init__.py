@@ -8,6 +8,7 @@ from .echoes import with_acoustics
 from .files import render_scene, synthesise, truth_of, write_scene
 from .film import film_scene
 from .handling import handling
+from .jets import jet_shot
 from .mix import SceneAudio
 from .negatives import NEGATIVE_KINDS, NegativeKind, random_negative
 from .outdoors import outdoor_shot
@@ -39,6 +40,7 @@ __all__ = [
     "encode_truth",
     "film_scene",
     "handling",
+    "jet_shot",
     "load_scene",
     "outdoor_shot",
     "plain_bed",
