@@ -65,7 +65,14 @@ def test_shots_that_no_candidate_meets_are_counted() -> None:
 
 @pytest.mark.parametrize(
     ("lesson", "number"),
-    [(synthetic_film(5), 1), (synthetic_mix(5), 3), (plain_mix(5), 3), (outdoor_mix(8), 3), (blow_mix(5), 3), (jet_mix(5), 3)],
+    [
+        (synthetic_film(5), 1),
+        (synthetic_mix(5), 3),
+        (plain_mix(5), 3),
+        (outdoor_mix(8), 3),
+        (blow_mix(5), 3),
+        (jet_mix(5), 8),
+    ],
 )
 def test_a_lesson_is_always_the_same_and_its_shots_add_up(lesson: Callable[[int], Mix], number: int) -> None:
     """As long as no two are so near that one candidate meets both."""
