@@ -246,6 +246,9 @@ def test_a_table_of_thresholds_among_the_rules_is_a_curve_by_its_name(tmp_path: 
     written(tmp_path, "perception/skin.toml", (BUILTIN / "perception/iso-2631-wk.toml").read_text(encoding="utf-8"))
     with pytest.raises(RuleError, match=re.escape(f"{tmp_path / 'perception/skin.toml'}: there is skin.csv as well")):
         load_perception("skin", tmp_path)
+    with pytest.raises(RuleError, match=re.escape("there is skin.csv as well")):
+        list(check_rules(tmp_path))
+    (tmp_path / "perception/skin.toml").unlink()
 
     written(tmp_path, "perception/zone.csv", "frequency_hz,threshold_db\n20,-5\n")
     with pytest.raises(RuleError, match=re.escape(f"{tmp_path / 'perception/zone.csv'}: holds 1 row; expected")):

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from .files import load_actuator, load_conform, load_haptics, load_measuring, load_rules, merged
 from .folder import RULE_FILES, not_a_rule_file
-from .perceptions import read_curve
+from .perceptions import own_curve, read_curve
 from .tables import QualityRules
 
 
@@ -24,6 +24,7 @@ def check_rules(overlay: Path) -> Iterator[str]:
         if relative.startswith("actuators/"):
             load_actuator(str(file))
         elif relative.startswith("perception/"):
+            own_curve(file.stem, overlay)  # of two with one name neither could be asked for
             read_curve(file)
         elif relative.startswith("quality/") and relative in RULE_FILES:
             merged(relative, QualityRules, overlay)

@@ -27,20 +27,22 @@ def load_perception(name: str, overlay: Path | None = None) -> PerceptionCurve:
     Raises RuleError where it does not exist or does not fit.
     """
     require_folder(overlay)
-    path = Path(name) if name.lower().endswith(_KINDS) else _named(name, overlay)
+    if name.lower().endswith(_KINDS):
+        path = Path(name)
+    else:
+        path = (overlay and own_curve(name, overlay)) or rules_path(f"perception/{name}.toml")
     if not path.is_file():
         known = ", ".join(perception_names(overlay))
         raise RuleError(f"{name}: no such perception curve; expected none, a .toml or .csv file, or one of: {known}")
     return read_curve(path)
 
 
-def _named(name: str, overlay: Path | None) -> Path:
-    """Return the file of a curve: the user's .toml or .csv where there is one, else the built-in one."""
-    own = [overlay / f"perception/{name}{kind}" for kind in _KINDS] if overlay else []
-    there = [path for path in own if path.is_file()]
+def own_curve(name: str, overlay: Path) -> Path | None:
+    """Return the user's file of a curve, None where there is none; RuleError where there are two of that name."""
+    there = [path for kind in _KINDS if (path := overlay / f"perception/{name}{kind}").is_file()]
     if len(there) > 1:
         raise RuleError(f"{there[0]}: there is {there[1].name} as well; expected one file for a curve's name")
-    return there[0] if there else rules_path(f"perception/{name}.toml")
+    return there[0] if there else None
 
 
 def read_curve(path: Path) -> PerceptionCurve:
