@@ -174,7 +174,16 @@ def test_what_is_spoken_beside_a_film_is_not_taken_for_it(
 
 @pytest.mark.parametrize(
     "title",
-    ["Director's Commentary", "comments", "Regiekommentar", "Commentaire audio", "Komentarz", "Audiodescripci\u00f3n"],
+    [
+        "Director's Commentary",
+        "comments",
+        "Regiekommentar",
+        "Commentaire audio",
+        "Komentarz",
+        "Audiodescripci\u00f3n",
+        "Audiodescrizione",
+        "Audiodeskrypcja",
+    ],
 )
 def test_a_default_stream_that_is_speech_by_its_title_alone_is_heard_and_told(title: str, tmp_path: Path) -> None:
     """A title is no mark: what is heard stays what the file says, and the user decides."""

@@ -29,7 +29,7 @@ _NAMES = {title: name for name, titles in _IN_THE_MIDDLE.items() for title in ti
 }
 _PAIRS = tuple(tuple(name.format(letter) for letter in _SIDES) for name in _ON_A_SIDE)
 
-_SPOKEN_BESIDE = re.compile(r"[ck]omm?ent|des[ck]rip", re.IGNORECASE)
+_SPOKEN_BESIDE = re.compile(r"[ck]omm?ent|des[ck]r(ip|iz|yp)", re.IGNORECASE)
 """Commentaries and audio descriptions: the words are nearly the same in most languages of Europe."""
 
 
