@@ -202,7 +202,7 @@ class _Newton:
         return cls(q, state, factor)
 
     def predictor(self) -> _Direction:
-        """Return the direction to where every multiplier is 0: straight at the best drive, were there no bounds."""
+        """Return the direction to where each slack times its multiplier is 0, as far as their slopes tell."""
         return self._direction(-self.state.gradient, 0.0, 0.0)
 
     def corrector(self, mu: float, predictor: _Direction) -> _Direction:
