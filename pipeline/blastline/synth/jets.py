@@ -1,12 +1,12 @@
 """Guns whose jet of gas is louder than their blast wave, fired once, twice, in bursts, and again after a rest.
 
-    round  = wave (none of many silencers) + jet + thump + action, the jet anew each time
+    round  = wave (half of the silenced guns have none) + thump (of every other gun) + jet + action + tail
     firing = single | two, 60-450 ms apart | burst | two to five of these, up to 2 s apart
     heard  = firing in a place, through a recording chain
 
-A jet takes up to some milliseconds to reach its peak, and is never the same twice, so that the rounds are less alike
-than those of an open muzzle. Other families have a gun fire once or in one burst; a scene has it fire again, so that
-its rounds come for seconds, as a machine's blows do.
+A jet takes up to some milliseconds to reach its peak. It is noise, as are action and tail, and never the same twice, so
+that the rounds are less alike than those whose wave is louder. Other families have a gun fire once or in one burst; a
+scene has it fire again, so that its rounds come for seconds, as a machine's blows do.
 """
 
 from dataclasses import dataclass
@@ -146,7 +146,7 @@ def _round(rng: np.random.Generator, rate_hz: int, gun: _Gun) -> Samples:
 
 
 def _heard(rng: np.random.Generator, sound: Samples, rate_hz: int) -> Samples:
-    """Return the sound overdriven before or after the place it is in, as a recorder or a mixer leaves it."""
+    """Return the sound in a place or without one, overdriven, filtered or recorded, as a film may have it."""
     sound = normalised(sound)
     if chance(rng, 0.2):
         sound = saturate(sound, between(rng, (0.0, 15.0)))
