@@ -82,17 +82,23 @@ def test_a_shot_that_lacks_what_nothing_is_measured_for_is_the_one_that_it_was(
     assert (wish.confidence, wish.gain_db) == (1.0 if key == "confidence" else BURST_SHOT.confidence, 0.0)
 
 
+def without(key: str, folder: Path, *, moved_by: int) -> Path:
+    """Return a timeline that is edited without its original: its second shot lacks a key, and was moved."""
+    document = json.loads(encode(timeline()))
+    fields = document["events"][1]
+    del fields[key]
+    fields |= {"onset_sample": BURST_SHOT.onset_sample + moved_by, "onset_s": None}
+    (folder / "edited.json").write_text(json.dumps(document))
+    return folder / "edited.json"
+
+
 @pytest.mark.parametrize("key", ["window", "reflections", "peak_dbfs", "snr_db"])
 @pytest.mark.parametrize("moved_by", [0, 4_800])
 def test_a_shot_of_which_something_has_to_be_measured_anew_was_not_added(
     tmp_path: Path, key: str, moved_by: int
 ) -> None:
-    document = json.loads(encode(timeline()))
-    fields = document["events"][1]
-    del fields[key]
-    fields |= {"onset_sample": BURST_SHOT.onset_sample + moved_by, "onset_s": None}
-    (tmp_path / "edited.json").write_text(json.dumps(document))
-    wishes = match(read_edits(tmp_path / "edited.json"), None, rate_hz=RATE_HZ).wishes
+    edited = without(key, tmp_path, moved_by=moved_by)
+    wishes = match(read_edits(edited), None, rate_hz=RATE_HZ).wishes
     assert [wish.id for wish in wishes] == [SHOT.id, BURST_SHOT.id]
     assert (wishes[1].origin, wishes[1].confidence) == ("moved" if moved_by else "found", BURST_SHOT.confidence)
 
@@ -103,12 +109,8 @@ def test_a_shot_of_which_something_has_to_be_measured_anew_was_not_added(
 def test_a_shot_without_an_id_is_found_where_it_was_and_a_copy_or_one_without_a_past_is_added(
     tmp_path: Path, key: str, moved_by: int, origin: str
 ) -> None:
-    document = json.loads(encode(timeline()))
-    fields = document["events"][1]
-    del fields[key]
-    fields |= {"onset_sample": BURST_SHOT.onset_sample + moved_by, "onset_s": None}
-    (tmp_path / "edited.json").write_text(json.dumps(document))
-    assert match(read_edits(tmp_path / "edited.json"), None, rate_hz=RATE_HZ).wishes[1].origin == origin
+    edited = without(key, tmp_path, moved_by=moved_by)
+    assert match(read_edits(edited), None, rate_hz=RATE_HZ).wishes[1].origin == origin
 
 
 @pytest.mark.parametrize(

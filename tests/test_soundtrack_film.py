@@ -159,7 +159,7 @@ def test_the_default_track_is_taken_and_any_other_on_request(tmp_path: Path) -> 
 
 @pytest.mark.parametrize("aside", [Disposition.comment, Disposition.hearing_impaired, Disposition.visual_impaired])
 @pytest.mark.parametrize("unmarked", [NONE, Disposition.default])
-def test_what_is_spoken_beside_a_film_is_not_taken_for_it(
+def test_what_is_spoken_over_a_film_is_not_taken_for_it(
     aside: Disposition, unmarked: Disposition, tmp_path: Path
 ) -> None:
     """Some programs call every stream the default one."""

@@ -183,17 +183,16 @@ def run_filter(
     from scipy.signal import sosfilt
 
     state = np.zeros((len(sections), 2)) if state is None else state.copy()
-    filtered, begun = np.zeros(0), 0
-    for stretch, sounds in _stretches(samples):
+    stretches = list(_stretches(samples))
+    if len(stretches) == 1 and stretches[0][1]:
         state[np.abs(state) < _SILENT] = 0.0
-        done = np.zeros(1)
+        return np.asarray(sosfilt(sections, samples, zi=state)[0], np.float64)
+    # each run goes to its place at once: kept to be joined, they cost as much memory again
+    filtered, begun = np.zeros(len(samples)), 0
+    for stretch, sounds in stretches:
+        state[np.abs(state) < _SILENT] = 0.0
         if sounds or np.any(state):
-            done, state = sosfilt(sections, stretch, zi=state)
-            if len(done) == len(samples):
-                return np.asarray(done)
-        if begun == 0:  # each run goes to its place at once: kept to be joined, they cost as much memory again
-            filtered = np.empty(len(samples))
-        filtered[begun : begun + len(stretch)] = done
+            filtered[begun : begun + len(stretch)], state = sosfilt(sections, stretch, zi=state)
         begun += len(stretch)
     return filtered
 

@@ -22,7 +22,7 @@ from .lengths import lacking_warning
 from .placement import Placement
 from .probe import opened, picture_warnings, told_start
 from .singles import unjoined
-from .titles import is_spoken_beside
+from .titles import is_spoken_over
 from .track import Samples, TrackFacts, stamp_warnings
 
 if TYPE_CHECKING:
@@ -236,7 +236,7 @@ def _hints(container: "InputContainer", chosen: "AudioStream", names: ChannelNam
     unheard = unjoined(container, chosen, names)
     hints = [] if unheard is None else [unheard]
     described = sound_streams(container, names)
-    if len(described) > 1 and is_spoken_beside(title_of(chosen)):
+    if len(described) > 1 and is_spoken_over(title_of(chosen)):
         heard = described.pop(container.streams.audio.index(chosen))
         hints.append(
             f"sound stream {heard} is heard, which its title says is spoken over the film's sound; "

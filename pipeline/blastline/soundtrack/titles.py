@@ -29,17 +29,17 @@ _NAMES = {title: name for name, titles in _IN_THE_MIDDLE.items() for title in ti
 }
 _PAIRS = tuple(tuple(name.format(letter) for letter in _SIDES) for name in _ON_A_SIDE)
 
-_SPOKEN_BESIDE = re.compile(r"[ck]omm?ent|des[ck]r(ip|iz|yp)", re.IGNORECASE)
+_SPOKEN_OVER = re.compile(r"[ck]omm?ent|des[ck]r(ip|iz|yp)", re.IGNORECASE)
 """Commentaries and audio descriptions: the words are nearly the same in most languages of Europe."""
 
 
-def is_spoken_beside(title: str | None) -> bool:
+def is_spoken_over(title: str | None) -> bool:
     """Return whether a title is that of speech over the film's sound.
 
-    >>> is_spoken_beside("Director's Commentary"), is_spoken_beside("Surround 5.1")
+    >>> is_spoken_over("Director's Commentary"), is_spoken_over("Surround 5.1")
     (True, False)
     """
-    return _SPOKEN_BESIDE.search(title or "") is not None
+    return _SPOKEN_OVER.search(title or "") is not None
 
 
 def channel_of(title: str | None) -> str | None:

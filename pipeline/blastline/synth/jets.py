@@ -19,21 +19,10 @@ from .colour import draw_colour, record
 from .echoes import overlaid, with_acoustics
 from .rooms import ENVIRONMENTS, draw_acoustics
 from .tone import Samples, highpass, lowpass, saturate
-from .waves import band_burst, boom, friedlander, normalised
+from .waves import NoiseBurst, boom, friedlander, normalised
 
 _LONGEST_S = 6.0
 _ROUNDS_PER_MINUTE = (420.0, 1_250.0)
-
-
-@dataclass(frozen=True)
-class _Noise:
-    """A burst of noise, so many samples after the round's beginning."""
-
-    after: int
-    gain: float
-    attack_ms: float
-    decay_ms: float
-    band_hz: tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +30,7 @@ class _Gun:
     """What all rounds of a gun share."""
 
     fixed: Samples
-    noises: tuple[_Noise, ...]
+    noises: tuple[NoiseBurst, ...]
 
 
 def jet_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, tuple[int, ...]]:
@@ -78,7 +67,7 @@ def _open_gun(rng: np.random.Generator, rate_hz: int) -> _Gun:
     wave = friedlander(
         rate_hz, positive_ms=log_between(rng, (0.2, 3.0)), rise_ms=pick(rng, (0.0, 0.1)), decay=between(rng, (0.7, 2.0))
     )
-    jet = _Noise(
+    jet = NoiseBurst(
         after=round(pick(rng, (0.0, between(rng, (0.0, 1.0)))) * 1e-3 * rate_hz),
         gain=log_between(rng, (0.3, 5.0)),
         attack_ms=log_between(rng, (0.1, 5.0)),
@@ -95,7 +84,7 @@ def _silenced_gun(rng: np.random.Generator, rate_hz: int) -> _Gun:
         wave = friedlander(rate_hz, positive_ms=log_between(rng, (0.3, 3.0)), rise_ms=log_between(rng, (0.1, 1.5)))
         wave = lowpass(wave, log_between(rng, (500.0, 6_000.0)), rate_hz=rate_hz) * log_between(rng, (0.1, 1.0))
     low_hz = log_between(rng, (80.0, 1_600.0))
-    jet = _Noise(
+    jet = NoiseBurst(
         after=0,
         gain=1.0,
         attack_ms=log_between(rng, (0.05, 3.0)),
@@ -119,30 +108,26 @@ def _with_thump(rng: np.random.Generator, wave: Samples, rate_hz: int) -> Sample
     return overlaid([(0, wave), (0, thump * log_between(rng, (0.1, 1.5)))])
 
 
-def _action(rng: np.random.Generator, rate_hz: int, level_db: tuple[float, float]) -> list[_Noise]:
+def _action(rng: np.random.Generator, rate_hz: int, level_db: tuple[float, float]) -> list[NoiseBurst]:
     """Return the slide or the bolt, going back and home: up to three clacks within 90 ms."""
     clacks = []
     for _ in range(int(rng.integers(0, 4))):
         centre_hz = log_between(rng, (700.0, 8_000.0))
         after, gain = round(between(rng, (0.008, 0.09)) * rate_hz), gain_from_db(between(rng, level_db))
-        clacks.append(_Noise(after, gain, 0.1, log_between(rng, (0.7, 12.0)), (0.6 * centre_hz, 1.6 * centre_hz)))
+        clacks.append(NoiseBurst(after, gain, 0.1, log_between(rng, (0.7, 12.0)), (0.6 * centre_hz, 1.6 * centre_hz)))
     return clacks
 
 
-def _tail(rng: np.random.Generator, rate_hz: int) -> _Noise:
+def _tail(rng: np.random.Generator, rate_hz: int) -> NoiseBurst:
     low_hz = log_between(rng, (50.0, 500.0))
     after, gain = round(between(rng, (0.0, 0.05)) * rate_hz), gain_from_db(between(rng, (-45.0, -8.0)))
     attack_ms, decay_ms = log_between(rng, (0.5, 40.0)), log_between(rng, (25.0, 350.0))
-    return _Noise(after, gain, attack_ms, decay_ms, (low_hz, low_hz * log_between(rng, (3.0, 40.0))))
+    return NoiseBurst(after, gain, attack_ms, decay_ms, (low_hz, low_hz * log_between(rng, (3.0, 40.0))))
 
 
 def _round(rng: np.random.Generator, rate_hz: int, gun: _Gun) -> Samples:
     """Return a round: its noise is never the same twice."""
-    parts = [(0, gun.fixed)]
-    for each in gun.noises:
-        burst = band_burst(fork(rng), rate_hz, band_hz=each.band_hz, attack_ms=each.attack_ms, decay_ms=each.decay_ms)
-        parts.append((each.after, burst * each.gain))
-    return overlaid(parts)
+    return overlaid([(0, gun.fixed), *((each.after, each.made(rng, rate_hz)) for each in gun.noises)])
 
 
 def _heard(rng: np.random.Generator, sound: Samples, rate_hz: int) -> Samples:

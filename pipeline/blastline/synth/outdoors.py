@@ -19,20 +19,9 @@ from .chance import between, chance, fork, log_between, pick
 from .colour import draw_colour, record
 from .echoes import overlaid
 from .tone import Samples, highpass, lowpass, saturate, tilt, trimmed
-from .waves import band_burst, friedlander, n_wave, normalised
+from .waves import NoiseBurst, friedlander, n_wave, normalised
 
 _ROUNDS_PER_MINUTE = (420.0, 1_300.0)
-
-
-@dataclass(frozen=True)
-class _Noise:
-    """A burst of noise, so many samples after the blast's onset; its level is against the peak of the blast."""
-
-    after: int
-    level_db: float
-    attack_ms: float
-    decay_ms: float
-    band_hz: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -50,9 +39,9 @@ class _Gun:
 
     blast: Samples
     arrivals: tuple[_Arrival, ...]
-    jet: _Noise
-    clicks: tuple[_Noise, ...]
-    returns: tuple[_Noise, ...]
+    jet: NoiseBurst
+    clicks: tuple[NoiseBurst, ...]
+    returns: tuple[NoiseBurst, ...]
 
 
 def outdoor_shot(rng: np.random.Generator, rate_hz: int) -> tuple[Samples, tuple[int, ...], tuple[int, ...]]:
@@ -87,9 +76,9 @@ def _gun(rng: np.random.Generator, rate_hz: int) -> _Gun:
         )
         for _ in range(int(rng.integers(0, 7)))
     )
-    jet = _Noise(
+    jet = NoiseBurst(
         after=0,
-        level_db=between(rng, (-24.0, 8.0)),
+        gain=gain_from_db(between(rng, (-24.0, 8.0))),
         attack_ms=log_between(rng, (0.05, 6.0)),
         decay_ms=log_between(rng, (0.6, 9.0)),
         band_hz=(log_between(rng, (60.0, 1_200.0)), log_between(rng, (2_000.0, 18_000.0))),
@@ -98,22 +87,22 @@ def _gun(rng: np.random.Generator, rate_hz: int) -> _Gun:
     return _Gun(blast, arrivals, jet, clicks, _returns(rng, rate_hz))
 
 
-def _click(rng: np.random.Generator, rate_hz: int) -> _Noise:
+def _click(rng: np.random.Generator, rate_hz: int) -> NoiseBurst:
     after, level_db = round(between(rng, (0.006, 0.075)) * rate_hz), between(rng, (-60.0, -22.0))
     centre_hz, decay_ms = log_between(rng, (800.0, 9_000.0)), log_between(rng, (0.5, 12.0))
-    return _Noise(after, level_db, 0.1, decay_ms, (0.6 * centre_hz, 1.6 * centre_hz))
+    return NoiseBurst(after, gain_from_db(level_db), 0.1, decay_ms, (0.6 * centre_hz, 1.6 * centre_hz))
 
 
-def _returns(rng: np.random.Generator, rate_hz: int) -> tuple[_Noise, ...]:
+def _returns(rng: np.random.Generator, rate_hz: int) -> tuple[NoiseBurst, ...]:
     """Return what comes back.
 
     Grass, people and a bench scatter at once and for tens of milliseconds, what is far up to six times later.
     """
 
-    def one(after_s: float, level_db: float, attack_ms: float, decay_ms: float) -> _Noise:
+    def one(after_s: float, level_db: float, attack_ms: float, decay_ms: float) -> NoiseBurst:
         low_hz = log_between(rng, (60.0, 700.0))
         band_hz = low_hz, low_hz * log_between(rng, (2.5, 30.0))
-        return _Noise(round(after_s * rate_hz), level_db, attack_ms, decay_ms, band_hz)
+        return NoiseBurst(round(after_s * rate_hz), gain_from_db(level_db), attack_ms, decay_ms, band_hz)
 
     found = []
     if chance(rng, 0.7):
@@ -128,20 +117,15 @@ def _returns(rng: np.random.Generator, rate_hz: int) -> tuple[_Noise, ...]:
 
 def _fired(rng: np.random.Generator, rate_hz: int, gun: _Gun) -> Samples:
     """Return a round: the gas and what scatters it are never the same twice, the geometry is."""
-    jet = _made(rng, rate_hz, gun.jet) * gain_from_db(between(rng, (-2.0, 2.0)))
+    jet = gun.jet.made(rng, rate_hz) * gain_from_db(between(rng, (-2.0, 2.0)))
     direct = normalised(overlaid([(0, gun.blast), (0, jet)]))
     parts = [(0, direct)]
     parts += [(way.after, lowpass(direct, way.corner_hz, rate_hz=rate_hz) * way.gain) for way in gun.arrivals]
     for click in gun.clicks:
-        sound = _made(rng, rate_hz, click)
+        sound = click.made(rng, rate_hz)
         parts.append((click.after + int(0.003 * rate_hz * rng.random()), sound))
-    parts += [(each.after, _made(rng, rate_hz, each)) for each in gun.returns]
+    parts += [(each.after, each.made(rng, rate_hz)) for each in gun.returns]
     return overlaid(parts)
-
-
-def _made(rng: np.random.Generator, rate_hz: int, noise: _Noise) -> Samples:
-    burst = band_burst(fork(rng), rate_hz, band_hz=noise.band_hz, attack_ms=noise.attack_ms, decay_ms=noise.decay_ms)
-    return burst * gain_from_db(noise.level_db)
 
 
 def _crack(rng: np.random.Generator, rate_hz: int) -> Samples:

@@ -8,9 +8,11 @@ Every wave starts in its first sample and is zero before it.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
+from .chance import fork
 from .tone import Samples, bandpass
 
 
@@ -47,6 +49,22 @@ def band_burst(
     """Return a burst of noise within a band, with a peak of exactly 1."""
     burst = noise_burst(rng, rate_hz, attack_ms=attack_ms, decay_ms=decay_ms)
     return normalised(bandpass(burst, *band_hz, rate_hz=rate_hz))
+
+
+@dataclass(frozen=True)
+class NoiseBurst:
+    """A burst of noise within a band, so many samples after what it belongs to begins; `gain` is its peak."""
+
+    after: int
+    gain: float
+    attack_ms: float
+    decay_ms: float
+    band_hz: tuple[float, float]
+
+    def made(self, rng: np.random.Generator, rate_hz: int) -> Samples:
+        """Return the burst, whose noise is another one each time."""
+        burst = band_burst(fork(rng), rate_hz, band_hz=self.band_hz, attack_ms=self.attack_ms, decay_ms=self.decay_ms)
+        return burst * self.gain
 
 
 def boom(rate_hz: int, *, start_hz: float, stop_hz: float, attack_ms: float, decay_ms: float) -> Samples:
